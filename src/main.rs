@@ -1,0 +1,2 @@
+//! trainsafe
+fn main() {}

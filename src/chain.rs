@@ -40,3 +40,23 @@ pub struct Scene {
     /// Forces are followed over 0 <= t <= horizon.
     pub horizon: f64,
 }
+
+impl Chain {
+    /// Whether mass `v` moves freely.
+    pub fn live(&self, v: usize) -> bool {
+        !(v == 0 && self.held_head || v + 1 == self.mass.len() && self.held_tail)
+    }
+
+    /// Time that a long wave takes from one end to the other: sum over springs of `sqrt(m / k)`.
+    ///
+    /// Of the two masses at a spring the mean of the roots counts, so that a train and its mirror image agree; held masses
+    /// play no part. For equal vehicles this is the number of springs over the wave speed `sqrt(k / m)`.
+    pub fn transit(&self) -> f64 {
+        let spring = |(i, k): (usize, &f64)| {
+            let live = [i, i + 1].into_iter().filter(|&v| self.live(v));
+            let (sum, count) = live.fold((0.0, 0.0), |(s, c), v| (s + (self.mass[v] / k).sqrt(), c + 1.0));
+            if count > 0.0 { sum / count } else { 0.0 }
+        };
+        self.stiffness.iter().enumerate().map(spring).sum()
+    }
+}

@@ -1,9 +1,14 @@
 //! What an analysis found: utilisations, exceedances, safe load factors, in SI units, named as in `result.json`.
 
+use std::time::Instant;
+
+use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::consist::Train;
-use crate::solve::Method;
+use crate::scenario::{self, Event, Scales, Scenario};
+use crate::solve::watch::{Side, SpringPeaks};
+use crate::solve::{self, Ask, Method, SolveError, solve};
 
 /// How an analysis is to be done.
 #[derive(Clone, Debug)]
@@ -127,4 +132,183 @@ pub struct RodFindings {
     pub exceeding: usize,
     /// The rod's largest utilisation.
     pub utilisation: f64,
+}
+
+/// Why an analysis could not be done.
+#[derive(Debug, thiserror::Error)]
+pub enum AnalyzeError {
+    /// `--scenario` names none of the train's.
+    #[error("no scenario is named {asked:?}; the train has {}", known.join(", "))]
+    UnknownScenario {
+        /// The name asked for.
+        asked: String,
+        /// The names there are, quoted.
+        known: Vec<String>,
+    },
+    /// A case that the chosen method, or any method, cannot do.
+    #[error("{scenario}: {source}")]
+    Solve {
+        /// The scenario's name.
+        scenario: String,
+        /// What stands in the way.
+        source: SolveError,
+    },
+}
+
+/// Runs the train's scenarios, or the one that the options name.
+///
+/// Cases run in parallel; the result does not depend on how many threads there are.
+///
+/// # Errors
+/// [`AnalyzeError`] for an unknown scenario, or a method that does not fit the train.
+pub fn analyze(train: &Train, options: &Options) -> Result<Analysis, AnalyzeError> {
+    let chosen: Vec<&Scenario> =
+        train.scenarios.iter().filter(|s| options.scenario.as_ref().is_none_or(|name| *name == s.name)).collect();
+    if let (Some(asked), true) = (&options.scenario, chosen.is_empty()) {
+        let known = train.scenarios.iter().map(|s| format!("{:?}", s.name)).collect();
+        return Err(AnalyzeError::UnknownScenario { asked: asked.clone(), known });
+    }
+    let scenarios = chosen.into_iter().map(|s| scenario_findings(train, s, options)).collect::<Result<_, _>>()?;
+    Ok(Analysis { train: train.name.clone(), vehicles: train.vehicles.len(), couplers: train.couplers.len(), scenarios })
+}
+
+fn scenario_findings(train: &Train, scenario: &Scenario, options: &Options) -> Result<ScenarioFindings, AnalyzeError> {
+    let broken: Vec<Option<usize>> = match &scenario.event {
+        Event::Break { couplers } => couplers.iter().map(|&b| Some(b)).collect(),
+        Event::Pulse { .. } => vec![None],
+    };
+    let case = |&b: &Option<usize>| case_findings(train, scenario, b, options);
+    let cases = broken
+        .par_iter()
+        .map(case)
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
+    Ok(ScenarioFindings { name: scenario.name.clone(), kind: scenario.event.kind(), cases })
+}
+
+fn case_findings(
+    train: &Train,
+    scenario: &Scenario,
+    broken: Option<usize>,
+    options: &Options,
+) -> Result<CaseFindings, SolveError> {
+    let start = Instant::now();
+    let horizon_s = scenario::horizon_s(train, scenario, broken);
+    let scales = Scales::of(train);
+    let rating = train.couplers.iter().map(|c| c.rated_draft_n.max(c.rated_buff_n)).fold(0.0, f64::max);
+    let tolerance_n = options.tolerance * rating;
+    let ask = Ask {
+        tolerance: tolerance_n / scales.force_n,
+        method: options.method,
+        verdict_only: options.verdict_only,
+        all_time_bound: options.all_time_bound,
+    };
+    let mut couplers = Vec::new();
+    let (mut method, mut reason, mut largest) = ("none", "no coupler is left to watch".to_owned(), 0);
+    let (mut error_bound_n, mut left_out) = (0.0f64, 0);
+    for part in scenario::parts(train, &scenario.event, broken, horizon_s) {
+        let solution = solve(&part.scene, &ask)?;
+        if part.scene.initial.len() > largest {
+            largest = part.scene.initial.len();
+            (method, reason) = (solution.method.name(), solution.reason.clone());
+        }
+        error_bound_n = error_bound_n.max(solution.error_bound * scales.force_n);
+        for (i, spring) in solution.springs.iter().enumerate() {
+            match spring {
+                Some(peaks) => {
+                    let bound = solution.all_time_bounds.as_ref().map(|b| b[i] * scales.force_n);
+                    couplers.push(coupler_findings(train, part.first_coupler + i, peaks, &scales, bound));
+                }
+                None => left_out += 1,
+            }
+        }
+    }
+    let worst = couplers.iter().reduce(|a, b| if b.utilisation > a.utilisation { b } else { a }).cloned();
+    Ok(CaseFindings {
+        broken_coupler: broken.map(|b| b + 1),
+        method,
+        method_reason: reason,
+        horizon_s,
+        error_bound_n,
+        tolerance_n,
+        run_time_s: start.elapsed().as_secs_f64(),
+        exceeding: couplers.iter().filter(|c| c.exceeds == Some(true)).count(),
+        undecided: couplers.iter().filter(|c| c.exceeds.is_none()).count(),
+        safe_load_factor: safe_load_factor(&scenario.event, &couplers),
+        worst,
+        couplers,
+        left_out,
+        rod: None,
+    })
+}
+
+fn coupler_findings(
+    train: &Train,
+    index: usize,
+    peaks: &SpringPeaks,
+    scales: &Scales,
+    all_time_bound_n: Option<f64>,
+) -> CouplerFindings {
+    let coupler = &train.couplers[index];
+    let extreme = |side: &Side, sign: f64| {
+        (side.best.value > 0.0).then_some((sign * side.best.value * scales.force_n, side.best.at * scales.time_s))
+    };
+    let (draft, buff) = (extreme(&peaks.draft, 1.0), extreme(&peaks.buff, -1.0));
+    let use_of = |peak: Option<(f64, f64)>, rating: f64| peak.map_or(0.0, |(f, _)| f.abs() / rating);
+    let (in_draft, in_buff) = (use_of(draft, coupler.rated_draft_n), use_of(buff, coupler.rated_buff_n));
+    let (peak_force_n, peak_time_s) = if in_buff > in_draft { buff } else { draft }.unwrap_or((0.0, 0.0));
+    let exceeds = match (peaks.draft.exceeds(), peaks.buff.exceeds()) {
+        (Some(true), _) | (_, Some(true)) => Some(true),
+        (Some(false), Some(false)) => Some(false),
+        _ => None,
+    };
+    let first = [peaks.draft.first_over, peaks.buff.first_over].into_iter().flatten().reduce(f64::min);
+    CouplerFindings {
+        coupler: index + 1,
+        between: [train.vehicles[index].label.clone(), train.vehicles[index + 1].label.clone()],
+        rated_draft_n: coupler.rated_draft_n,
+        rated_buff_n: coupler.rated_buff_n,
+        initial_force_n: train.initial_force_n[index],
+        peak_force_n,
+        peak_time_s,
+        utilisation: in_draft.max(in_buff),
+        peak_draft_n: draft.map(|p| p.0),
+        peak_draft_time_s: draft.map(|p| p.1),
+        peak_buff_n: buff.map(|p| p.0),
+        peak_buff_time_s: buff.map(|p| p.1),
+        exceeds,
+        first_exceeds_s: first.map(|t| t * scales.time_s),
+        all_time_bound_n,
+    }
+}
+
+/// The largest factor at which no coupler exceeds.
+///
+/// After a break every force, the initial one included, is proportional to the load. Under a pulse the load stays and
+/// the rest, `F - F(0)`, is proportional to the pulse's force. `None` where nothing grows with the factor.
+fn safe_load_factor(event: &Event, couplers: &[CouplerFindings]) -> Option<f64> {
+    let factors = couplers.iter().flat_map(|c| {
+        let initial = if matches!(event, Event::Break { .. }) { 0.0 } else { c.initial_force_n };
+        let side = |peak: Option<f64>, rating: f64, sign: f64| {
+            let growth = sign * (peak? - initial);
+            (growth > 0.0).then(|| ((rating - sign * initial) / growth).max(0.0))
+        };
+        [side(c.peak_draft_n, c.rated_draft_n, 1.0), side(c.peak_buff_n, c.rated_buff_n, -1.0)]
+    });
+    factors.flatten().reduce(f64::min)
+}
+
+/// Force in one coupler at given times, N, draft positive: what a figure shows.
+///
+/// `scenario` is an index into the train's scenarios; `broken` and `coupler` are indices from 0. Right to a line's width.
+pub fn history(train: &Train, scenario: usize, broken: Option<usize>, coupler: usize, times_s: &[f64]) -> Vec<f64> {
+    let scenario = &train.scenarios[scenario];
+    let horizon_s = scenario::horizon_s(train, scenario, broken);
+    let scales = Scales::of(train);
+    let parts = scenario::parts(train, &scenario.event, broken, horizon_s);
+    let part = parts.iter().find(|p| (p.first_coupler..p.first_coupler + p.scene.initial.len()).contains(&coupler));
+    let Some(part) = part else { return vec![0.0; times_s.len()] };
+    let times: Vec<f64> = times_s.iter().map(|t| t / scales.time_s).collect();
+    let forces = solve::history(&part.scene, coupler - part.first_coupler, &times);
+    forces.into_iter().map(|f| f * scales.force_n).collect()
 }

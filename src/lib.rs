@@ -14,13 +14,14 @@
 
 pub mod chain;
 pub mod consist;
-pub mod error;
+
 pub mod findings;
-pub mod report;
-pub mod rod;
+
+
 pub mod scenario;
 pub mod solve;
-pub mod units;
+
 
 pub use consist::Train;
+
 pub use findings::{Analysis, Options, analyze};

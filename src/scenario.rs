@@ -1,5 +1,8 @@
 //! What happens to the train: a coupler breaks, or a force pulse strikes a vehicle.
 
+use crate::chain::{Chain, Scene};
+use crate::consist::Train;
+
 /// One named event to run, with how long to watch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scenario {
@@ -38,4 +41,101 @@ impl Event {
             Event::Pulse { .. } => "pulse",
         }
     }
+}
+
+/// A part of the train that stays together after the event, in the solvers' units.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// What is played on it.
+    pub scene: Scene,
+    /// Index in the train of the scene's first coupler.
+    pub first_coupler: usize,
+}
+
+/// What one unit of the solvers is in SI. All are powers of two, and the time's square is exactly mass over stiffness: no
+/// number of the train changes a bit when it is scaled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scales {
+    /// kg
+    pub mass_kg: f64,
+    /// N/m
+    pub stiffness_n_per_m: f64,
+    /// s
+    pub time_s: f64,
+    /// N
+    pub force_n: f64,
+}
+
+impl Scales {
+    /// Scales at the size of the train's own numbers.
+    pub fn of(train: &Train) -> Scales {
+        let exponent = |x: f64| x.log2().floor() as i32;
+        let mass = exponent(train.vehicles.iter().find(|v| !v.held).map_or(1.0, |v| v.mass_kg));
+        let stiffness = exponent(train.couplers.first().map_or(1.0, |c| c.stiffness_n_per_m));
+        let half = (mass - stiffness).div_euclid(2);
+        let force = train.couplers.iter().map(|c| c.rated_draft_n.max(c.rated_buff_n)).fold(0.0, f64::max);
+        Scales {
+            mass_kg: f64::exp2(f64::from(stiffness + 2 * half)),
+            stiffness_n_per_m: f64::exp2(f64::from(stiffness)),
+            time_s: f64::exp2(f64::from(half)),
+            force_n: f64::exp2(f64::from(exponent(force))),
+        }
+    }
+}
+
+/// The parts that an event leaves, each with the step or pulse of force that it feels; parts without a coupler left out.
+///
+/// A break of coupler b takes its force F_b from both sides: the front part feels `+F_b` on its last vehicle, the rear
+/// part `-F_b` on its first, and all else goes on as before (superposition on the steady state).
+pub fn parts(train: &Train, event: &Event, broken: Option<usize>, horizon_s: f64) -> Vec<Part> {
+    let scales = Scales::of(train);
+    let last = train.vehicles.len() - 1;
+    let cut = |vehicles: std::ops::RangeInclusive<usize>, source: usize, force_n: f64, duration_s: f64| {
+        let (from, to) = (*vehicles.start(), *vehicles.end());
+        let couplers = &train.couplers[from..to];
+        let force = |n: f64| n / scales.force_n;
+        let chain = chain_of(train, from, to, &scales);
+        let scene = Scene {
+            chain,
+            source: source - from,
+            force: force(force_n),
+            duration: duration_s / scales.time_s,
+            initial: train.initial_force_n[from..to].iter().map(|&f| force(f)).collect(),
+            rated_draft: couplers.iter().map(|c| force(c.rated_draft_n)).collect(),
+            rated_buff: couplers.iter().map(|c| force(c.rated_buff_n)).collect(),
+            horizon: horizon_s / scales.time_s,
+        };
+        Part { scene, first_coupler: from }
+    };
+    let parts = match (event, broken) {
+        (Event::Pulse { vehicle, force_n, duration_s }, _) => vec![cut(0..=last, *vehicle, *force_n, *duration_s)],
+        (Event::Break { .. }, None) => vec![],
+        (Event::Break { .. }, Some(b)) => {
+            let lost = train.initial_force_n[b];
+            vec![cut(0..=b, b, lost, f64::INFINITY), cut(b + 1..=last, b + 1, -lost, f64::INFINITY)]
+        }
+    };
+    parts.into_iter().filter(|p| !p.scene.initial.is_empty()).collect()
+}
+
+fn chain_of(train: &Train, from: usize, to: usize, scales: &Scales) -> Chain {
+    Chain {
+        mass: train.vehicles[from..=to].iter().map(|v| v.mass_kg / scales.mass_kg).collect(),
+        stiffness: train.couplers[from..to].iter().map(|c| c.stiffness_n_per_m / scales.stiffness_n_per_m).collect(),
+        held_head: train.vehicles[from].held,
+        held_tail: train.vehicles[to].held,
+    }
+}
+
+/// The horizon of a scenario's case, s: the file's, or four one-way wave transits of the longest part.
+pub fn horizon_s(train: &Train, scenario: &Scenario, broken: Option<usize>) -> f64 {
+    let scales = Scales::of(train);
+    let last = train.vehicles.len() - 1;
+    let transit = |from: usize, to: usize| scales.time_s * chain_of(train, from, to, &scales).transit();
+    scenario.horizon_s.unwrap_or_else(|| {
+        4.0 * match broken {
+            None => transit(0, last),
+            Some(b) => transit(0, b).max(transit(b + 1, last)),
+        }
+    })
 }

@@ -1,4 +1,24 @@
-//! Every coupler's largest forces in a scene, with a bound on their error: one method a file, and the planner.
+//! Every spring's largest forces in a scene, with a bound on their error: one method a file, and the planner.
+//!
+//! | method | what it does | equal chains only | work |
+//! | --- | --- | --- | --- |
+//! | [`Method::ClosedForm`] | the paper's sums over modes | yes | springs x modes x instants |
+//! | [`Method::Fronts`] | sums of travelling Bessel fronts | yes | springs behind the front x instants |
+//! | [`Method::Modal`] | sums over modes found numerically | no | the same as the closed form, and the modes |
+//! | [`Method::Propagator`] | steps that are exact in time | no | springs behind the front x steps |
+
+pub mod closed_form;
+pub mod dd;
+pub mod local;
+pub mod modal;
+pub mod path;
+pub mod statics;
+pub mod sums;
+pub mod watch;
+
+use crate::chain::Scene;
+use watch::SpringPeaks;
+
 
 /// A way to compute coupler forces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -11,4 +31,94 @@ pub enum Method {
     Modal,
     /// Time steps that are exact in time, any chain.
     Propagator,
+}
+
+impl Method {
+    /// The name on the command line and in results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::ClosedForm => "closed-form",
+            Method::Fronts => "fronts",
+            Method::Modal => "modal",
+            Method::Propagator => "propagator",
+        }
+    }
+}
+
+/// Counted work, the same on every machine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Products in sums over modes.
+    pub mode_sums: u64,
+    /// Spring values computed while marching through time.
+    pub marched: u64,
+    /// Cells looked into again.
+    pub refinements: u64,
+}
+
+
+/// What is asked of a solution.
+#[derive(Clone, Copy, Debug)]
+pub struct Ask {
+    /// The error that each force may have.
+    pub tolerance: f64,
+    /// A method to use whatever it costs.
+    pub method: Option<Method>,
+    /// Leave out springs whose all-time bound is under their ratings.
+    pub verdict_only: bool,
+    /// Give every spring's all-time bound.
+    pub all_time_bound: bool,
+}
+
+/// Extremes of every spring of a scene.
+#[derive(Clone, Debug)]
+pub struct Solution {
+    /// How they were found.
+    pub method: Method,
+    /// Why so.
+    pub reason: String,
+    /// No extreme is further than this from the exact one.
+    pub error_bound: f64,
+    /// One per spring; `None` where it was left out.
+    pub springs: Vec<Option<SpringPeaks>>,
+    /// Bound on |F| over all time, where asked for.
+    pub all_time_bounds: Option<Vec<f64>>,
+    /// What it took.
+    pub work: Work,
+}
+
+/// Why a scene cannot be solved.
+#[derive(Debug, thiserror::Error)]
+pub enum SolveError {
+    /// The method needs equal masses and equal stiffnesses.
+    #[error("the method {0} is for equal masses and stiffnesses; this train's differ (use modal or propagator)")]
+    NotEqual(&'static str),
+}
+
+/// Extremes of every spring of a scene, by the asked method or the cheapest that reaches the tolerance.
+///
+/// # Errors
+/// [`SolveError::NotEqual`] when a method for equal chains is asked for on another.
+pub fn solve(scene: &Scene, ask: &Ask) -> Result<Solution, SolveError> {
+    let modes = match ask.method {
+        Some(Method::Modal) => None,
+        _ => closed_form::modes(scene),
+    };
+    let method = if modes.is_some() { Method::ClosedForm } else { Method::Modal };
+    let modes = modes.unwrap_or_else(|| modal::modes(scene));
+    let (springs, work) = sums::peaks(scene, &modes);
+    Ok(Solution {
+        method,
+        reason: String::new(),
+        error_bound: sums::error_bound(scene, &modes),
+        springs: springs.into_iter().map(Some).collect(),
+        all_time_bounds: ask.all_time_bound.then(|| sums::all_time_bounds(scene, &modes)),
+        work,
+    })
+}
+
+/// Forces in one spring at given times.
+pub fn history(scene: &Scene, spring: usize, times: &[f64]) -> Vec<f64> {
+    let modes = closed_form::modes(scene).unwrap_or_else(|| modal::modes(scene));
+    sums::history(scene, &modes, spring, times)
 }

@@ -1,0 +1,227 @@
+//! A coupler's force near one instant as a polynomial, and its largest value and first crossing there.
+//!
+//! Branch and bound: on every piece the cubic through both ends' values and slopes (Hermite) is off by at most
+//! `h^4 / 384 * max |f''''|`, and the fourth derivative is bounded by the sum of its coefficients' sizes. Pieces whose
+//! bound cannot matter are dropped; none is dropped on a guess.
+
+/// Number of coefficients: degree 24 carries `cos` over two radians to 1e-17.
+pub const COEFFICIENTS: usize = 25;
+
+/// `f(t) = sum_q coefficient[q] x^q`, x = (t - center) / radius in [-1, 1].
+#[derive(Clone, Debug)]
+pub struct Local {
+    /// Taylor coefficients in x.
+    pub coefficient: [f64; COEFFICIENTS],
+    /// Instant of x = 0.
+    pub center: f64,
+    /// Time of a unit of x.
+    pub radius: f64,
+}
+
+/// A value and where it is taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// x for a [`Local`], time elsewhere.
+    pub at: f64,
+    /// Value there.
+    pub value: f64,
+}
+
+/// A piece of the line with values and slopes at both ends.
+#[derive(Clone, Copy)]
+struct Piece {
+    a: f64,
+    b: f64,
+    fa: f64,
+    fb: f64,
+    da: f64,
+    db: f64,
+}
+
+impl Local {
+    /// The same with the sign turned: its largest value is minus the smallest of `self`.
+    pub fn negated(&self) -> Local {
+        Local { coefficient: self.coefficient.map(|c| -c), ..*self }
+    }
+
+    /// Value and slope (per unit of x) at x.
+    #[inline]
+    pub fn value_and_slope(&self, x: f64) -> (f64, f64) {
+        let (mut value, mut slope) = (0.0, 0.0);
+        for &c in self.coefficient.iter().rev() {
+            slope = slope * x + value;
+            value = value * x + c;
+        }
+        (value, slope)
+    }
+
+    /// Bound on the fourth derivative over |x| <= 1.
+    fn fourth(&self) -> f64 {
+        let falling = |q: usize| (q * (q - 1) * (q - 2) * (q - 3)) as f64;
+        (4..COEFFICIENTS).map(|q| falling(q) * self.coefficient[q].abs()).sum()
+    }
+
+    fn piece(&self, a: f64, b: f64) -> Piece {
+        let ((fa, da), (fb, db)) = (self.value_and_slope(a), self.value_and_slope(b));
+        Piece { a, b, fa, fb, da, db }
+    }
+
+    fn split(&self, p: &Piece, x: f64) -> [Piece; 2] {
+        let (f, d) = self.value_and_slope(x);
+        [Piece { b: x, fb: f, db: d, ..*p }, Piece { a: x, fa: f, da: d, ..*p }]
+    }
+
+    /// The largest value over [a, b] if it is over `floor`; otherwise `None`. Right to a few units of rounding.
+    pub fn largest(&self, a: f64, b: f64, floor: f64) -> Option<Point> {
+        let fourth = self.fourth();
+        let first = self.piece(a, b);
+        let mut best = Point { at: a, value: first.fa };
+        if first.fb > best.value {
+            best = Point { at: b, value: first.fb };
+        }
+        let mut open = vec![first];
+        while let Some(p) = open.pop() {
+            let h = p.b - p.a;
+            let top = p.hermite_top();
+            let slack = h.powi(4) / 384.0 * fourth;
+            let bound = top.value + slack;
+            if bound <= floor || bound <= best.value + 1e-16 * best.value.abs() || h < 1e-9 {
+                continue;
+            }
+            let x = top.at.clamp(p.a + 0.1 * h, p.b - 0.1 * h);
+            let halves = self.split(&p, x);
+            if halves[0].fb > best.value {
+                best = Point { at: x, value: halves[0].fb };
+            }
+            open.extend(halves);
+        }
+        let best = self.polish(best, a, b);
+        (best.value > floor).then_some(best)
+    }
+
+    /// Newton steps to the nearest zero of the slope, kept only where they do not lower the value.
+    fn polish(&self, mut best: Point, a: f64, b: f64) -> Point {
+        for _ in 0..4 {
+            let (mut value, mut slope, mut bend) = (0.0, 0.0, 0.0);
+            for &c in self.coefficient.iter().rev() {
+                bend = bend * best.at + 2.0 * slope;
+                slope = slope * best.at + value;
+                value = value * best.at + c;
+            }
+            let x = best.at - slope / bend;
+            if !(bend < 0.0 && x > a && x < b) {
+                break;
+            }
+            let (value_there, _) = self.value_and_slope(x);
+            if value_there < best.value - 4e-16 * best.value.abs() {
+                break;
+            }
+            best = Point { at: x, value: value_there.max(best.value) };
+        }
+        best
+    }
+
+    /// The first x in [a, b] at which the value passes over `level`; `None` if it never does.
+    pub fn first_over(&self, a: f64, b: f64, level: f64) -> Option<f64> {
+        let fourth = self.fourth();
+        let mut open = vec![self.piece(a, b)];
+        while let Some(p) = open.pop() {
+            if p.fa > level {
+                return Some(p.a);
+            }
+            let h = p.b - p.a;
+            if p.hermite_top().value + h.powi(4) / 384.0 * fourth <= level {
+                continue;
+            }
+            if h < 1e-7 {
+                if p.fb > level {
+                    return Some(self.root(&p, level));
+                }
+                continue;
+            }
+            let [left, right] = self.split(&p, 0.5 * (p.a + p.b));
+            open.push(right);
+            open.push(left);
+        }
+        None
+    }
+
+    /// The crossing in a tiny piece whose ends lie on both sides of the level.
+    fn root(&self, p: &Piece, level: f64) -> f64 {
+        let mut x = p.a + (p.b - p.a) * ((level - p.fa) / (p.fb - p.fa));
+        for _ in 0..3 {
+            let (value, slope) = self.value_and_slope(x);
+            let next = x - (value - level) / slope;
+            if !(next >= p.a && next <= p.b) {
+                break;
+            }
+            x = next;
+        }
+        x
+    }
+}
+
+impl Piece {
+    fn hermite_top(&self) -> Point {
+        let top = hermite_top(self.b - self.a, [self.fa, self.da], [self.fb, self.db]);
+        Point { at: self.a + top.at, value: top.value }
+    }
+}
+
+/// The largest value over [0, h] of the cubic with value and slope `left` at 0 and `right` at h.
+#[inline]
+pub fn hermite_top(h: f64, left: [f64; 2], right: [f64; 2]) -> Point {
+    let ends =
+        if left[0] >= right[0] { Point { at: 0.0, value: left[0] } } else { Point { at: h, value: right[0] } };
+    let (d0, d1) = (left[1] * h, right[1] * h);
+    let rise = right[0] - left[0];
+    let c3 = d0 + d1 - 2.0 * rise;
+    let c2 = 3.0 * rise - 2.0 * d0 - d1;
+    let discriminant = c2 * c2 - 3.0 * c3 * d0;
+    if discriminant < 0.0 {
+        return ends;
+    }
+    // The maximum is the root of 3 c3 s^2 + 2 c2 s + d0 where the second derivative is negative: written without cancellation.
+    let root = discriminant.sqrt();
+    let s = if c2 <= 0.0 { d0 / (root - c2) } else { -(c2 + root) / (3.0 * c3) };
+    if !(s > 0.0 && s < 1.0) {
+        return ends;
+    }
+    let value = left[0] + s * (d0 + s * (c2 + s * c3));
+    if value > ends.value { Point { at: s * h, value } } else { ends }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cosine(center: f64, radius: f64) -> Local {
+        let mut coefficient = [0.0; COEFFICIENTS];
+        let mut power = 1.0;
+        for (q, c) in coefficient.iter_mut().enumerate() {
+            let phase = center + q as f64 * std::f64::consts::FRAC_PI_2;
+            *c = phase.cos() * power;
+            power *= radius / (q + 1) as f64;
+        }
+        Local { coefficient, center, radius }
+    }
+
+    /// cos has its maximum at 0 and passes 0.5 upward at -pi/3.
+    #[test]
+    fn finds_peak_and_crossing_of_a_cosine() {
+        let f = cosine(-0.3, 1.6);
+        let top = f.largest(-1.0, 1.0, 0.0).expect("a maximum");
+        assert!((top.value - 1.0).abs() < 1e-15 && (top.at * 1.6 - 0.3).abs() < 1e-8);
+        let x = f.first_over(-1.0, 1.0, 0.5).expect("a crossing");
+        assert!((x * 1.6 - 0.3 + std::f64::consts::FRAC_PI_3).abs() < 1e-14);
+        assert_eq!(f.largest(-1.0, 1.0, 1.0 + 1e-12), None);
+        assert_eq!(f.first_over(-1.0, 1.0, 1.0 + 1e-12), None);
+    }
+
+    /// The cubic 3s - 4s^3 on [0, 1] has its largest value 1 at s = 1/2.
+    #[test]
+    fn hermite_maximum_of_a_cubic() {
+        let top = hermite_top(1.0, [0.0, 3.0], [-1.0, -9.0]);
+        assert!((top.at - 0.5).abs() < 1e-15 && (top.value - 1.0).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,153 @@
+//! What has been seen so far of every spring's force: its extremes, and its first exceedance in either sign.
+//!
+//! A scan of the forces, by whatever method, shows the watch pieces of a force as polynomials. The watch says beforehand
+//! which level a piece has to reach to be worth showing.
+
+use super::local::{Local, Point};
+use crate::chain::Scene;
+
+/// One sign of one spring's force: of F (draft), or of -F (buff).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Side {
+    /// Largest value and its time; at t = 0 if nothing later is larger by more than an eighth of the error bound.
+    pub best: Point,
+    /// The first time over the rating, if the force is ever certainly (by more than the error bound) over it.
+    pub first_over: Option<f64>,
+    /// Having left the initial force, it comes within the error bound of the rating, and certainly over it never.
+    pub near: bool,
+    departed: bool,
+}
+
+impl Side {
+    fn at_rest(value: f64, rating: f64) -> Side {
+        let first_over = (value > rating).then_some(0.0);
+        Side { best: Point { at: 0.0, value }, first_over, near: false, departed: false }
+    }
+
+    /// Over its rating, not over it, or not decided (`None`): the rating lies within the error bound of the peak.
+    ///
+    /// The force before the event is known exactly, so a coupler that stands just at its rating and is only ever relieved
+    /// does not exceed it.
+    pub fn exceeds(&self) -> Option<bool> {
+        match (self.first_over, self.near) {
+            (Some(_), _) => Some(true),
+            (None, true) => None,
+            (None, false) => Some(false),
+        }
+    }
+}
+
+/// Extremes of one spring's force over 0 <= t <= horizon.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpringPeaks {
+    /// Of F.
+    pub draft: Side,
+    /// Of -F.
+    pub buff: Side,
+}
+
+impl SpringPeaks {
+    /// One side: of -F if `negative`.
+    #[inline]
+    pub fn side(&self, negative: bool) -> &Side {
+        if negative { &self.buff } else { &self.draft }
+    }
+}
+
+/// The springs of a scene under watch.
+#[derive(Clone, Debug)]
+pub struct Watch {
+    /// What has been seen.
+    pub peaks: Vec<SpringPeaks>,
+    ratings: Vec<[f64; 2]>,
+    /// No force shown is further than this from the truth.
+    bound: f64,
+}
+
+impl Watch {
+    /// Before the event, with the error bound of the forces to come.
+    pub fn new(scene: &Scene, bound: f64) -> Watch {
+        let ratings: Vec<[f64; 2]> =
+            (0..scene.initial.len()).map(|i| [scene.rated_draft[i], scene.rated_buff[i]]).collect();
+        let at_rest = |(&f, r): (&f64, &[f64; 2])| SpringPeaks {
+            draft: Side::at_rest(f, r[0]),
+            buff: Side::at_rest(-f, r[1]),
+        };
+        let peaks = scene.initial.iter().zip(&ratings).map(at_rest).collect();
+        Watch { peaks, ratings, bound }
+    }
+
+    /// The rating in one sign.
+    #[inline]
+    pub fn rating(&self, spring: usize, negative: bool) -> f64 {
+        self.ratings[spring][usize::from(negative)]
+    }
+
+    /// Below this a force is certainly not over the rating.
+    #[inline]
+    pub fn cautious_rating(&self, spring: usize, negative: bool) -> f64 {
+        self.rating(spring, negative) - self.bound
+    }
+
+    /// Whether a computed value is over the rating whatever its error.
+    #[inline]
+    pub fn certainly_over(&self, spring: usize, negative: bool, value: f64) -> bool {
+        value > self.rating(spring, negative) + self.bound
+    }
+
+    /// A difference in force that is not worth more work.
+    #[inline]
+    pub fn grain(&self) -> f64 {
+        0.125 * self.bound
+    }
+
+    /// A piece of this force matters only if it can pass this level.
+    #[inline]
+    pub fn level(&self, spring: usize, negative: bool) -> f64 {
+        let side = self.peaks[spring].side(negative);
+        let rating = self.rating(spring, negative);
+        let best = side.best.value + self.grain();
+        if side.first_over.is_some() {
+            best
+        } else if side.near || (side.best.at == 0.0 && !side.departed) {
+            best.min(rating + self.bound)
+        } else {
+            best.min(rating - self.bound)
+        }
+    }
+
+    /// Takes note of a force over [center - radius, center + radius], whose polynomial is right to well within the bound.
+    /// `exact` gives the force at one instant as well as the method can.
+    pub fn note(&mut self, spring: usize, negative: bool, local: &Local, exact: impl Fn(f64) -> f64) {
+        let turned;
+        let (local, sign) = if negative {
+            turned = local.negated();
+            (&turned, -1.0)
+        } else {
+            (local, 1.0)
+        };
+        let level = self.level(spring, negative);
+        let (rating, bound, grain) = (self.rating(spring, negative), self.bound, self.grain());
+        let side = &mut self.peaks[spring];
+        let side = if negative { &mut side.buff } else { &mut side.draft };
+        let time = |x: f64| local.center + local.radius * x;
+        let was_departed = side.departed;
+        side.departed |= local.value_and_slope(1.0).0 < rating - 4.0 * bound;
+        let Some(top) = local.largest(-1.0, 1.0, level) else { return };
+        let t = time(top.at).max(0.0);
+        let value = sign * exact(t);
+        if value > rating + bound && side.first_over.is_none() {
+            // The instant at which it is certain, brought back to the rating itself along the slope.
+            side.first_over = local.first_over(-1.0, 1.0, rating + bound).map(|x| {
+                let (over, slope) = local.value_and_slope(x);
+                let back = if slope > 0.0 { (over - rating) / slope } else { 0.0 };
+                time(x - back).max(0.0)
+            });
+        }
+        if value > side.best.value + grain {
+            side.best = Point { at: t, value };
+            side.near |= value > rating - bound;
+        }
+        side.near |= was_departed && value > rating - bound;
+    }
+}

@@ -3,31 +3,53 @@ use trainsafe::chain::*;
 use trainsafe::solve::*;
 fn held(n: usize, free: bool) -> Scene {
     Scene { chain: Chain { mass: vec![1.0; n+1], stiffness: vec![1.0; n], held_head: !free, held_tail: false }, source: n, force: 1.0, duration: f64::INFINITY,
-      initial: vec![1.0; n], rated_draft: vec![1.0; n], rated_buff: vec![1.0; n], horizon: 200.0 }
+      initial: vec![1.0; n], rated_draft: vec![1.0; n], rated_buff: vec![1.0; n], horizon: 4.0*n as f64 }
+}
+fn mixed(n: usize) -> Scene {
+    let m: Vec<f64> = (1..=n+1).map(|v| 1.0+0.6*(1.7*(v*v) as f64).sin()).collect();
+    let k: Vec<f64> = (1..=n).map(|v| 1.0+0.4*(2.3*(v*v) as f64).cos()).collect();
+    let mut s = held(n, false); s.chain.mass=m; s.chain.stiffness=k; s.horizon = 4.0*s.chain.transit(); s.initial=vec![0.8;n]; s.force=0.8; s
 }
 #[test]
 fn fig4() {
-    let s = held(50, false);
-    for (name, m) in [("cf", closed_form::modes(&s).unwrap()), ("modal", modal::modes(&s))] {
+    let mut scenes = vec![];
+    for n in [50,100] { scenes.push(held(n,false)); scenes.push(held(n,true)); scenes.push(mixed(n));
+       let mut s = mixed(n); s.duration = 10.3; s.source = n/2; s.initial=vec![0.1;n]; scenes.push(s);
+       let mut s = mixed(n); s.duration = 10.3; s.source = n/2; s.chain.held_tail=true; scenes.push(s);
+       let mut s = mixed(n); s.duration = 1e-5; s.source = n; scenes.push(s); }
+    for s in scenes {
+        let n = s.initial.len();
         let t = std::time::Instant::now();
-        let (p, w) = sums::peaks(&s, &m);
-        println!("{name} {:?} {:?} {:?} bound {:e} {:?} defect {:e}", p[0].buff, p[0].draft, w, sums::error_bound(&s, &m), t.elapsed(), m.defect[0]);
-        println!("  {:?}", p[10]);
-    }
-    for n in [50, 100, 300, 1000] {
-        let s = held(n, true);
+        let om = propagator::omega_max(&s);
+        let (p, w) = propagator::peaks(&s, om);
+        let tp = t.elapsed();
         let t = std::time::Instant::now();
         let m = modal::modes(&s);
-        println!("modal {n} {:?} defect {:e}", t.elapsed(), m.defect[0]);
-        let c = closed_form::modes(&s).unwrap();
-        println!("diff omega {:e}", (0..n).map(|j| ((m.omega[j]-c.omega[j])/c.omega[j]).abs().hi).fold(0.0, f64::max));
-        println!("diff share {:e}", (&m.share - &c.share).abs().max());
+        let (q, w2) = sums::peaks(&s, &m);
+        let tm = t.elapsed();
+        let mut e = 0.0f64; let mut et = 0.0f64; let mut ex=0; let mut ec=0.0f64;
+        for (a,b) in p.iter().zip(&q) { for neg in [false,true] { let (a,b)=(a.side(neg),b.side(neg));
+            e = e.max((a.best.value-b.best.value).abs()); et=et.max((a.best.at-b.best.at).abs()); ex += (a.exceeds()!=b.exceeds()) as i32;
+            if let (Some(x),Some(y)) = (a.first_over,b.first_over) { ec=ec.max((x-y).abs()); } } }
+        println!("n {n} prop {tp:?} {w:?} bound {:e} | modal {tm:?} {w2:?} {:e} | diff {e:e} {et:e} {ec:e} ex {ex}", propagator::error_bound(&s, om), sums::error_bound(&s,&m));
+        assert!(e < propagator::error_bound(&s, om));
     }
-    for (hh,ht,src) in [(false,true,3),(true,true,4),(true,true,7),(true,false,3),(false,false,4)] {
-        let mut s = held(9, true); s.chain.held_head=hh; s.chain.held_tail=ht; s.source=src;
-        let m = modal::modes(&s); let c = closed_form::modes(&s).unwrap();
-        println!("{hh}{ht}{src} diff {:e} {:e}", (&m.share - &c.share).abs().max(), m.defect[0]);
-        let sums: Vec<f64> = (0..9).map(|i| c.share.row(i).sum()).collect();
-        println!("{:?} {:?}", sums, statics::unit_force(&s.chain, src));
+    for s in [held(999,false), mixed(999)] {
+        for _ in 0..3 {
+        let t = std::time::Instant::now();
+        let om = propagator::omega_max(&s);
+        let t1 = t.elapsed();
+        let (_, w) = propagator::peaks(&s, om);
+        println!("n 999 prop {t1:?} {:?} {w:?} om {om} bound {:e} steps {}", t.elapsed(), propagator::error_bound(&s, om), propagator::steps(&s, om));
+        }
+    }
+}
+#[test]
+fn bare() {
+    for s in [held(999,false), mixed(999)] {
+        let t = std::time::Instant::now();
+        let om = propagator::omega_max(&s);
+        let f = propagator::history(&s, om, 5, &[]);
+        println!("bare {:?} {}", t.elapsed(), f.len());
     }
 }

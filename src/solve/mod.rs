@@ -9,9 +9,11 @@
 
 pub mod closed_form;
 pub mod dd;
+pub mod grid;
 pub mod local;
 pub mod modal;
 pub mod path;
+pub mod propagator;
 pub mod statics;
 pub mod sums;
 pub mod watch;

@@ -60,6 +60,9 @@ pub struct Watch {
     /// What has been seen.
     pub peaks: Vec<SpringPeaks>,
     ratings: Vec<[f64; 2]>,
+    initial: Vec<f64>,
+    /// [`Watch::level`] of either sign less the initial force: what the force since the event has to reach.
+    levels: Vec<[f64; 2]>,
     /// No force shown is further than this from the truth.
     bound: f64,
 }
@@ -74,7 +77,10 @@ impl Watch {
             buff: Side::at_rest(-f, r[1]),
         };
         let peaks = scene.initial.iter().zip(&ratings).map(at_rest).collect();
-        Watch { peaks, ratings, bound }
+        let levels = vec![[0.0; 2]; ratings.len()];
+        let mut watch = Watch { peaks, ratings, initial: scene.initial.clone(), levels, bound };
+        (0..scene.initial.len()).for_each(|i| watch.set_levels(i));
+        watch
     }
 
     /// The rating in one sign.
@@ -116,6 +122,17 @@ impl Watch {
         }
     }
 
+    /// Of every spring, [`Watch::level`] for G = F - F(0) and for -G.
+    #[inline]
+    pub fn levels(&self) -> &[[f64; 2]] {
+        &self.levels
+    }
+
+    fn set_levels(&mut self, spring: usize) {
+        let initial = self.initial[spring];
+        self.levels[spring] = [self.level(spring, false) - initial, self.level(spring, true) + initial];
+    }
+
     /// Takes note of a force over [center - radius, center + radius], whose polynomial is right to well within the bound.
     /// `exact` gives the force at one instant as well as the method can.
     pub fn note(&mut self, spring: usize, negative: bool, local: &Local, exact: impl Fn(f64) -> f64) {
@@ -133,7 +150,10 @@ impl Watch {
         let time = |x: f64| local.center + local.radius * x;
         let was_departed = side.departed;
         side.departed |= local.value_and_slope(1.0).0 < rating - 4.0 * bound;
-        let Some(top) = local.largest(-1.0, 1.0, level) else { return };
+        let Some(top) = local.largest(-1.0, 1.0, level) else {
+            self.set_levels(spring);
+            return;
+        };
         let t = time(top.at).max(0.0);
         let value = sign * exact(t);
         if value > rating + bound && side.first_over.is_none() {
@@ -149,5 +169,6 @@ impl Watch {
             side.near |= value > rating - bound;
         }
         side.near |= was_departed && value > rating - bound;
+        self.set_levels(spring);
     }
 }

@@ -1,0 +1,264 @@
+//! Extremes between the instants of a march: what a method that steps through time shows the watch.
+//!
+//! A march knows every spring's force G (from the event on) and its rate at both ends of a step. The cubic through them is
+//! off by at most `h^4 / 384 max |G''''|`, and the energy of the motion's own derivative, which is conserved, bounds that:
+//!
+//! ```text
+//! |y_i''''| = |(A B w')_i| <= ||row i of A B|| ||w'||,     ||w'||^2 + ||y'||^2 = constant
+//! ```
+//!
+//! Where that bound leaves a doubt, the equations of motion give as many derivatives as are wanted from the neighbours'
+//! forces at the same instant; eight at each end of the step make a polynomial of degree 17 that is exact to rounding.
+
+use std::sync::OnceLock;
+
+use super::dd::Dd;
+use super::local::{COEFFICIENTS, Local, hermite_top};
+use super::statics;
+use super::watch::Watch;
+use crate::chain::Scene;
+
+/// Derivatives used at each end of a step, the value included.
+const DERIVATIVES: usize = 9;
+/// Springs to either side that they need.
+const REACH: usize = (DERIVATIVES - 1) / 2;
+const WINDOW: usize = 2 * REACH + 1;
+
+/// The equations of motion of a scene's springs: `G_i'' = -a_i (G_i - G_{i-1}) - b_i (G_i - G_{i+1}) + drive_i`.
+#[derive(Clone, Debug)]
+pub struct Motion {
+    /// `k_i / m_i`; 0 for a held mass.
+    pub ahead: Vec<f64>,
+    /// `k_i / m_{i+1}`; 0 for a held mass.
+    pub behind: Vec<f64>,
+    /// `k_i (p_i / m_i - p_{i+1} / m_{i+1})` for a unit outside force p on the source.
+    pub drive: Vec<f64>,
+    /// `||row i of A B|| sqrt(k_i)`: bound on `G_i''''` per unit of `||w'||`.
+    pub fourth: Vec<f64>,
+    /// `1 / sqrt(m_source)`: `||w'||` of the motion that a unit step of force starts.
+    pub jolt: f64,
+}
+
+impl Motion {
+    /// The motion of a scene.
+    pub fn new(scene: &Scene) -> Motion {
+        let chain = &scene.chain;
+        let springs = chain.stiffness.len();
+        let inverse = |v: usize| if chain.live(v) { 1.0 / chain.mass[v] } else { 0.0 };
+        let ahead: Vec<f64> = (0..springs).map(|i| chain.stiffness[i] * inverse(i)).collect();
+        let behind: Vec<f64> = (0..springs).map(|i| chain.stiffness[i] * inverse(i + 1)).collect();
+        let mut drive = vec![0.0; springs];
+        if scene.source < springs {
+            drive[scene.source] = ahead[scene.source];
+        }
+        if scene.source > 0 {
+            drive[scene.source - 1] = -behind[scene.source - 1];
+        }
+        let fourth = (0..springs).map(|i| fourth_row(&ahead, &behind, &chain.stiffness, i)).collect();
+        Motion { ahead, behind, drive, fourth, jolt: inverse(scene.source).sqrt() }
+    }
+}
+
+/// `sqrt(k_i)` times the norm of row i of A B: A has three entries in a row, B two, so the product has four.
+fn fourth_row(ahead: &[f64], behind: &[f64], stiffness: &[f64], i: usize) -> f64 {
+    // In force and velocity: G' = k (v_i - v_{i+1}), and w_v = sqrt(m_v) v_v; entry l of the row belongs to mass i - 1 + l.
+    let mut row = [0.0; 4];
+    let last = stiffness.len() - 1;
+    let weight = |s: usize| [(stiffness[s] * ahead[s]).sqrt(), (stiffness[s] * behind[s]).sqrt()];
+    let mut add = |s: usize, factor: f64, at: usize| {
+        let [near, far] = weight(s);
+        row[at] += factor * near;
+        row[at + 1] -= factor * far;
+    };
+    add(i, ahead[i] + behind[i], 1);
+    if i > 0 {
+        add(i - 1, -ahead[i], 0);
+    }
+    if i < last {
+        add(i + 1, -behind[i], 2);
+    }
+    row.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// One step of a march, as a spring sees it.
+pub struct Step<'a> {
+    /// Its beginning.
+    pub from: f64,
+    /// Its length.
+    pub width: f64,
+    /// Outside force on the source during the step.
+    pub force: f64,
+    /// The equations of motion.
+    pub motion: &'a Motion,
+    /// Forces before the event.
+    pub initial: &'a [f64],
+}
+
+impl Step<'_> {
+    /// Shows the watch one spring over the step, if it can matter.
+    ///
+    /// `at(end, s)` is G and G' of spring s at the beginning (0) or end (1) of the step; `slack` is how far G can pass
+    /// the cubic; `last` that no step follows. Returns whether a closer look was needed.
+    #[inline]
+    pub fn show(
+        &self,
+        watch: &mut Watch,
+        spring: usize,
+        slack: f64,
+        last: bool,
+        at: impl Fn(usize, usize) -> [f64; 2],
+    ) -> bool {
+        let (left, right) = (at(0, spring), at(1, spring));
+        let mut local = None;
+        for negative in [false, true] {
+            let sign = if negative { -1.0 } else { 1.0 };
+            let level = watch.level(spring, negative) - sign * self.initial[spring];
+            let ends = [left, right].map(|e| e.map(|x| sign * x));
+            if hermite_top(self.width, ends[0], ends[1]).value + slack <= level {
+                continue;
+            }
+            let beyond = ends[1][0] + sign * self.initial[spring];
+            let may_cross = watch.peaks[spring].side(negative).first_over.is_none()
+                && beyond > watch.cautious_rating(spring, negative);
+            if !last && !may_cross && self.only_rises(ends, slack) {
+                continue;
+            }
+            let local = local.get_or_insert_with(|| self.local(spring, &at));
+            let initial = self.initial[spring];
+            let exact = |t: f64| local.value_and_slope((t - local.center) / local.radius).0 + initial;
+            let mut whole = local.clone();
+            whole.coefficient[0] += initial;
+            watch.note(spring, negative, &whole, exact);
+        }
+        local.is_some()
+    }
+
+    /// Whether the force certainly rises through the whole step: then the next step holds whatever this one does.
+    ///
+    /// A cubic's slope is off by at most `sqrt 3 h^3 / 216 max |G''''|`, which is 3.08 slack / h.
+    fn only_rises(&self, [left, right]: [[f64; 2]; 2], slack: f64) -> bool {
+        let mean = (right[0] - left[0]) / self.width;
+        // The slope's parabola through both ends with that mean: its least value.
+        let (d0, d1) = (left[1], right[1]);
+        let bend = 3.0 * (d0 + d1 - 2.0 * mean);
+        let tilt = -(2.0 * d0 + d1 - 3.0 * mean) * 2.0;
+        let s = if bend > 0.0 { (-tilt / (2.0 * bend)).clamp(0.0, 1.0) } else { 0.0 };
+        let least = d0.min(d1).min(d0 + s * (tilt + s * bend));
+        least > 3.08 * slack / self.width
+    }
+
+    /// The polynomial of degree 17 through nine derivatives at each end.
+    fn local(&self, spring: usize, at: &impl Fn(usize, usize) -> [f64; 2]) -> Local {
+        let radius = 0.5 * self.width;
+        let left = self.derivatives(spring, radius, |s| at(0, s));
+        let right = self.derivatives(spring, radius, |s| at(1, s));
+        let mut coefficient = [0.0; COEFFICIENTS];
+        let [even, odd] = two_point();
+        for q in 0..DERIVATIVES {
+            let mirrored = if q % 2 == 0 { left[q] } else { -left[q] };
+            let (sum, difference) = (0.5 * (right[q] + mirrored), 0.5 * (right[q] - mirrored));
+            for m in 0..DERIVATIVES {
+                coefficient[2 * m] += even[m][q] * sum;
+                coefficient[2 * m + 1] += odd[m][q] * difference;
+            }
+        }
+        Local { coefficient, center: self.from + radius, radius }
+    }
+
+    /// `G^(q) radius^q / q!` at one end of the step, from the forces and rates around the spring.
+    fn derivatives(&self, spring: usize, radius: f64, at: impl Fn(usize) -> [f64; 2]) -> [f64; DERIVATIVES] {
+        let springs = self.initial.len();
+        let from = spring as isize - REACH as isize;
+        let inside = |l: usize| usize::try_from(from + l as isize).ok().filter(|&s| s < springs);
+        let mut window = [[0.0; 2]; WINDOW];
+        for (l, w) in window.iter_mut().enumerate() {
+            if let Some(s) = inside(l) {
+                *w = at(s);
+            }
+        }
+        let mut out = [0.0; DERIVATIVES];
+        let mut scale = 1.0;
+        for pair in 0..=REACH {
+            let [value, rate] = window[REACH];
+            out[2 * pair] = value * scale;
+            scale *= radius / (2 * pair + 1) as f64;
+            if pair == REACH {
+                break;
+            }
+            out[2 * pair + 1] = rate * scale;
+            scale *= radius / (2 * pair + 2) as f64;
+            let old = window;
+            for l in pair + 1..WINDOW - 1 - pair {
+                let Some(s) = inside(l) else { continue };
+                let (a, b) = (self.motion.ahead[s], self.motion.behind[s]);
+                let turn = |x: usize| -a * (old[l][x] - old[l - 1][x]) - b * (old[l][x] - old[l + 1][x]);
+                let drive = if pair == 0 { self.force * self.motion.drive[s] } else { 0.0 };
+                window[l] = [turn(0) + drive, turn(1)];
+            }
+        }
+        out
+    }
+}
+
+/// Matrices that turn derivatives at x = 1 of an even (odd) polynomial of degree 16 (17) into its coefficients.
+fn two_point() -> &'static [[[f64; DERIVATIVES]; DERIVATIVES]; 2] {
+    static TABLE: OnceLock<[[[f64; DERIVATIVES]; DERIVATIVES]; 2]> = OnceLock::new();
+    TABLE.get_or_init(|| [inverse(0), inverse(1)])
+}
+
+/// Inverse of the matrix of binomials C(2 m + odd, q), by elimination in double-double.
+fn inverse(odd: usize) -> [[f64; DERIVATIVES]; DERIVATIVES] {
+    let binomial = |n: usize, q: usize| (0..q).fold(1.0, |c, i| c * (n as f64 - i as f64) / (i + 1) as f64);
+    let mut a = [[Dd::ZERO; 2 * DERIVATIVES]; DERIVATIVES];
+    for (q, row) in a.iter_mut().enumerate() {
+        for m in 0..DERIVATIVES {
+            row[m] = Dd::from(binomial(2 * m + odd, q).round());
+        }
+        row[DERIVATIVES + q] = Dd::ONE;
+    }
+    for column in 0..DERIVATIVES {
+        let pivot = (column..DERIVATIVES)
+            .max_by(|&i, &j| a[i][column].abs().hi.total_cmp(&a[j][column].abs().hi))
+            .unwrap_or(column);
+        a.swap(column, pivot);
+        let head = a[column];
+        for (r, row) in a.iter_mut().enumerate() {
+            if r == column {
+                let scale = head[column];
+                row.iter_mut().for_each(|x| *x = *x / scale);
+            } else {
+                let factor = row[column] / head[column];
+                row.iter_mut().zip(&head).for_each(|(x, &h)| *x = *x - factor * h);
+            }
+        }
+    }
+    std::array::from_fn(|m| std::array::from_fn(|q| a[m][DERIVATIVES + q].hi))
+}
+
+/// Largest difference from the static share that the energy allows, per unit force: `sqrt(k_i) ||y_static||`, twice.
+pub fn energy_radius(scene: &Scene) -> f64 {
+    let share = statics::unit_force(&scene.chain, scene.source);
+    share.iter().zip(&scene.chain.stiffness).map(|(s, k)| s * s / k).sum::<f64>().sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Exact for any polynomial of degree 17: here x^17 - 2 x^8 + 3.
+    #[test]
+    fn two_point_polynomial_is_exact_to_degree_17() {
+        let [even, odd] = two_point();
+        let binomial = |n: usize, q: usize| (0..q).fold(1.0, |c, i| c * (n - i) as f64 / (i + 1) as f64);
+        let at_one = |n: usize| (0..DERIVATIVES).map(|q| if q > n { 0.0 } else { binomial(n, q) }).collect::<Vec<_>>();
+        let apply = |m: &[[f64; DERIVATIVES]; DERIVATIVES], d: &[f64]| -> Vec<f64> {
+            m.iter().map(|row| row.iter().zip(d).map(|(a, b)| a * b).sum()).collect()
+        };
+        let (x17, x8) = (apply(odd, &at_one(17)), apply(even, &at_one(8)));
+        for m in 0..DERIVATIVES {
+            // Entries of the inverse reach 1e4 or so: 1e-11 is their rounding.
+            assert!((x17[m] - f64::from(u8::from(m == 8))).abs() < 1e-11);
+            assert!((x8[m] - f64::from(u8::from(m == 4))).abs() < 1e-11);
+        }
+    }
+}

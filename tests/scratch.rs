@@ -53,3 +53,8 @@ fn bare() {
         println!("bare {:?} {}", t.elapsed(), f.len());
     }
 }
+#[test]
+fn big() {
+    let s = mixed(999);
+    for _ in 0..5 { let t = std::time::Instant::now(); let om = propagator::omega_max(&s); let (_, w) = propagator::peaks(&s, om); println!("big {:?} {w:?}", t.elapsed()); }
+}

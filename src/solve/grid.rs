@@ -8,7 +8,8 @@
 //! ```
 //!
 //! Where that bound leaves a doubt, the equations of motion give as many derivatives as are wanted from the neighbours'
-//! forces at the same instant; eight at each end of the step make a polynomial of degree 17 that is exact to rounding.
+//! forces at the same instant. Three at each end make a polynomial of degree 7, which settles most doubts; seven make one
+//! of degree 15, which is exact to 2e-14.
 
 use std::sync::OnceLock;
 
@@ -18,11 +19,14 @@ use super::statics;
 use super::watch::Watch;
 use crate::chain::Scene;
 
-/// Derivatives used at each end of a step, the value included.
-const DERIVATIVES: usize = 9;
-/// Springs to either side that they need.
-const REACH: usize = (DERIVATIVES - 1) / 2;
-const WINDOW: usize = 2 * REACH + 1;
+/// Derivatives used at each end of a step, the value included: for a first look, and to the end.
+const FEW: usize = 4;
+const ALL: usize = 8;
+/// Springs around the one in question that they need, itself included.
+const WINDOW: usize = ALL - 1;
+/// The error of the polynomial of degree 7 over that of the cubic, for steps of phase 2 at most:
+/// `384 (h omega)^4 / (8! 2^8)`.
+const FEW_OVER_CUBIC: f64 = 384.0 * 16.0 / (40_320.0 * 256.0);
 
 /// The equations of motion of a scene's springs: `G_i'' = -a_i (G_i - G_{i-1}) - b_i (G_i - G_{i+1}) + drive_i`.
 #[derive(Clone, Debug)]
@@ -109,7 +113,7 @@ impl Step<'_> {
         at: impl Fn(usize, usize) -> [f64; 2],
     ) -> bool {
         let (left, right) = (at(0, spring), at(1, spring));
-        let mut local = None;
+        let (mut first, mut local) = (None, None);
         for negative in [false, true] {
             let sign = if negative { -1.0 } else { 1.0 };
             let level = watch.level(spring, negative) - sign * self.initial[spring];
@@ -123,14 +127,19 @@ impl Step<'_> {
             if !last && !may_cross && self.only_rises(ends, slack) {
                 continue;
             }
-            let local = local.get_or_insert_with(|| self.local(spring, &at));
-            let initial = self.initial[spring];
-            let exact = |t: f64| local.value_and_slope((t - local.center) / local.radius).0 + initial;
-            let mut whole = local.clone();
-            whole.coefficient[0] += initial;
-            watch.note(spring, negative, &whole, exact);
+            let looked = first.get_or_insert_with(|| self.local::<FEW>(spring, &at));
+            if !looked.may_pass(sign, level - FEW_OVER_CUBIC * slack) {
+                continue;
+            }
+            let local = local.get_or_insert_with(|| {
+                let mut local = self.local::<ALL>(spring, &at);
+                local.coefficient[0] += self.initial[spring];
+                local
+            });
+            let exact = |t: f64| local.value_and_slope((t - local.center) / local.radius).0;
+            watch.note(spring, negative, local, exact);
         }
-        local.is_some()
+        first.is_some()
     }
 
     /// Whether the force certainly rises through the whole step: then the next step holds whatever this one does.
@@ -147,48 +156,47 @@ impl Step<'_> {
         least > 3.08 * slack / self.width
     }
 
-    /// The polynomial of degree 17 through nine derivatives at each end.
-    fn local(&self, spring: usize, at: &impl Fn(usize, usize) -> [f64; 2]) -> Local {
+    /// The polynomial of degree 2 D - 1 through D derivatives at each end, of G.
+    fn local<const D: usize>(&self, spring: usize, at: &impl Fn(usize, usize) -> [f64; 2]) -> Local {
         let radius = 0.5 * self.width;
-        let left = self.derivatives(spring, radius, |s| at(0, s));
-        let right = self.derivatives(spring, radius, |s| at(1, s));
+        let left = self.derivatives::<D>(spring, radius, |s| at(0, s));
+        let right = self.derivatives::<D>(spring, radius, |s| at(1, s));
         let mut coefficient = [0.0; COEFFICIENTS];
-        let [even, odd] = two_point();
-        for q in 0..DERIVATIVES {
+        let [even, odd] = if D == FEW { &two_point().few } else { &two_point().all };
+        for q in 0..D {
             let mirrored = if q % 2 == 0 { left[q] } else { -left[q] };
             let (sum, difference) = (0.5 * (right[q] + mirrored), 0.5 * (right[q] - mirrored));
-            for m in 0..DERIVATIVES {
-                coefficient[2 * m] += even[m][q] * sum;
-                coefficient[2 * m + 1] += odd[m][q] * difference;
+            for m in 0..D {
+                coefficient[2 * m] += even[q][m] * sum;
+                coefficient[2 * m + 1] += odd[q][m] * difference;
             }
         }
-        Local { coefficient, center: self.from + radius, radius }
+        Local { coefficient, terms: 2 * D, center: self.from + radius, radius }
     }
 
-    /// `G^(q) radius^q / q!` at one end of the step, from the forces and rates around the spring.
-    fn derivatives(&self, spring: usize, radius: f64, at: impl Fn(usize) -> [f64; 2]) -> [f64; DERIVATIVES] {
+    /// `G^(q) radius^q / q!`, q < D, at one end of the step, from the forces and rates around the spring.
+    fn derivatives<const D: usize>(&self, spring: usize, radius: f64, at: impl Fn(usize) -> [f64; 2]) -> [f64; D] {
         let springs = self.initial.len();
-        let from = spring as isize - REACH as isize;
+        let reach = (D - 1) / 2;
+        let from = spring as isize - reach as isize;
         let inside = |l: usize| usize::try_from(from + l as isize).ok().filter(|&s| s < springs);
         let mut window = [[0.0; 2]; WINDOW];
-        for (l, w) in window.iter_mut().enumerate() {
+        for (l, w) in window.iter_mut().enumerate().take(2 * reach + 1) {
             if let Some(s) = inside(l) {
                 *w = at(s);
             }
         }
-        let mut out = [0.0; DERIVATIVES];
+        let mut out = [0.0; D];
         let mut scale = 1.0;
-        for pair in 0..=REACH {
-            let [value, rate] = window[REACH];
-            out[2 * pair] = value * scale;
-            scale *= radius / (2 * pair + 1) as f64;
-            if pair == REACH {
-                break;
+        for q in 0..D {
+            out[q] = window[reach][q % 2] * scale;
+            scale *= radius / (q + 1) as f64;
+            if q % 2 == 0 || q + 1 == D {
+                continue;
             }
-            out[2 * pair + 1] = rate * scale;
-            scale *= radius / (2 * pair + 2) as f64;
             let old = window;
-            for l in pair + 1..WINDOW - 1 - pair {
+            let pair = q / 2;
+            for l in pair + 1..2 * reach - pair {
                 let Some(s) = inside(l) else { continue };
                 let (a, b) = (self.motion.ahead[s], self.motion.behind[s]);
                 let turn = |x: usize| -a * (old[l][x] - old[l - 1][x]) - b * (old[l][x] - old[l + 1][x]);
@@ -200,39 +208,41 @@ impl Step<'_> {
     }
 }
 
-/// Matrices that turn derivatives at x = 1 of an even (odd) polynomial of degree 16 (17) into its coefficients.
-fn two_point() -> &'static [[[f64; DERIVATIVES]; DERIVATIVES]; 2] {
-    static TABLE: OnceLock<[[[f64; DERIVATIVES]; DERIVATIVES]; 2]> = OnceLock::new();
-    TABLE.get_or_init(|| [inverse(0), inverse(1)])
+/// Matrices, by columns, that turn derivatives at x = 1 of an even (odd) polynomial into its coefficients.
+struct TwoPoint {
+    few: [[[f64; ALL]; ALL]; 2],
+    all: [[[f64; ALL]; ALL]; 2],
 }
 
-/// Inverse of the matrix of binomials C(2 m + odd, q), by elimination in double-double.
-fn inverse(odd: usize) -> [[f64; DERIVATIVES]; DERIVATIVES] {
+fn two_point() -> &'static TwoPoint {
+    static TABLE: OnceLock<TwoPoint> = OnceLock::new();
+    TABLE.get_or_init(|| TwoPoint { few: [inverse(FEW, 0), inverse(FEW, 1)], all: [inverse(ALL, 0), inverse(ALL, 1)] })
+}
+
+/// Inverse of the matrix of binomials C(2 m + odd, q), m and q < count, transposed; by elimination in double-double.
+fn inverse(count: usize, odd: usize) -> [[f64; ALL]; ALL] {
     let binomial = |n: usize, q: usize| (0..q).fold(1.0, |c, i| c * (n as f64 - i as f64) / (i + 1) as f64);
-    let mut a = [[Dd::ZERO; 2 * DERIVATIVES]; DERIVATIVES];
+    let mut a = [[Dd::ZERO; 2 * ALL]; ALL];
     for (q, row) in a.iter_mut().enumerate() {
-        for m in 0..DERIVATIVES {
-            row[m] = Dd::from(binomial(2 * m + odd, q).round());
+        for (m, entry) in row.iter_mut().enumerate().take(count) {
+            *entry = Dd::from(binomial(2 * m + odd, q).round());
         }
-        row[DERIVATIVES + q] = Dd::ONE;
+        row[ALL + q] = Dd::ONE;
     }
-    for column in 0..DERIVATIVES {
-        let pivot = (column..DERIVATIVES)
-            .max_by(|&i, &j| a[i][column].abs().hi.total_cmp(&a[j][column].abs().hi))
-            .unwrap_or(column);
-        a.swap(column, pivot);
+    for column in 0..count {
+        let pivot = (column..count).max_by(|&i, &j| a[i][column].abs().hi.total_cmp(&a[j][column].abs().hi));
+        a.swap(column, pivot.unwrap_or(column));
         let head = a[column];
-        for (r, row) in a.iter_mut().enumerate() {
+        for (r, row) in a.iter_mut().enumerate().take(count) {
             if r == column {
-                let scale = head[column];
-                row.iter_mut().for_each(|x| *x = *x / scale);
+                row.iter_mut().for_each(|x| *x = *x / head[column]);
             } else {
                 let factor = row[column] / head[column];
                 row.iter_mut().zip(&head).for_each(|(x, &h)| *x = *x - factor * h);
             }
         }
     }
-    std::array::from_fn(|m| std::array::from_fn(|q| a[m][DERIVATIVES + q].hi))
+    std::array::from_fn(|q| std::array::from_fn(|m| a[m][ALL + q].hi))
 }
 
 /// Largest difference from the static share that the energy allows, per unit force: `sqrt(k_i) ||y_static||`, twice.
@@ -245,20 +255,18 @@ pub fn energy_radius(scene: &Scene) -> f64 {
 mod tests {
     use super::*;
 
-    /// Exact for any polynomial of degree 17: here x^17 - 2 x^8 + 3.
+    /// Exact for any polynomial of degree 15: here x^15 and x^8.
     #[test]
-    fn two_point_polynomial_is_exact_to_degree_17() {
-        let [even, odd] = two_point();
+    fn two_point_polynomial_is_exact_to_degree_15() {
+        let [even, odd] = &two_point().all;
         let binomial = |n: usize, q: usize| (0..q).fold(1.0, |c, i| c * (n - i) as f64 / (i + 1) as f64);
-        let at_one = |n: usize| (0..DERIVATIVES).map(|q| if q > n { 0.0 } else { binomial(n, q) }).collect::<Vec<_>>();
-        let apply = |m: &[[f64; DERIVATIVES]; DERIVATIVES], d: &[f64]| -> Vec<f64> {
-            m.iter().map(|row| row.iter().zip(d).map(|(a, b)| a * b).sum()).collect()
+        let apply = |columns: &[[f64; ALL]; ALL], n: usize, m: usize| -> f64 {
+            (0..ALL.min(n + 1)).map(|q| columns[q][m] * binomial(n, q)).sum()
         };
-        let (x17, x8) = (apply(odd, &at_one(17)), apply(even, &at_one(8)));
-        for m in 0..DERIVATIVES {
-            // Entries of the inverse reach 1e4 or so: 1e-11 is their rounding.
-            assert!((x17[m] - f64::from(u8::from(m == 8))).abs() < 1e-11);
-            assert!((x8[m] - f64::from(u8::from(m == 4))).abs() < 1e-11);
+        for m in 0..ALL {
+            // Entries of the inverse times the binomials reach 1e6 or so: 1e-9 is their rounding.
+            assert!((apply(odd, 15, m) - f64::from(u8::from(m == 7))).abs() < 1e-9);
+            assert!((apply(even, 8, m) - f64::from(u8::from(m == 4))).abs() < 1e-9);
         }
     }
 }

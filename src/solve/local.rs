@@ -12,6 +12,8 @@ pub const COEFFICIENTS: usize = 25;
 pub struct Local {
     /// Taylor coefficients in x.
     pub coefficient: [f64; COEFFICIENTS],
+    /// How many of them there are; the others are zero.
+    pub terms: usize,
     /// Instant of x = 0.
     pub center: f64,
     /// Time of a unit of x.
@@ -48,7 +50,7 @@ impl Local {
     #[inline]
     pub fn value_and_slope(&self, x: f64) -> (f64, f64) {
         let (mut value, mut slope) = (0.0, 0.0);
-        for &c in self.coefficient.iter().rev() {
+        for &c in self.coefficient[..self.terms].iter().rev() {
             slope = slope * x + value;
             value = value * x + c;
         }
@@ -58,7 +60,7 @@ impl Local {
     /// Bound on the fourth derivative over |x| <= 1.
     fn fourth(&self) -> f64 {
         let falling = |q: usize| (q * (q - 1) * (q - 2) * (q - 3)) as f64;
-        (4..COEFFICIENTS).map(|q| falling(q) * self.coefficient[q].abs()).sum()
+        (4..self.terms).map(|q| falling(q) * self.coefficient[q].abs()).sum()
     }
 
     fn piece(&self, a: f64, b: f64) -> Piece {
@@ -71,6 +73,14 @@ impl Local {
         [Piece { b: x, fb: f, db: d, ..*p }, Piece { a: x, fa: f, da: d, ..*p }]
     }
 
+    /// Whether `sign` times the value can pass `level` on [-1, 1]; two cubics decide, generously.
+    pub fn may_pass(&self, sign: f64, level: f64) -> bool {
+        let (left, middle, right) = (self.value_and_slope(-1.0), self.value_and_slope(0.0), self.value_and_slope(1.0));
+        let turn = |(f, d): (f64, f64)| [sign * f, sign * d];
+        let top = |a, b| hermite_top(1.0, turn(a), turn(b)).value;
+        top(left, middle).max(top(middle, right)) + self.fourth() / 384.0 > level
+    }
+
     /// The largest value over [a, b] if it is over `floor`; otherwise `None`. Right to a few units of rounding.
     pub fn largest(&self, a: f64, b: f64, floor: f64) -> Option<Point> {
         let fourth = self.fourth();
@@ -79,8 +89,9 @@ impl Local {
         if first.fb > best.value {
             best = Point { at: b, value: first.fb };
         }
-        let mut open = vec![first];
-        while let Some(p) = open.pop() {
+        // The stack is only allocated if the first piece does not settle it.
+        let (mut next, mut open) = (Some(first), Vec::new());
+        while let Some(p) = next.take().or_else(|| open.pop()) {
             let h = p.b - p.a;
             let top = p.hermite_top();
             let slack = h.powi(4) / 384.0 * fourth;
@@ -93,7 +104,9 @@ impl Local {
             if halves[0].fb > best.value {
                 best = Point { at: x, value: halves[0].fb };
             }
-            open.extend(halves);
+            let [left, right] = halves;
+            open.push(left);
+            open.push(right);
         }
         let best = self.polish(best, a, b);
         (best.value > floor).then_some(best)
@@ -103,7 +116,7 @@ impl Local {
     fn polish(&self, mut best: Point, a: f64, b: f64) -> Point {
         for _ in 0..4 {
             let (mut value, mut slope, mut bend) = (0.0, 0.0, 0.0);
-            for &c in self.coefficient.iter().rev() {
+            for &c in self.coefficient[..self.terms].iter().rev() {
                 bend = bend * best.at + 2.0 * slope;
                 slope = slope * best.at + value;
                 value = value * best.at + c;
@@ -124,8 +137,8 @@ impl Local {
     /// The first x in [a, b] at which the value passes over `level`; `None` if it never does.
     pub fn first_over(&self, a: f64, b: f64, level: f64) -> Option<f64> {
         let fourth = self.fourth();
-        let mut open = vec![self.piece(a, b)];
-        while let Some(p) = open.pop() {
+        let (mut next, mut open) = (Some(self.piece(a, b)), Vec::new());
+        while let Some(p) = next.take().or_else(|| open.pop()) {
             if p.fa > level {
                 return Some(p.a);
             }
@@ -203,7 +216,7 @@ mod tests {
             *c = phase.cos() * power;
             power *= radius / (q + 1) as f64;
         }
-        Local { coefficient, center, radius }
+        Local { coefficient, terms: COEFFICIENTS, center, radius }
     }
 
     /// cos has its maximum at 0 and passes 0.5 upward at -pi/3.

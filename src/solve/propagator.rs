@@ -31,6 +31,8 @@ const KICK_TERMS: usize = 19;
 const DRIFT_TERMS: usize = 9;
 /// Below this share of the force, motion ahead of the front is taken for none.
 const SILENCE: f64 = 1e-22;
+/// Springs that a step at the largest phase cannot carry more than 1e-16 of a motion across: 2^24 / 24!.
+const CARRY: usize = 12;
 
 /// Steps within the horizon at the largest phase.
 pub fn steps(scene: &Scene, omega: f64) -> f64 {
@@ -68,7 +70,8 @@ pub fn error_bound(scene: &Scene, omega: f64) -> f64 {
 pub fn peaks(scene: &Scene, omega: f64) -> (Vec<SpringPeaks>, Work) {
     let mut watch = Watch::new(scene, error_bound(scene, omega));
     let mut work = Work::default();
-    march(scene, omega, |step, slack, last, rows, range| {
+    let quiet = 0.01 * watch.grain();
+    march(scene, omega, quiet, |step, slack, last, rows, range| {
         let at = |end: usize, s: usize| [rows[end].force[s + 1], rows[end].rate[s + 1]];
         work.marched += range.len() as u64;
         let mut open = [0.0; SIFT];
@@ -108,7 +111,7 @@ fn sift(step: &Step, watch: &Watch, slack: &[f64], rows: &[Row; 2], range: std::
 /// Forces of one spring at given times, by cubics between the steps.
 pub fn history(scene: &Scene, omega: f64, spring: usize, times: &[f64]) -> Vec<f64> {
     let mut out = vec![scene.initial[spring]; times.len()];
-    march(scene, omega, |step, _, _, rows, range| {
+    march(scene, omega, 0.0, |step, _, _, rows, range| {
         if !range.contains(&spring) {
             return;
         }
@@ -135,8 +138,8 @@ struct Row {
 
 /// Runs through the horizon and shows `see` every step: its slack per spring, whether it is the last, the two rows, and
 /// the springs that a wave has reached.
-fn march(scene: &Scene, omega: f64, mut see: impl FnMut(&Step, &[f64], bool, &[Row; 2], std::ops::Range<usize>)) {
-    let mut state = State::new(scene);
+fn march(scene: &Scene, omega: f64, quiet: f64, mut see: impl FnMut(&Step, &[f64], bool, &[Row; 2], std::ops::Range<usize>)) {
+    let mut state = State::new(scene, quiet);
     let ends = if scene.duration < scene.horizon {
         vec![(0.0, scene.duration, scene.force), (scene.duration, scene.horizon, 0.0)]
     } else {
@@ -182,12 +185,14 @@ struct State<'a> {
     velocity: Vec<f64>,
     kick: Vec<f64>,
     scratch: [Vec<f64>; 3],
+    /// A change of force too small to look at: a hundredth of what the watch would take note of.
+    quiet: f64,
     /// Springs that may differ from their initial force.
     reached: std::ops::Range<usize>,
 }
 
 impl<'a> State<'a> {
-    fn new(scene: &'a Scene) -> State<'a> {
+    fn new(scene: &'a Scene, quiet: f64) -> State<'a> {
         let springs = scene.initial.len();
         let zero = vec![0.0; springs + 2];
         let row = Row { force: zero.clone(), rate: zero.clone() };
@@ -204,6 +209,7 @@ impl<'a> State<'a> {
             velocity: zero.clone(),
             kick: zero.clone(),
             scratch: [zero.clone(), zero.clone(), zero],
+            quiet,
             reached: source.saturating_sub(1)..(source + 1).min(springs),
         }
     }
@@ -230,6 +236,7 @@ impl<'a> State<'a> {
             // At the whole step the velocity is that between two half kicks.
             self.half_kick();
             self.find_rates();
+            self.trim();
             let step = Step {
                 from: from + n as f64 * width,
                 width,
@@ -237,8 +244,7 @@ impl<'a> State<'a> {
                 motion: &self.motion,
                 initial: &self.scene.initial,
             };
-            see(&step, &slack, last_stretch && n + 1 == count, &self.rows, self.reached.clone());
-            self.trim();
+            see(&step, &slack, last_stretch && n + 1 == count, &self.rows, self.loud());
         }
     }
 
@@ -316,6 +322,16 @@ impl<'a> State<'a> {
         for i in range.start + 1..range.end + 1 {
             rate[i] = self.stiffness[i] * (self.velocity[i] - self.velocity[i + 1]);
         }
+    }
+
+    /// Springs whose force may have changed during the step by more than `quiet`.
+    fn loud(&self) -> std::ops::Range<usize> {
+        let loud = |i: &usize| {
+            self.rows.iter().any(|row| row.force[i + 1].abs() > self.quiet || row.rate[i + 1].abs() > self.quiet)
+        };
+        let first = self.reached.clone().find(loud).unwrap_or(self.reached.end);
+        let last = self.reached.clone().rev().find(loud).map_or(first, |l| l + 1);
+        first.saturating_sub(CARRY)..(last + CARRY).min(self.scene.initial.len())
     }
 
     /// Takes back what lies ahead of the front and is nothing.

@@ -191,7 +191,7 @@ impl<'a> Field<'a> {
         let slack = (resolved..self.omega.len())
             .map(|j| (self.modes.share[(spring, j)] * stretch.amplitude[j]).abs())
             .sum();
-        (Local { coefficient, center, radius }, slack)
+        (Local { coefficient, terms: COEFFICIENTS, center, radius }, slack)
     }
 }
 

@@ -169,7 +169,12 @@ pub fn analyze(train: &Train, options: &Options) -> Result<Analysis, AnalyzeErro
         return Err(AnalyzeError::UnknownScenario { asked: asked.clone(), known });
     }
     let scenarios = chosen.into_iter().map(|s| scenario_findings(train, s, options)).collect::<Result<_, _>>()?;
-    Ok(Analysis { train: train.name.clone(), vehicles: train.vehicles.len(), couplers: train.couplers.len(), scenarios })
+    Ok(Analysis {
+        train: train.name.clone(),
+        vehicles: train.vehicles.len(),
+        couplers: train.couplers.len(),
+        scenarios,
+    })
 }
 
 fn scenario_findings(train: &Train, scenario: &Scenario, options: &Options) -> Result<ScenarioFindings, AnalyzeError> {

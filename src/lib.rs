@@ -12,16 +12,16 @@
 //! verdicts; [`report`] writes them down.
 #![doc = include_str!("equations.md")]
 
+pub mod accuracy;
 pub mod chain;
 pub mod consist;
-
+pub mod error;
 pub mod findings;
-
-
+pub mod report;
+pub mod rod;
 pub mod scenario;
 pub mod solve;
-
+pub mod units;
 
 pub use consist::Train;
-
 pub use findings::{Analysis, Options, analyze};

@@ -43,8 +43,7 @@ pub fn modes(scene: &Scene) -> Option<Modes> {
     let omega_over_unit: Vec<Dd> =
         (0..shape.modes).map(|j| Dd::from(2.0) * sin_pi(shape.half_angle(j), shape.circle)).collect();
     let table: Vec<f64> = (0..2 * shape.circle).map(|m| sin_pi(m, shape.circle).hi).collect();
-    let share =
-        DMatrix::from_fn(springs, shape.modes, |i, j| shape.share(i, j, &table) / omega_over_unit[j].hi);
+    let share = DMatrix::from_fn(springs, shape.modes, |i, j| shape.share(i, j, &table) / omega_over_unit[j].hi);
     let omega = omega_over_unit.into_iter().map(|w| w * unit).collect();
     Some(Modes { omega, share, defect: vec![0.0; springs] })
 }

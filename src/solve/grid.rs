@@ -90,6 +90,8 @@ pub struct Step<'a> {
     pub from: f64,
     /// Its length.
     pub width: f64,
+    /// The horizon: what lies behind it does not count.
+    pub until: f64,
     /// Outside force on the source during the step.
     pub force: f64,
     /// The equations of motion.
@@ -136,8 +138,9 @@ impl Step<'_> {
                 local.coefficient[0] += self.initial[spring];
                 local
             });
+            let end = ((self.until - local.center) / local.radius).min(1.0);
             let exact = |t: f64| local.value_and_slope((t - local.center) / local.radius).0;
-            watch.note(spring, negative, local, exact);
+            watch.note(spring, negative, local, end, exact);
         }
         first.is_some()
     }

@@ -9,6 +9,7 @@
 
 pub mod closed_form;
 pub mod dd;
+pub mod fronts;
 pub mod grid;
 pub mod local;
 pub mod modal;
@@ -20,7 +21,6 @@ pub mod watch;
 
 use crate::chain::Scene;
 use watch::SpringPeaks;
-
 
 /// A way to compute coupler forces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -57,7 +57,6 @@ pub struct Work {
     /// Cells looked into again.
     pub refinements: u64,
 }
-
 
 /// What is asked of a solution.
 #[derive(Clone, Copy, Debug)]

@@ -111,8 +111,14 @@ fn defect(chain: &Chain, source: usize, path: &Path, modes: &[Mode], drive: &[Dd
         }
         if v == source { sum - Dd::ONE / root } else { sum }
     };
-    let missing: f64 =
-        (0..chain.mass.len()).filter(live).collect::<Vec<_>>().par_iter().map(|&v| missed(v).hi.powi(2)).collect::<Vec<_>>().iter().sum();
+    let missing: f64 = (0..chain.mass.len())
+        .filter(live)
+        .collect::<Vec<_>>()
+        .par_iter()
+        .map(|&v| missed(v).hi.powi(2))
+        .collect::<Vec<_>>()
+        .iter()
+        .sum();
     let residual: f64 = modes.iter().zip(drive).map(|(m, d)| m.residual * (d.hi / m.omega.hi).abs()).sum();
     missing.sqrt() + residual
 }

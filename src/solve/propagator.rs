@@ -94,7 +94,14 @@ const SIFT: usize = 64;
 
 /// How far each spring's quick bound over the step passes the level that matters, in either sign.
 #[inline(always)]
-fn sift(step: &Step, watch: &Watch, slack: &[f64], rows: &[Row; 2], range: std::ops::Range<usize>, open: &mut [f64; SIFT]) {
+fn sift(
+    step: &Step,
+    watch: &Watch,
+    slack: &[f64],
+    rows: &[Row; 2],
+    range: std::ops::Range<usize>,
+    open: &mut [f64; SIFT],
+) {
     let slope = step.width * (4.0 / 27.0);
     let count = range.len();
     let padded = range.start + 1..range.end + 1;
@@ -138,7 +145,12 @@ struct Row {
 
 /// Runs through the horizon and shows `see` every step: its slack per spring, whether it is the last, the two rows, and
 /// the springs that a wave has reached.
-fn march(scene: &Scene, omega: f64, quiet: f64, mut see: impl FnMut(&Step, &[f64], bool, &[Row; 2], std::ops::Range<usize>)) {
+fn march(
+    scene: &Scene,
+    omega: f64,
+    quiet: f64,
+    mut see: impl FnMut(&Step, &[f64], bool, &[Row; 2], std::ops::Range<usize>),
+) {
     let mut state = State::new(scene, quiet);
     let ends = if scene.duration < scene.horizon {
         vec![(0.0, scene.duration, scene.force), (scene.duration, scene.horizon, 0.0)]
@@ -150,7 +162,15 @@ fn march(scene: &Scene, omega: f64, quiet: f64, mut see: impl FnMut(&Step, &[f64
         let width = (to - from) / count;
         let last_stretch = k + 1 == ends.len();
         let count = count as u64;
-        pulp::Arch::new().dispatch(Stretch { state: &mut state, from, width, count, force, last_stretch, see: &mut see });
+        pulp::Arch::new().dispatch(Stretch {
+            state: &mut state,
+            from,
+            width,
+            count,
+            force,
+            last_stretch,
+            see: &mut see,
+        });
     }
 }
 
@@ -240,6 +260,7 @@ impl<'a> State<'a> {
             let step = Step {
                 from: from + n as f64 * width,
                 width,
+                until: self.scene.horizon,
                 force,
                 motion: &self.motion,
                 initial: &self.scene.initial,
@@ -394,7 +415,14 @@ impl Series {
 
     /// `out = sum_k coefficient[k] X^k q` by Horner's rule.
     #[inline(always)]
-    fn sum(&self, range: std::ops::Range<usize>, coefficient: &[f64], q: &[f64], out: &mut Vec<f64>, spare: &mut Vec<f64>) {
+    fn sum(
+        &self,
+        range: std::ops::Range<usize>,
+        coefficient: &[f64],
+        q: &[f64],
+        out: &mut Vec<f64>,
+        spare: &mut Vec<f64>,
+    ) {
         let (first, rest) = coefficient.split_last().unwrap_or((&0.0, &[]));
         for i in range.start..range.end + 2 {
             out[i] = first * q[i];

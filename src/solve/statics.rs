@@ -12,7 +12,8 @@ pub fn unit_force(chain: &Chain, source: usize) -> Vec<f64> {
         (true, false) => (vec![1.0; springs], vec![0.0; springs]),
         (false, true) => (vec![0.0; springs], vec![1.0; springs]),
         (true, true) => {
-            let compliance = |range: std::ops::Range<usize>| chain.stiffness[range].iter().map(|k| 1.0 / k).sum::<f64>();
+            let compliance =
+                |range: std::ops::Range<usize>| chain.stiffness[range].iter().map(|k| 1.0 / k).sum::<f64>();
             let (front, rear) = (compliance(0..source), compliance(source..springs));
             (vec![rear / (front + rear); springs], vec![front / (front + rear); springs])
         }
@@ -25,11 +26,16 @@ pub fn unit_force(chain: &Chain, source: usize) -> Vec<f64> {
             });
             let front: Vec<f64> = front.collect();
             let mut after = 0.0;
-            let mut rear: Vec<f64> = chain.mass.iter().rev().take(springs).map(|m| {
-                after += m;
-                after / total
-            })
-            .collect();
+            let mut rear: Vec<f64> = chain
+                .mass
+                .iter()
+                .rev()
+                .take(springs)
+                .map(|m| {
+                    after += m;
+                    after / total
+                })
+                .collect();
             rear.reverse();
             (front, rear)
         }

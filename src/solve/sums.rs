@@ -15,8 +15,8 @@
 
 use nalgebra::DMatrix;
 
-use super::dd::Dd;
 use super::Work;
+use super::dd::Dd;
 use super::local::{COEFFICIENTS, Local, hermite_top};
 use super::statics;
 use super::watch::{SpringPeaks, Watch};
@@ -130,8 +130,7 @@ impl<'a> Field<'a> {
         let modes = self.omega.len();
         let mean = self.mean.iter().zip(&self.scene.initial).map(|(s, f)| f + force * s).collect();
         let amplitude = vec![-force; modes];
-        let step =
-            Stretch { from: 0.0, to: horizon.min(duration), reference: 0.0, sine: false, amplitude, mean };
+        let step = Stretch { from: 0.0, to: horizon.min(duration), reference: 0.0, sine: false, amplitude, mean };
         if duration >= horizon {
             return vec![step];
         }
@@ -188,9 +187,8 @@ impl<'a> Field<'a> {
             }
         }
         coefficient[0] += stretch.mean[spring];
-        let slack = (resolved..self.omega.len())
-            .map(|j| (self.modes.share[(spring, j)] * stretch.amplitude[j]).abs())
-            .sum();
+        let slack =
+            (resolved..self.omega.len()).map(|j| (self.modes.share[(spring, j)] * stretch.amplitude[j]).abs()).sum();
         (Local { coefficient, terms: COEFFICIENTS, center, radius }, slack)
     }
 }
@@ -274,7 +272,7 @@ impl Scan<'_> {
             }
             return;
         }
-        self.watch.note(c.spring, c.negative, &local, |t| self.field.value(stretch, c.spring, t));
+        self.watch.note(c.spring, c.negative, &local, 1.0, |t| self.field.value(stretch, c.spring, t));
     }
 }
 
@@ -361,7 +359,13 @@ impl Grid {
     /// Coordinates and their rates of the resolved modes at grid points `start..start + columns`, modes x columns.
     ///
     /// The first is exact; the others follow by rotation, which loses a few units of rounding over a block.
-    fn coordinates(&self, field: &Field, stretch: &Stretch, start: usize, columns: usize) -> (DMatrix<f64>, DMatrix<f64>) {
+    fn coordinates(
+        &self,
+        field: &Field,
+        stretch: &Stretch,
+        start: usize,
+        columns: usize,
+    ) -> (DMatrix<f64>, DMatrix<f64>) {
         let first = field.coordinates(stretch, self.cell(start).0);
         let (mut q, mut dq) = (DMatrix::zeros(self.resolved, columns), DMatrix::zeros(self.resolved, columns));
         for j in 0..self.resolved {

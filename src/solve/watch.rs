@@ -54,6 +54,16 @@ impl SpringPeaks {
     }
 }
 
+impl SpringPeaks {
+    /// Times in other units.
+    pub fn scale_time(&mut self, unit: f64) {
+        for side in [&mut self.draft, &mut self.buff] {
+            side.best.at *= unit;
+            side.first_over = side.first_over.map(|t| t * unit);
+        }
+    }
+}
+
 /// The springs of a scene under watch.
 #[derive(Clone, Debug)]
 pub struct Watch {
@@ -72,10 +82,8 @@ impl Watch {
     pub fn new(scene: &Scene, bound: f64) -> Watch {
         let ratings: Vec<[f64; 2]> =
             (0..scene.initial.len()).map(|i| [scene.rated_draft[i], scene.rated_buff[i]]).collect();
-        let at_rest = |(&f, r): (&f64, &[f64; 2])| SpringPeaks {
-            draft: Side::at_rest(f, r[0]),
-            buff: Side::at_rest(-f, r[1]),
-        };
+        let at_rest =
+            |(&f, r): (&f64, &[f64; 2])| SpringPeaks { draft: Side::at_rest(f, r[0]), buff: Side::at_rest(-f, r[1]) };
         let peaks = scene.initial.iter().zip(&ratings).map(at_rest).collect();
         let levels = vec![[0.0; 2]; ratings.len()];
         let mut watch = Watch { peaks, ratings, initial: scene.initial.clone(), levels, bound };
@@ -133,9 +141,9 @@ impl Watch {
         self.levels[spring] = [self.level(spring, false) - initial, self.level(spring, true) + initial];
     }
 
-    /// Takes note of a force over [center - radius, center + radius], whose polynomial is right to well within the bound.
+    /// Takes note of a force over -1 <= x <= `end`, whose polynomial is right to well within the bound.
     /// `exact` gives the force at one instant as well as the method can.
-    pub fn note(&mut self, spring: usize, negative: bool, local: &Local, exact: impl Fn(f64) -> f64) {
+    pub fn note(&mut self, spring: usize, negative: bool, local: &Local, end: f64, exact: impl Fn(f64) -> f64) {
         let turned;
         let (local, sign) = if negative {
             turned = local.negated();
@@ -149,8 +157,8 @@ impl Watch {
         let side = if negative { &mut side.buff } else { &mut side.draft };
         let time = |x: f64| local.center + local.radius * x;
         let was_departed = side.departed;
-        side.departed |= local.value_and_slope(1.0).0 < rating - 4.0 * bound;
-        let Some(top) = local.largest(-1.0, 1.0, level) else {
+        side.departed |= local.value_and_slope(end).0 < rating - 4.0 * bound;
+        let Some(top) = local.largest(-1.0, end, level) else {
             self.set_levels(spring);
             return;
         };
@@ -158,7 +166,7 @@ impl Watch {
         let value = sign * exact(t);
         if value > rating + bound && side.first_over.is_none() {
             // The instant at which it is certain, brought back to the rating itself along the slope.
-            side.first_over = local.first_over(-1.0, 1.0, rating + bound).map(|x| {
+            side.first_over = local.first_over(-1.0, end, rating + bound).map(|x| {
                 let (over, slope) = local.value_and_slope(x);
                 let back = if slope > 0.0 { (over - rating) / slope } else { 0.0 };
                 time(x - back).max(0.0)

@@ -1,0 +1,1 @@
+//! Quantities as people write them ("30 MN/m") into SI.

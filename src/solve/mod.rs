@@ -7,10 +7,11 @@
 //! | [`Method::Modal`] | sums over modes found numerically | no | the same as the closed form, and the modes |
 //! | [`Method::Propagator`] | steps that are exact in time | no | springs behind the front x steps |
 
+pub mod between;
 pub mod closed_form;
 pub mod dd;
 pub mod fronts;
-pub mod grid;
+
 pub mod local;
 pub mod modal;
 pub mod path;

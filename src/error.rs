@@ -105,11 +105,15 @@ impl InputError {
         if problem.places.is_empty() {
             group = group.element(Origin::path(self.path.as_str()));
         }
-        for (i, place) in problem.places.iter().enumerate() {
-            let kind = if i == 0 { AnnotationKind::Primary } else { AnnotationKind::Context };
-            let annotation = kind.span(place.marked.clone()).label(place.label.as_deref());
-            let snippet = Snippet::source(place.line.as_str()).line_start(place.line_number).path(self.path.as_str());
-            group = group.element(snippet.annotation(annotation));
+        for same_line in problem.places.chunk_by(|a, b| a.line_number == b.line_number) {
+            let marks = same_line.iter().map(|place| {
+                // What belongs to the title has no label of its own.
+                let kind = if place.label.is_none() { AnnotationKind::Primary } else { AnnotationKind::Context };
+                kind.span(place.marked.clone()).label(place.label.as_deref())
+            });
+            let Place { line, line_number, .. } = &same_line[0];
+            let snippet = Snippet::source(line.as_str()).line_start(*line_number).path(self.path.as_str());
+            group = group.element(snippet.annotations(marks));
         }
         match &problem.help {
             Some(help) => group.element(Level::HELP.message(help.as_str())),

@@ -146,6 +146,21 @@ pub fn one_of<S: AsRef<str>>(words: impl IntoIterator<Item = S>) -> String {
     text
 }
 
+/// A value in SI units as an engineer writes it: in the metric unit that fits its size, to five digits.
+pub fn shown(value: f64, dimension: Dimension) -> String {
+    let metric = dimension.table().iter().filter(|u| u.factor == 1.0 && u.divisor == 1.0);
+    let scaled = metric.map(|u| (u.symbol, value / f64::powi(10.0, u.exponent)));
+    // The first unit is SI's own; of those in which the number is at least 1, the one with the smallest number reads best.
+    let best = scaled.reduce(|best, next| {
+        let (a, b) = (best.1.abs(), next.1.abs());
+        if b >= 1.0 && (a < 1.0 || b < a) { next } else { best }
+    });
+    let (symbol, number) = best.unwrap_or((dimension.si(), value));
+    let rounded: f64 = format!("{number:.4e}").parse().unwrap_or(number);
+    let plain = rounded == 0.0 || (1e-4..1e7).contains(&rounded.abs());
+    if plain { format!("{rounded} {symbol}") } else { format!("{rounded:e} {symbol}") }
+}
+
 /// Reads a number with its unit; with `share`, also a percentage.
 ///
 /// Whitespace between number and unit is free. The magnitude is 0 or between [`SMALLEST`] and [`LARGEST`].

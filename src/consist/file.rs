@@ -13,18 +13,21 @@ use crate::units::{Amount, Dimension};
 /// More vehicles than this are refused.
 const MOST_VEHICLES: usize = 1_000_000;
 
+/// Keys of the whole file.
+pub(super) const KEYS: [&str; 6] = ["name", "coupler", "vehicle", "coupler_override", "load", "scenario"];
 const COUPLER_KEYS: [&str; 3] = ["stiffness", "rated_load", "rated_buff"];
+const OVERRIDE_KEYS: [&str; 4] = ["at", "stiffness", "rated_load", "rated_buff"];
+const VEHICLE_KEYS: [&str; 5] = ["label", "count", "mass", "held", "length"];
 
 /// Reads the whole train, going on after a problem as far as what follows can be judged without it.
 ///
 /// A value that was wrong is replaced by some right one so that the rest is still looked at. The train is good only if no
 /// problem has been noted.
 pub(super) fn train(source: &Source, root: &Table, path: &Path) -> Read<Train> {
-    root.allow(&["name", "coupler", "vehicle", "coupler_override", "load", "scenario"]);
     let name = root.get("name").map_or_else(|| Ok(stem(path)), |v| v.name().map(str::to_owned));
     let base = base_coupler(root);
     let vehicles = vehicles(source, root)?;
-    let couplers = couplers(root, &base?, vehicles.len() - 1);
+    let couplers = couplers(root, &base.unwrap_or(PLACEHOLDER), vehicles.len() - 1);
     let weakest_n = couplers.iter().map(|c| c.rated_draft_n).fold(f64::INFINITY, f64::min);
     let load_n = load(root, weakest_n);
     let scenarios = scenarios::read(root, &vehicles, weakest_n)?;
@@ -57,6 +60,9 @@ struct Ratings {
     buff: Amount,
 }
 
+/// Stands in for a `[coupler]` that was wrong, so that what refers to it can still be looked at.
+const PLACEHOLDER: Ratings = Ratings { stiffness_n_per_m: 1.0, draft_n: 1.0, buff: Amount::Share(1.0) };
+
 impl Ratings {
     fn coupler(&self) -> Coupler {
         let rated_buff_n = match self.buff {
@@ -69,8 +75,7 @@ impl Ratings {
 
 fn base_coupler(root: &Table) -> Read<Ratings> {
     let value = root.require("coupler", "a [coupler] table with stiffness and rated_load")?;
-    let table = value.table("[coupler]")?;
-    table.allow(&COUPLER_KEYS);
+    let table = value.table("[coupler]", &COUPLER_KEYS)?;
     let keys = CouplerKeys::of(&table);
     let stiffness = table
         .require("stiffness", "stiffness = \"30 MN/m\", of the whole connection between two vehicles")
@@ -84,7 +89,7 @@ fn base_coupler(root: &Table) -> Read<Ratings> {
 
 fn couplers(root: &Table, base: &Ratings, count: usize) -> Vec<Coupler> {
     let mut ratings = vec![*base; count];
-    let overrides = root.get("coupler_override").and_then(|v| v.tables("[[coupler_override]]").ok());
+    let overrides = root.get("coupler_override").and_then(|v| v.tables("[[coupler_override]]", &OVERRIDE_KEYS).ok());
     let mut seen = HashMap::new();
     for table in overrides.into_iter().flatten() {
         // A problem in it has been noted: the other overrides can be read all the same.
@@ -97,7 +102,6 @@ fn couplers(root: &Table, base: &Ratings, count: usize) -> Vec<Coupler> {
 type Seen = HashMap<(usize, &'static str), Range<usize>>;
 
 fn apply_override(table: &Table, base: &Ratings, ratings: &mut [Ratings], seen: &mut Seen) -> Read<()> {
-    table.allow(&["at", "stiffness", "rated_load", "rated_buff"]);
     let keys = CouplerKeys::of(table);
     if COUPLER_KEYS.iter().all(|key| table.get(key).is_none()) {
         table.wrong("[[coupler_override]] overrides nothing", "give it stiffness, rated_load or rated_buff");
@@ -162,7 +166,7 @@ fn vehicles(source: &Source, root: &Table) -> Read<Vec<Vehicle>> {
     let Some(value) = root.get("vehicle") else {
         return Err(source.note(Problem::of_file("the train has no vehicles", right)));
     };
-    let tables = value.tables("[[vehicle]]")?;
+    let tables = value.tables("[[vehicle]]", &VEHICLE_KEYS)?;
     let groups = tables.iter().map(group).collect::<Vec<_>>().into_iter().collect::<Read<Vec<Group>>>()?;
     let mut total = 0usize;
     for (group, table) in groups.iter().zip(&tables) {
@@ -186,7 +190,6 @@ fn vehicles(source: &Source, root: &Table) -> Read<Vec<Vehicle>> {
 }
 
 fn group<'s>(table: &Table<'s>) -> Read<Group<'s>> {
-    table.allow(&["label", "count", "mass", "held", "length"]);
     let label = table.get("label").map(|v| v.name()).transpose();
     let right = format!("a whole number from 1 to {MOST_VEHICLES}, how many of them follow each other");
     let count = table.get("count").map_or(Ok(1), |v| v.number(MOST_VEHICLES, &right));
@@ -247,8 +250,7 @@ fn numbered(groups: &[Group]) -> Vec<Vehicle> {
 
 fn load(root: &Table, weakest_n: f64) -> Read<f64> {
     let Some(value) = root.get("load") else { return Ok(0.0) };
-    let table = value.table("[load]")?;
-    table.allow(&["uniform"]);
+    let table = value.table("[load]", &["uniform"])?;
     let uniform = table.require("uniform", "uniform = \"0.6 MN\", the force in every coupler, draft positive")?;
     Ok(match uniform.amount(Dimension::Force, Sign::Any)? {
         Amount::Si(value) => value,

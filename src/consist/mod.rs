@@ -4,6 +4,7 @@
 //! coupler `i` joins vehicle `i` and vehicle `i + 1`. Forces are positive in tension (draft), negative in compression
 //! (buff).
 
+mod describe;
 mod file;
 mod scenarios;
 mod tree;
@@ -16,6 +17,8 @@ use toml::de::DeTable;
 
 use crate::error::{InputError, Problem};
 use crate::scenario::Scenario;
+
+pub use describe::{describe, warnings};
 
 /// A commented train file to start from, with every key explained; it runs as it is.
 pub const TEMPLATE: &str = include_str!("template.toml");
@@ -85,7 +88,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Train, InputError> {
     }
     let root = DeTable::parse(text).map_err(syntax)?;
     let source = tree::Source::new(text);
-    let train = file::train(&source, &tree::Table::root(&source, root.get_ref()), path);
+    let train = file::train(&source, &tree::Table::root(&source, root.get_ref(), &file::KEYS), path);
     let problems = source.into_problems();
     match train {
         Ok(train) if problems.is_empty() => Ok(train),

@@ -10,13 +10,14 @@ use crate::error::quoted;
 use crate::scenario::{Event, Scenario};
 use crate::units::{Amount, Dimension};
 
+const KEYS: [&str; 8] = ["name", "kind", "coupler", "at", "force", "duration", "shape", "horizon"];
 const BREAK_KEYS: [&str; 1] = ["coupler"];
 const PULSE_KEYS: [&str; 4] = ["at", "force", "duration", "shape"];
 
 /// The scenarios, or each coupler in turn if there are none.
 pub(super) fn read(root: &Table, vehicles: &[Vehicle], weakest_n: f64) -> Read<Vec<Scenario>> {
     let each = || Event::Break { couplers: (0..vehicles.len() - 1).collect() };
-    let tables = root.get("scenario").map_or(Ok(vec![]), |v| v.tables("[[scenario]]"))?;
+    let tables = root.get("scenario").map_or(Ok(vec![]), |v| v.tables("[[scenario]]", &KEYS))?;
     if tables.is_empty() {
         let event = each();
         return Ok(vec![Scenario { name: default_name(&event, vehicles.len()), event, horizon_s: None }]);
@@ -39,27 +40,25 @@ fn scenario<'s>(table: &Table<'s>, vehicles: &[Vehicle], weakest_n: f64) -> Read
     let kind = table.require("kind", "kind = \"break\" or kind = \"pulse\"")?;
     let event = match kind.word(&["break", "pulse"])? {
         "break" => {
-            keys_of(table, "break", &BREAK_KEYS, "pulse", &PULSE_KEYS);
+            only_of(table, "break", &BREAK_KEYS, "pulse", &PULSE_KEYS);
             break_of(table, vehicles.len() - 1)
         }
         _ => {
-            keys_of(table, "pulse", &PULSE_KEYS, "break", &BREAK_KEYS);
+            only_of(table, "pulse", &PULSE_KEYS, "break", &BREAK_KEYS);
             pulse(table, vehicles, weakest_n)
         }
     };
     Ok(Unnamed { name: name?, event: event?, horizon_s: horizon? })
 }
 
-/// Notes keys that belong to the other kind, and keys of neither.
-fn keys_of(table: &Table, kind: &str, own: &[&str], other_kind: &str, other: &[&str]) {
+/// Notes keys that belong to the other kind.
+fn only_of(table: &Table, kind: &str, own: &[&str], other_kind: &str, other: &[&str]) {
     for key in other {
         if let Some(span) = table.key_span(key) {
-            let help = format!("a {kind} has name, kind, {}, horizon", own.join(", "));
+            let help = format!("the keys of a {kind} are name, kind, {}, horizon", own.join(", "));
             table.note_at(span, format!("{key} is a key of a {other_kind}, and this scenario is a {kind}"), help);
         }
     }
-    let common = ["name", "kind"].iter().chain(own).chain(&["horizon"]);
-    table.allow(&common.chain(other).copied().collect::<Vec<_>>());
 }
 
 fn break_of(table: &Table, count: usize) -> Read<Event> {

@@ -49,25 +49,34 @@ pub(super) enum Sign {
 pub(super) struct Table<'s> {
     source: &'s Source<'s>,
     name: &'static str,
+    keys: &'static [&'static str],
     table: &'s DeTable<'s>,
     span: Range<usize>,
 }
 
 impl<'s> Table<'s> {
-    pub(super) fn root(source: &'s Source<'s>, table: &'s DeTable<'s>) -> Self {
-        Table { source, name: "a train file", table, span: 0..0 }
+    /// The whole file.
+    pub(super) fn root(source: &'s Source<'s>, table: &'s DeTable<'s>, keys: &'static [&'static str]) -> Self {
+        Table { source, name: "a train file", keys, table, span: 0..0 }.checked()
     }
 
-    /// Notes every key that is not one of `keys`.
-    pub(super) fn allow(&self, keys: &[&str]) {
-        for key in self.table.keys().filter(|key| !keys.contains(&key.get_ref().as_ref())) {
-            let near = keys.iter().min_by_key(|k| strsim::damerau_levenshtein(&key.get_ref().to_lowercase(), k));
-            let near =
-                near.filter(|k| strsim::damerau_levenshtein(&key.get_ref().to_lowercase(), k) <= 1 + k.len() / 3);
-            let all = format!("{} has {}", self.name, keys.join(", "));
-            let help = near.map_or(all.clone(), |near| format!("did you mean \"{near}\"? {all}"));
-            self.note_at(key.span(), format!("unknown key {} in {}", quoted(key.get_ref()), self.name), help);
+    /// The same, with every key noted that it cannot have.
+    fn checked(self) -> Self {
+        for key in self.table.keys().filter(|key| !self.keys.contains(&key.get_ref().as_ref())) {
+            let title = format!("unknown key {} in {}", quoted(key.get_ref()), self.name);
+            let all = format!("the keys of {} are {}", self.name, self.keys.join(", "));
+            let help =
+                self.nearest(key.get_ref()).map_or(all.clone(), |near| format!("did you mean \"{near}\"? {all}"));
+            self.note_at(key.span(), title, help);
         }
+        self
+    }
+
+    /// The key that was probably meant.
+    fn nearest(&self, key: &str) -> Option<&'static str> {
+        let distance = |known: &str| strsim::damerau_levenshtein(&key.to_lowercase(), known);
+        let near = self.keys.iter().min_by_key(|known| distance(known)).copied();
+        near.filter(|known| distance(known) <= (known.len() / 3).max(1))
     }
 
     /// The value of a key, if it is there.
@@ -83,7 +92,12 @@ impl<'s> Table<'s> {
 
     /// The value of a key that must be there.
     pub(super) fn require(&self, key: &'static str, right: &str) -> Read<Value<'s>> {
-        self.get(key).ok_or_else(|| self.wrong(format!("{} has no {key}", self.name), right))
+        let misspelt = || self.table.keys().any(|k| *k.get_ref() != key && self.nearest(k.get_ref()) == Some(key));
+        match self.get(key) {
+            Some(value) => Ok(value),
+            None if misspelt() => Err(Reported(())),
+            None => Err(self.wrong(format!("{} has no {key}", self.name), right)),
+        }
     }
 
     /// Notes a problem with this table as a whole.
@@ -243,19 +257,21 @@ impl<'s> Value<'s> {
         Value { source: self.source, key: self.key, value: item.get_ref(), span: item.span() }
     }
 
-    /// A table under `[name]`.
-    pub(super) fn table(&self, name: &'static str) -> Read<Table<'s>> {
+    /// A table, called `name`, that may have these keys.
+    pub(super) fn table(&self, name: &'static str, keys: &'static [&'static str]) -> Read<Table<'s>> {
         match self.value {
-            DeValue::Table(table) => Ok(Table { source: self.source, name, table, span: self.span.clone() }),
+            DeValue::Table(table) => {
+                Ok(Table { source: self.source, name, keys, table, span: self.span.clone() }.checked())
+            }
             _ => Err(self.wrong_type(format!("{name} is a table with keys of its own"))),
         }
     }
 
-    /// The tables under `[[name]]`.
-    pub(super) fn tables(&self, name: &'static str) -> Read<Vec<Table<'s>>> {
+    /// A list of tables, each called `name`, that may have these keys.
+    pub(super) fn tables(&self, name: &'static str, keys: &'static [&'static str]) -> Read<Vec<Table<'s>>> {
         match self.value {
-            DeValue::Array(items) => items.iter().map(|item| self.item(item).table(name)).collect(),
-            _ => Err(self.wrong_type(format!("write {name} with two brackets on each side, once for each of them"))),
+            DeValue::Array(items) => items.iter().map(|item| self.item(item).table(name, keys)).collect(),
+            _ => Err(self.wrong_type(format!("write {name}, with two brackets on each side, above each of them"))),
         }
     }
 }

@@ -39,12 +39,13 @@ struct Place {
 impl Problem {
     /// A problem with the file as a whole.
     pub(crate) fn of_file(title: impl Into<String>, help: impl Into<String>) -> Self {
-        Problem { title: title.into(), help: Some(help.into()), places: vec![] }
+        Problem { title: printable(&title.into()), help: Some(printable(&help.into())), places: vec![] }
     }
 
     /// A problem at a span of bytes of the text.
     pub(crate) fn at(text: &str, span: Range<usize>, title: impl Into<String>, help: Option<String>) -> Self {
-        Problem { title: title.into(), help, places: vec![Place::new(text, span, None)] }
+        let places = vec![Place::new(text, span, None)];
+        Problem { title: printable(&title.into()), help: help.as_deref().map(printable), places }
     }
 
     /// The same with another place that bears on it.
@@ -130,14 +131,14 @@ impl fmt::Display for InputError {
 
 impl std::error::Error for InputError {}
 
-/// The text in double quotes, cut if long, with what a terminal could take amiss escaped.
+/// The text in double quotes, cut if long.
 pub(crate) fn quoted(text: &str) -> String {
     let cut: String = text.chars().take(QUOTED).collect();
     let dots = if cut.len() < text.len() { "..." } else { "" };
-    format!("\"{}{dots}\"", printable(&cut))
+    format!("\"{cut}{dots}\"")
 }
 
-/// The text with control and invisible characters escaped.
+/// The text with control and invisible characters escaped, which a terminal could obey.
 pub(crate) fn printable(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {

@@ -225,7 +225,7 @@ fn in_range(mantissa: &str, value: f64, unit: &str) -> Result<f64, BadQuantity> 
         return Ok(value);
     }
     let found = if value.abs() < SMALLEST { "is too small to compute with" } else { "is too large to compute with" };
-    Err(bad(found, format!("a magnitude from {SMALLEST:e} to {LARGEST:e} {unit}")))
+    Err(bad(found, format!("expected a magnitude from {SMALLEST:e} to {LARGEST:e} {unit}")))
 }
 
 /// The number with each unit that it could have.
@@ -245,10 +245,7 @@ fn wrong_unit(number: &str, unit: &str, dimension: Dimension, share: bool) -> Ba
     if unit.starts_with(rest_of_number) {
         return bad(
             "is not one number",
-            format!(
-                "write it without separators, with a point for decimals, then the unit: {}",
-                right_units(dimension, share)
-            ),
+            format!("write it with a point for decimals and no other separators: {}", right_units(dimension, share)),
         );
     }
     let compact: String = unit.split_whitespace().collect();
@@ -265,7 +262,7 @@ fn wrong_unit(number: &str, unit: &str, dimension: Dimension, share: bool) -> Ba
 }
 
 fn no_number(text: &str, dimension: Dimension) -> BadQuantity {
-    let right = format!("a number and its unit: {}", dimension.choices());
+    let right = format!("expected a number and its unit: {}", dimension.choices());
     let word = text.trim_start_matches(['+', '-']).to_ascii_lowercase();
     if text.is_empty() {
         return bad("is empty", right);

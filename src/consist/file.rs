@@ -74,14 +74,14 @@ impl Ratings {
 }
 
 fn base_coupler(root: &Table) -> Read<Ratings> {
-    let value = root.require("coupler", "a [coupler] table with stiffness and rated_load")?;
+    let value = root.require("coupler", "add a [coupler] table with stiffness and rated_load")?;
     let table = value.table("[coupler]", &COUPLER_KEYS)?;
     let keys = CouplerKeys::of(&table);
     let stiffness = table
-        .require("stiffness", "stiffness = \"30 MN/m\", of the whole connection between two vehicles")
+        .require("stiffness", "add stiffness = \"30 MN/m\", that of the whole connection between two vehicles")
         .and_then(|v| v.quantity(Dimension::Stiffness, Sign::Positive));
     let draft = table
-        .require("rated_load", "rated_load = \"1.5 MN\", the capacity in draft")
+        .require("rated_load", "add rated_load = \"1.5 MN\", the capacity in draft")
         .and_then(|v| v.quantity(Dimension::Force, Sign::Positive));
     let buff = keys.buff.map_or(Ok(Amount::Share(1.0)), |v| v.amount(Dimension::Force, Sign::Positive));
     Ok(Ratings { stiffness_n_per_m: stiffness?, draft_n: draft?, buff: buff? })
@@ -109,7 +109,7 @@ fn apply_override(table: &Table, base: &Ratings, ratings: &mut [Ratings], seen: 
     let stiffness = keys.stiffness.map(|v| v.quantity(Dimension::Stiffness, Sign::Positive)).transpose();
     let draft = keys.draft.map(|v| v.amount(Dimension::Force, Sign::Positive)).transpose();
     let buff = keys.buff.map(|v| v.amount(Dimension::Force, Sign::Positive)).transpose();
-    let right = format!("a coupler's number from 1 to {}, or a list of them", ratings.len());
+    let right = format!("expected a coupler's number from 1 to {}, or a list of them", ratings.len());
     let at = table.require("at", &right).and_then(|v| coupler_list(&v, ratings.len(), &right));
     let (at, stiffness, draft, buff) = (at?, stiffness?, draft?, buff?);
     for i in at {
@@ -141,7 +141,7 @@ pub(super) fn coupler_list(value: &Value, count: usize, right: &str) -> Read<Vec
     let mut seen: HashMap<usize, Range<usize>> = HashMap::with_capacity(items.len());
     let mut numbers = Vec::with_capacity(items.len());
     for item in items {
-        let number = item.number(count, right)?;
+        let number = item.number(count, |n| format!("the train has no coupler {n}"), right)?;
         if let Some(earlier) = seen.insert(number, item.span()) {
             let title = format!("coupler {number} is listed twice");
             return Err(item.wrong_because(title, "list it once", earlier, "listed here before"));
@@ -161,8 +161,7 @@ struct Group<'s> {
 }
 
 fn vehicles(source: &Source, root: &Table) -> Read<Vec<Vehicle>> {
-    let right =
-        "one [[vehicle]] table for each vehicle or group of vehicles alike, from the head; at least two vehicles";
+    let right = "add a [[vehicle]] table for each vehicle or group alike, from the head: at least two vehicles";
     let Some(value) = root.get("vehicle") else {
         return Err(source.note(Problem::of_file("the train has no vehicles", right)));
     };
@@ -173,7 +172,7 @@ fn vehicles(source: &Source, root: &Table) -> Read<Vec<Vehicle>> {
         total = total.saturating_add(group.count);
         if total > MOST_VEHICLES {
             let title = format!("the train has more than {MOST_VEHICLES} vehicles up to here");
-            return Err(table.wrong(title, "fewer vehicles"));
+            return Err(table.wrong(title, "a train has at most that many"));
         }
     }
     for (i, group) in groups.iter().enumerate() {
@@ -191,9 +190,9 @@ fn vehicles(source: &Source, root: &Table) -> Read<Vec<Vehicle>> {
 
 fn group<'s>(table: &Table<'s>) -> Read<Group<'s>> {
     let label = table.get("label").map(|v| v.name()).transpose();
-    let right = format!("a whole number from 1 to {MOST_VEHICLES}, how many of them follow each other");
-    let count = table.get("count").map_or(Ok(1), |v| v.number(MOST_VEHICLES, &right));
-    let mass = table.require("mass", "mass = \"160 t\", of each vehicle of the group");
+    let right = format!("expected a whole number from 1 to {MOST_VEHICLES}, how many of them follow each other");
+    let count = table.get("count").map_or(Ok(1), |v| v.number(MOST_VEHICLES, |n| format!("count is {n}"), &right));
+    let mass = table.require("mass", "add mass = \"160 t\", that of each vehicle of the group");
     let mass = mass.and_then(|v| v.quantity(Dimension::Mass, Sign::Positive));
     let length = table.get("length").map(|v| v.quantity(Dimension::Length, Sign::Positive)).transpose();
     let held = table.get("held").map_or(Ok(None), |v| v.flag().map(|held| held.then_some(v)));
@@ -251,7 +250,7 @@ fn numbered(groups: &[Group]) -> Vec<Vehicle> {
 fn load(root: &Table, weakest_n: f64) -> Read<f64> {
     let Some(value) = root.get("load") else { return Ok(0.0) };
     let table = value.table("[load]", &["uniform"])?;
-    let uniform = table.require("uniform", "uniform = \"0.6 MN\", the force in every coupler, draft positive")?;
+    let uniform = table.require("uniform", "add uniform = \"0.6 MN\", the force in every coupler, draft positive")?;
     Ok(match uniform.amount(Dimension::Force, Sign::Any)? {
         Amount::Si(value) => value,
         Amount::Share(share) => share * weakest_n,

@@ -80,7 +80,8 @@ pub fn read(path: &Path) -> Result<Train, InputError> {
 pub fn parse(text: &str, path: &Path) -> Result<Train, InputError> {
     let syntax = |e: toml::de::Error| {
         let at = e.span().unwrap_or(0..0);
-        InputError::new(path, vec![Problem::at(text, at, format!("not TOML: {}", e.message()), None)])
+        let title = format!("not TOML: {}", e.message());
+        InputError::new(path, vec![Problem::at(text, at.clone(), title, unquoted(text, at.start))])
     };
     if text.trim().is_empty() {
         let help = "`trainsafe new` prints one to start from";
@@ -96,20 +97,35 @@ pub fn parse(text: &str, path: &Path) -> Result<Train, InputError> {
     }
 }
 
+/// The commonest slip of syntax, a quantity without quotes, put right.
+fn unquoted(text: &str, at: usize) -> Option<String> {
+    let before = text.get(..at)?;
+    let line = text.get(before.rfind('\n').map_or(0, |i| i + 1)..)?.lines().next()?;
+    let (key, value) = line.split_once('=')?;
+    let value = value.split('#').next()?.trim();
+    let number_first = value.trim_start_matches(['+', '-', '.']).starts_with(|c: char| c.is_ascii_digit());
+    let short = value.chars().count() < 40 && !value.contains('"');
+    let plain = key.trim().bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_');
+    (number_first && short && plain).then(|| format!("a quantity is a string: write {} = \"{value}\"", key.trim()))
+}
+
 /// The file's text, its size looked at before anything is read.
 fn text_of(path: &Path) -> Result<String, InputError> {
     let refuse = |title: String, help: &str| InputError::of_file(path, title, help);
     let unreadable = |e: std::io::Error| match e.kind() {
-        std::io::ErrorKind::NotFound => refuse("there is no such file".into(), "the path of a train file"),
-        _ => refuse(format!("the file cannot be read: {e}"), "a train file that may be read"),
+        std::io::ErrorKind::NotFound => refuse(
+            "there is no such file".into(),
+            "give the path of a train file; `trainsafe new` prints one to start from",
+        ),
+        _ => refuse(format!("the file cannot be read: {e}"), "give a train file that may be read"),
     };
     let about = fs::metadata(path).map_err(unreadable)?;
     if about.is_dir() {
-        return Err(refuse("this is a folder".into(), "the path of a train file in it"));
+        return Err(refuse("this is a folder".into(), "give the path of a train file in it"));
     }
     let too_large = || {
         let title = format!("the file is larger than {} MiB", LARGEST_FILE >> 20);
-        refuse(title, "a train file; `count` groups vehicles that are alike")
+        refuse(title, "give a train file; `count` in it groups vehicles that are alike")
     };
     if about.len() > LARGEST_FILE {
         return Err(too_large());

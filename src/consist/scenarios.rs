@@ -37,7 +37,7 @@ struct Unnamed<'s> {
 fn scenario<'s>(table: &Table<'s>, vehicles: &[Vehicle], weakest_n: f64) -> Read<Unnamed<'s>> {
     let name = table.get("name").map(|v| v.name().map(|text| (text, v.clone()))).transpose();
     let horizon = table.get("horizon").map(|v| v.quantity(Dimension::Time, Sign::Positive)).transpose();
-    let kind = table.require("kind", "kind = \"break\" or kind = \"pulse\"")?;
+    let kind = table.require("kind", "add kind = \"break\" or kind = \"pulse\"")?;
     let event = match kind.word(&["break", "pulse"])? {
         "break" => {
             only_of(table, "break", &BREAK_KEYS, "pulse", &PULSE_KEYS);
@@ -62,11 +62,11 @@ fn only_of(table: &Table, kind: &str, own: &[&str], other_kind: &str, other: &[&
 }
 
 fn break_of(table: &Table, count: usize) -> Read<Event> {
-    let right = format!("a coupler's number from 1 to {count}, a list of them, or \"each\"");
+    let right = format!("expected a coupler's number from 1 to {count}, a list of them, or \"each\"");
     let value = table.require("coupler", &right)?;
     let couplers = match value.as_text() {
         Some("each") => (0..count).collect(),
-        Some(text) => return Err(value.wrong(format!("unknown coupler {}", quoted(text)), right)),
+        Some(text) => return Err(value.wrong_word(text, right)),
         None => coupler_list(&value, count, &right)?,
     };
     Ok(Event::Break { couplers })
@@ -75,10 +75,10 @@ fn break_of(table: &Table, count: usize) -> Read<Event> {
 fn pulse(table: &Table, vehicles: &[Vehicle], weakest_n: f64) -> Read<Event> {
     let vehicle = struck(table, vehicles);
     let force = table
-        .require("force", "force = \"-1.2 MN\", the outside force on that vehicle, forward positive")
+        .require("force", "add force = \"-1.2 MN\", the outside force on that vehicle, forward positive")
         .and_then(|v| v.amount(Dimension::Force, Sign::NonZero));
     let duration = table
-        .require("duration", "duration = \"60 ms\", how long the force acts")
+        .require("duration", "add duration = \"60 ms\", how long the force acts")
         .and_then(|v| v.quantity(Dimension::Time, Sign::Positive));
     let shape = table.get("shape").map(|v| v.word(&["rectangle"])).transpose();
     shape?;
@@ -91,16 +91,18 @@ fn pulse(table: &Table, vehicles: &[Vehicle], weakest_n: f64) -> Read<Event> {
 
 /// The vehicle that a pulse strikes, as an index from 0.
 fn struck(table: &Table, vehicles: &[Vehicle]) -> Read<usize> {
-    let right = format!("\"head\", \"tail\" or a vehicle's number from 1 to {}", vehicles.len());
+    let right = format!("expected \"head\", \"tail\" or a vehicle's number from 1 to {}", vehicles.len());
     let value = table.require("at", &right)?;
     let vehicle = match value.as_text() {
         Some("head") => 0,
         Some("tail") => vehicles.len() - 1,
-        Some(text) => return Err(value.wrong(format!("unknown at {}", quoted(text)), right)),
-        None => value.number(vehicles.len(), &right)? - 1,
+        Some(text) => return Err(value.wrong_word(text, right)),
+        None => value.number(vehicles.len(), |n| format!("the train has no vehicle {n}"), &right)? - 1,
     };
     if vehicles[vehicle].held {
-        return Err(value.wrong("the pulse strikes a held vehicle, which no force moves", "a vehicle that is not held"));
+        return Err(
+            value.wrong("the pulse strikes a held vehicle, which no force moves", "choose a vehicle that is not held")
+        );
     }
     Ok(vehicle)
 }
@@ -113,7 +115,7 @@ fn named(scenarios: Vec<Unnamed>, vehicles: usize) -> Read<Vec<Scenario>> {
             let title = format!("two scenarios are named {}", quoted(name));
             return Err(value.wrong_because(
                 title,
-                "each scenario has a name of its own",
+                "give each scenario a name of its own",
                 earlier,
                 "named here before",
             ));

@@ -57,7 +57,7 @@ pub(super) struct Table<'s> {
 impl<'s> Table<'s> {
     /// The whole file.
     pub(super) fn root(source: &'s Source<'s>, table: &'s DeTable<'s>, keys: &'static [&'static str]) -> Self {
-        Table { source, name: "a train file", keys, table, span: 0..0 }.checked()
+        Table { source, name: "the train file", keys, table, span: 0..0 }.checked()
     }
 
     /// The same, with every key noted that it cannot have.
@@ -158,6 +158,11 @@ impl<'s> Value<'s> {
         self.wrong(format!("{} is {}", self.key, type_name(self.value)), right)
     }
 
+    /// Notes that this is a word that has no meaning here.
+    pub(super) fn wrong_word(&self, text: &str, right: impl Into<String>) -> Reported {
+        self.wrong(format!("{} is {}", self.key, quoted(text)), right)
+    }
+
     pub(super) fn span(&self) -> Range<usize> {
         self.span.clone()
     }
@@ -169,16 +174,16 @@ impl<'s> Value<'s> {
 
     /// One of several fixed words.
     pub(super) fn word(&self, words: &[&'static str]) -> Read<&'static str> {
-        let right = || format!("{} is {}", self.key, one_of(words.iter().map(|w| format!("\"{w}\""))));
+        let right = || format!("expected {}", one_of(words.iter().map(|w| format!("\"{w}\""))));
         let text = self.as_text().ok_or_else(|| self.wrong_type(right()))?;
         let known = words.iter().find(|w| **w == text).copied();
-        known.ok_or_else(|| self.wrong(format!("unknown {} {}", self.key, quoted(text)), right()))
+        known.ok_or_else(|| self.wrong_word(text, right()))
     }
 
     /// A string to show: neither empty nor longer than 200 characters, and of one line.
     pub(super) fn name(&self) -> Read<&'s str> {
         const LONGEST: usize = 200;
-        let right = format!("a string of 1 to {LONGEST} characters");
+        let right = format!("expected a string of 1 to {LONGEST} characters");
         let text = self.as_text().ok_or_else(|| self.wrong_type(&*right))?;
         if text.trim().is_empty() {
             return Err(self.wrong(format!("{} is empty", self.key), right));
@@ -188,22 +193,23 @@ impl<'s> Value<'s> {
             return Err(self.wrong(format!("{} has {length} characters", self.key), right));
         }
         if text.chars().any(char::is_control) {
-            return Err(self.wrong(format!("{} has a control character: {}", self.key, quoted(text)), "plain text"));
+            return Err(
+                self.wrong(format!("{} has a control character: {}", self.key, quoted(text)), "expected plain text")
+            );
         }
         Ok(text)
     }
 
     pub(super) fn flag(&self) -> Read<bool> {
-        self.value.as_bool().ok_or_else(|| self.wrong_type("true or false, without quotes"))
+        self.value.as_bool().ok_or_else(|| self.wrong_type("expected true or false, without quotes"))
     }
 
-    /// A whole number from 1 to `largest`; `right` says what it counts.
-    pub(super) fn number(&self, largest: usize, right: &str) -> Read<usize> {
+    /// A whole number from 1 to `largest`; `title` says what is wrong with another, `right` what is expected.
+    pub(super) fn number(&self, largest: usize, title: impl Fn(&str) -> String, right: &str) -> Read<usize> {
         let integer = self.value.as_integer().ok_or_else(|| self.wrong_type(right))?;
         let number = usize::from_str_radix(integer.as_str(), integer.radix()).ok();
-        number
-            .filter(|n| (1..=largest).contains(n))
-            .ok_or_else(|| self.wrong(format!("{} is {}", self.key, quoted(integer.as_str()).replace('"', "")), right))
+        let number = number.filter(|n| (1..=largest).contains(n));
+        number.ok_or_else(|| self.wrong(title(&integer.to_string().chars().take(40).collect::<String>()), right))
     }
 
     /// A quantity in SI units.
@@ -221,7 +227,7 @@ impl<'s> Value<'s> {
     fn read_amount(&self, dimension: Dimension, sign: Sign, share: bool) -> Read<Amount> {
         let right = || {
             let share = if share { ", or a share in %" } else { "" };
-            format!("a string with a number and its unit: {}{share}", dimension.choices())
+            format!("expected a string with a number and its unit: {}{share}", dimension.choices())
         };
         let bare = match self.value {
             DeValue::Integer(number) => Some(number.to_string()),
@@ -241,7 +247,7 @@ impl<'s> Value<'s> {
             Sign::Positive | Sign::NonZero if value == 0.0 => "is zero",
             _ => return Ok(amount),
         };
-        let right = if sign == Sign::Positive { "it must be greater than zero" } else { "it must not be zero" };
+        let right = if sign == Sign::Positive { "expected more than zero" } else { "expected a force other than zero" };
         Err(self.wrong(format!("{} {found}", self.key), right))
     }
 
@@ -263,7 +269,7 @@ impl<'s> Value<'s> {
             DeValue::Table(table) => {
                 Ok(Table { source: self.source, name, keys, table, span: self.span.clone() }.checked())
             }
-            _ => Err(self.wrong_type(format!("{name} is a table with keys of its own"))),
+            _ => Err(self.wrong_type(format!("expected {name}, a table with keys of its own"))),
         }
     }
 
@@ -279,7 +285,8 @@ impl<'s> Value<'s> {
 fn type_name(value: &DeValue) -> &'static str {
     match value {
         DeValue::String(_) => "a string",
-        DeValue::Integer(_) | DeValue::Float(_) => "a number",
+        DeValue::Integer(_) => "a number",
+        DeValue::Float(_) => "a number with a decimal point",
         DeValue::Boolean(true) => "true",
         DeValue::Boolean(false) => "false",
         DeValue::Datetime(_) => "a date",

@@ -275,24 +275,3 @@ fn no_number(text: &str, dimension: Dimension) -> BadQuantity {
     }
     bad("does not start with a number", right)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn si(text: &str, dimension: Dimension) -> f64 {
-        match parse(text, dimension, false) {
-            Ok(Amount::Si(value)) => value,
-            other => panic!("{text}: {other:?}"),
-        }
-    }
-
-    #[test]
-    fn metric_units_round_once() {
-        assert_eq!(si("1.005 MN", Dimension::Force), 1.005e6);
-        assert_eq!(si("0.6MN", Dimension::Force), si("600   kN", Dimension::Force));
-        assert_eq!(si("60 ms", Dimension::Time), 0.06);
-        assert_eq!(si("30 kN/mm", Dimension::Stiffness), 30e6);
-        assert_eq!(si("-1.2e-3 kN", Dimension::Force), -1.2);
-    }
-}

@@ -139,3 +139,27 @@ pub fn horizon_s(train: &Train, scenario: &Scenario, broken: Option<usize>) -> f
         }
     })
 }
+
+/// How fast and how long waves run along the train.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wave {
+    /// sqrt(m / k), s; the mean over the couplers where vehicles differ.
+    pub time_unit_s: f64,
+    /// Speed of a long wave, vehicles per second.
+    pub vehicles_per_s: f64,
+    /// The same in m/s, where every vehicle's length is given.
+    pub metres_per_s: Option<f64>,
+    /// From one end of the train to the other, s.
+    pub transit_s: f64,
+}
+
+/// The wave scales of a train.
+pub fn wave(train: &Train) -> Wave {
+    let scales = Scales::of(train);
+    let transit_s = scales.time_s * chain_of(train, 0, train.vehicles.len() - 1, &scales).transit();
+    let couplers = train.couplers.len() as f64;
+    let length_m = train.vehicles.iter().map(|v| v.length_m).sum::<Option<f64>>();
+    let vehicles_per_s = couplers / transit_s;
+    let metres_per_s = length_m.map(|l| l / train.vehicles.len() as f64 * vehicles_per_s);
+    Wave { time_unit_s: transit_s / couplers, vehicles_per_s, metres_per_s, transit_s }
+}

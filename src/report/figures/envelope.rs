@@ -1,0 +1,94 @@
+//! The largest draft and buff of every coupler along the train, against the ratings.
+
+use kuva::plot::BandPlot;
+use kuva::plot::scatter::MarkerShape;
+use kuva::render::annotations::{ReferenceLine, TextAnnotation};
+
+use super::{BLACK, BLUE, Figure, GREEN, GREY, TEXT_SIZE, VERMILLION, range_with_air, steps};
+use crate::consist::Train;
+use crate::findings::ScenarioFindings;
+use crate::report::numbers::force_unit;
+
+/// Extremes of one coupler over all cases of a scenario, N; `None` where it has no findings.
+#[derive(Clone, Copy, Default)]
+struct Extremes {
+    draft: Option<f64>,
+    buff: Option<f64>,
+    over_draft: bool,
+    over_buff: bool,
+}
+
+fn extremes(train: &Train, scenario: &ScenarioFindings) -> Vec<Extremes> {
+    let mut all = vec![Extremes::default(); train.couplers.len()];
+    for c in scenario.cases.iter().flat_map(|case| &case.couplers) {
+        let Some(e) = all.get_mut(c.coupler - 1) else { continue };
+        let (draft, buff) = (c.peak_draft_n.unwrap_or(0.0), c.peak_buff_n.unwrap_or(0.0));
+        e.draft = Some(e.draft.map_or(draft, |d| d.max(draft)));
+        e.buff = Some(e.buff.map_or(buff, |b| b.min(buff)));
+        let over = c.exceeds == Some(true);
+        e.over_draft |= over && draft > c.rated_draft_n;
+        e.over_buff |= over && -buff > c.rated_buff_n;
+    }
+    all
+}
+
+/// The envelope of a scenario, over all its cases, as SVG.
+pub fn envelope(train: &Train, scenario: &ScenarioFindings, name: &str) -> String {
+    let all = extremes(train, scenario);
+    let ratings = train.couplers.iter().flat_map(|c| [c.rated_draft_n, -c.rated_buff_n]);
+    let peaks = all.iter().flat_map(|e| [e.draft, e.buff]).flatten();
+    let largest = ratings.clone().chain(peaks.clone()).fold(0.0, |m: f64, f| m.max(f.abs()));
+    let unit = force_unit(largest);
+    let scaled = |f: f64| f / unit.size;
+
+    let mut figure = Figure::new(name);
+    let draft: Vec<_> = all.iter().map(|e| e.draft.map(scaled)).collect();
+    let buff: Vec<_> = all.iter().map(|e| e.buff.map(scaled)).collect();
+    for (high, low) in steps(&draft).into_iter().zip(steps(&buff)) {
+        let x = high.iter().map(|p| p.0);
+        let band = BandPlot::new(x, low.iter().map(|p| p.1), high.iter().map(|p| p.1));
+        figure.plots.push(band.with_color(GREY).with_opacity(0.12).into());
+    }
+    for (runs, color, label) in [(steps(&draft), BLUE, "largest draft"), (steps(&buff), GREEN, "largest buff")] {
+        for (i, run) in runs.into_iter().enumerate() {
+            figure.line(run, color, 2.0, None, (i == 0).then_some(label));
+        }
+    }
+    let rated = |value: fn(&crate::consist::Coupler) -> f64| {
+        let values: Vec<_> = train.couplers.iter().map(|c| Some(scaled(value(c)))).collect();
+        steps(&values).into_iter().flatten().collect::<Vec<_>>()
+    };
+    figure.line(rated(|c| c.rated_draft_n), BLACK, 1.2, Some("7 4"), Some("rated, in draft (+) and in buff (−)"));
+    figure.line(rated(|c| -c.rated_buff_n), BLACK, 1.2, Some("7 4"), None);
+    let over = |(i, e): (usize, &Extremes)| {
+        let at = i as f64 + 1.0;
+        let draft = e.draft.filter(|_| e.over_draft).map(|f| (at, scaled(f)));
+        let buff = e.buff.filter(|_| e.over_buff).map(|f| (at, scaled(f)));
+        [draft, buff].into_iter().flatten()
+    };
+    let over: Vec<_> = all.iter().enumerate().flat_map(over).collect();
+    figure.markers(over, VERMILLION, MarkerShape::Diamond, 4.5, Some("exceeds its rating"));
+
+    let y = range_with_air(ratings.chain(peaks).map(scaled));
+    let x = (0.5, train.couplers.len() as f64 + 0.5);
+    let y_label = format!("force, {} (draft +, buff −)", unit.name);
+    let mut layout = figure.layout(x, y, "coupler, counted from the head", &y_label);
+    if let [case] = &scenario.cases[..]
+        && let Some(broken) = case.broken_coupler
+    {
+        let at = broken as f64;
+        // The label stands on the side with more room.
+        let left = at > 0.5 * (x.0 + x.1);
+        let label = format!("coupler {broken} breaks");
+        let offset = 0.5 * label.len() as f64 * 7.2 / super::INNER.0 * (x.1 - x.0) + 0.012 * (x.1 - x.0);
+        layout = layout
+            .with_reference_line(
+                ReferenceLine::vertical(at).with_color(GREY).with_stroke_width(1.4).with_dasharray("2 3"),
+            )
+            .with_annotation(
+                TextAnnotation::new(label, if left { at - offset } else { at + offset }, y.0 + 0.5 * (y.1 - y.0))
+                    .with_font_size(TEXT_SIZE - 1),
+            );
+    }
+    figure.svg(layout)
+}

@@ -1,0 +1,129 @@
+//! Numbers as an engineer writes them: three or four significant digits and a unit, never more than the error allows.
+
+/// A unit of force, chosen by size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unit {
+    /// What it is called.
+    pub name: &'static str,
+    /// How many SI units it is.
+    pub size: f64,
+}
+
+const FORCE: [Unit; 3] =
+    [Unit { name: "N", size: 1.0 }, Unit { name: "kN", size: 1e3 }, Unit { name: "MN", size: 1e6 }];
+const TIME: [Unit; 3] =
+    [Unit { name: "µs", size: 1e-6 }, Unit { name: "ms", size: 1e-3 }, Unit { name: "s", size: 1.0 }];
+const MASS: [Unit; 2] = [Unit { name: "kg", size: 1.0 }, Unit { name: "t", size: 1e3 }];
+
+/// The largest unit that the value reaches, or the smallest there is.
+fn unit_for(units: &[Unit], value: f64) -> Unit {
+    units.iter().rev().find(|u| value.abs() >= u.size).copied().unwrap_or(units[0])
+}
+
+/// The unit in which a largest force is at least 1.
+pub fn force_unit(largest_n: f64) -> Unit {
+    unit_for(&FORCE, largest_n)
+}
+
+/// The unit in which a time axis of this length reads well.
+pub fn time_unit(longest_s: f64) -> Unit {
+    unit_for(&TIME, longest_s)
+}
+
+/// A force without its sign, with unit; no more digits than `error_n` allows.
+pub fn force(value_n: f64, error_n: f64) -> String {
+    let unit = force_unit(value_n);
+    format!("{} {}", digits(value_n.abs() / unit.size, error_n / unit.size, 4), unit.name)
+}
+
+/// A time with unit.
+pub fn time(value_s: f64) -> String {
+    let unit = unit_for(&TIME, value_s);
+    let unit = if value_s == 0.0 { TIME[2] } else { unit };
+    format!("{} {}", digits(value_s / unit.size, 0.0, 4), unit.name)
+}
+
+/// A mass with unit.
+pub fn mass(value_kg: f64) -> String {
+    let unit = unit_for(&MASS, value_kg);
+    format!("{} {}", digits(value_kg / unit.size, 0.0, 4), unit.name)
+}
+
+/// A share as a percentage of three digits, and as many more as it takes to keep it on its side of 100 %.
+pub fn percent(share: f64) -> String {
+    let value = 100.0 * share;
+    let plain = digits(value, 0.0, 3);
+    if value == 100.0 || plain != "100" {
+        return plain;
+    }
+    let exact = (4..17).map(|n| digits(value, 0.0, n)).find(|s| s.trim_end_matches(['0', '.']) != "1");
+    exact.unwrap_or_else(|| format!("{value:?}"))
+}
+
+/// A factor that a user may rely on, as a percentage: rounded down to three digits.
+pub fn percent_down(share: f64) -> String {
+    let value = 100.0 * share;
+    let step = 10f64.powi(2 - value.abs().log10().floor().clamp(-300.0, 2.0) as i32);
+    // The product may round up past an integer that the value does not reach; a number that is three digits long stays.
+    let below = (value * step * (1.0 + 1e-12)).floor() / step;
+    digits(if value > 0.0 { below } else { 0.0 }, 0.0, 3)
+}
+
+/// At most `most` significant digits, none finer than the error; whole digits are never rounded away.
+///
+/// Very large and very small numbers are written with a power of ten.
+pub fn digits(value: f64, error: f64, most: i32) -> String {
+    if !value.is_finite() {
+        return "not finite".to_owned();
+    }
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let exponent = value.abs().log10().floor() as i32;
+    let finest = if error > 0.0 { -(2.0 * error).log10().ceil() } else { f64::INFINITY };
+    if !(-4..7).contains(&exponent) {
+        let places = (finest + f64::from(exponent)).clamp(0.0, f64::from(most - 1));
+        return format!("{value:.*e}", places as usize);
+    }
+    let places = finest.clamp(0.0, f64::from((most - 1 - exponent).max(0)));
+    format!("{value:.*}", places as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn forces_take_the_unit_of_their_size() {
+        assert_eq!(force(-1.47279e6, 1e-6), "1.473 MN");
+        assert_eq!(force(881_234.0, 1e-6), "881.2 kN");
+        assert_eq!(force(1.4727934, 1e-12), "1.473 N");
+        assert_eq!(force(0.0, 1e-12), "0 N");
+        assert_eq!(force(1e300, 1e280), "1.000e294 MN");
+    }
+
+    #[test]
+    fn no_digit_is_finer_than_the_error() {
+        assert_eq!(force(1.47279e6, 4e3), "1.47 MN");
+        assert_eq!(force(1.47279e6, 6e3), "1.5 MN");
+        assert_eq!(force(1.47279e6, 1e9), "1 MN");
+    }
+
+    #[test]
+    fn a_percentage_stays_on_its_side_of_100() {
+        assert_eq!(percent(0.88123), "88.1");
+        assert_eq!(percent(1.0), "100");
+        assert_eq!(percent(0.999_999_9), "99.99999");
+        assert_eq!(percent(1.000_01), "100.001");
+        assert_eq!(percent(1.4728), "147");
+    }
+
+    #[test]
+    fn a_factor_to_rely_on_is_rounded_down() {
+        assert_eq!(percent_down(0.6199), "61.9");
+        assert_eq!(percent_down(0.67899), "67.8");
+        assert_eq!(percent_down(0.61), "61.0");
+        assert_eq!(percent_down(1.3599), "135");
+        assert_eq!(percent_down(0.0), "0");
+    }
+}

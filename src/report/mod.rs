@@ -87,7 +87,16 @@ fn pictures(train: &Train, scenario: &ScenarioFindings) -> Vec<Picture> {
         Some(b) => format!(", when coupler {b} breaks"),
         None => String::new(),
     };
-    let caption = format!("Force in the worst coupler, {}{when}.", words::place(worst));
+    let shown = match figures::window(train, case, worst) {
+        (from, to) if to - from < case.horizon_s => format!(
+            ", from {} to {} of {}",
+            numbers::brief_time(from),
+            numbers::brief_time(to),
+            numbers::brief_time(case.horizon_s)
+        ),
+        _ => String::new(),
+    };
+    let caption = format!("Force in the worst coupler, {}{when}{shown}.", words::place(worst));
     all.push(picture("force", caption, &|n| figures::history(train, index, case, worst, n)));
     all
 }

@@ -43,10 +43,37 @@ pub fn time(value_s: f64) -> String {
     format!("{} {}", digits(value_s / unit.size, 0.0, 4), unit.name)
 }
 
-/// A mass with unit.
-pub fn mass(value_kg: f64) -> String {
-    let unit = unit_for(&MASS, value_kg);
-    format!("{} {}", digits(value_kg / unit.size, 0.0, 4), unit.name)
+/// A force that was given, not computed, without its sign: up to six digits, no trailing zeros.
+pub fn given_force(value_n: f64) -> String {
+    given(&FORCE, value_n.abs())
+}
+
+/// A time that was given.
+pub fn given_time(value_s: f64) -> String {
+    given(&TIME, value_s)
+}
+
+/// A mass that was given.
+pub fn given_mass(value_kg: f64) -> String {
+    given(&MASS, value_kg)
+}
+
+/// A time of four digits without trailing zeros.
+pub fn brief_time(value_s: f64) -> String {
+    let text = time(value_s);
+    text.split_once(' ').map_or_else(|| text.clone(), |(number, unit)| format!("{} {unit}", without_zeros(number)))
+}
+
+fn given(units: &[Unit], value: f64) -> String {
+    let unit = unit_for(units, value);
+    format!("{} {}", without_zeros(&digits(value / unit.size, 0.0, 6)), unit.name)
+}
+
+/// A number without the zeros that end its fraction.
+pub fn without_zeros(number: &str) -> String {
+    let (mantissa, power) = number.split_once('e').map_or((number, None), |(m, p)| (m, Some(p)));
+    let mantissa = if mantissa.contains('.') { mantissa.trim_end_matches('0').trim_end_matches('.') } else { mantissa };
+    power.map_or_else(|| mantissa.to_owned(), |p| format!("{mantissa}e{p}"))
 }
 
 /// A share as a percentage of three digits, and as many more as it takes to keep it on its side of 100 %.
@@ -100,6 +127,15 @@ mod tests {
         assert_eq!(force(1.4727934, 1e-12), "1.473 N");
         assert_eq!(force(0.0, 1e-12), "0 N");
         assert_eq!(force(1e300, 1e280), "1.000e294 MN");
+    }
+
+    #[test]
+    fn given_numbers_have_no_trailing_zeros() {
+        assert_eq!(given_force(-600e3), "600 kN");
+        assert_eq!(given_force(1.5e6), "1.5 MN");
+        assert_eq!(given_time(0.06), "60 ms");
+        assert_eq!(given_mass(16.8e6), "16800 t");
+        assert_eq!(given_mass(1e300), "1e297 t");
     }
 
     #[test]

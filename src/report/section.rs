@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::markdown::Picture;
-use super::numbers::{digits, force, percent, percent_down, time};
+use super::numbers::{brief_time, digits, force, given_force, percent, percent_down, time};
 use super::words;
 use crate::consist::Train;
 use crate::findings::{CaseFindings, CouplerFindings, ScenarioFindings};
@@ -50,7 +50,6 @@ pub fn section(train: &Train, scenario: &ScenarioFindings, pictures: &[Picture])
     let cases = &scenario.cases;
     let single = if let [case] = &cases[..] { Some(case) } else { None };
     let factor = cases.iter().filter_map(|c| c.safe_load_factor).reduce(f64::min);
-    let (low, high) = cases.iter().map(|c| c.horizon_s).fold((f64::INFINITY, 0.0f64), |(l, h), t| (l.min(t), h.max(t)));
     let watched = cases.iter().any(|c| c.worst.is_some());
     Section {
         heading: scenario.name.clone(),
@@ -65,8 +64,8 @@ pub fn section(train: &Train, scenario: &ScenarioFindings, pictures: &[Picture])
         rod: words::rod(scenario),
         methods: methods(cases),
         accuracy: accuracy(cases),
-        horizon: if low == high { time(high) } else { format!("{} to {}", time(low), time(high)) },
-        run_time: time(cases.iter().map(|c| c.run_time_s).sum()),
+        horizon: horizon(cases),
+        run_time: run_time(cases),
     }
 }
 
@@ -81,7 +80,7 @@ fn exceeding_row(c: &CouplerFindings, case: &CaseFindings) -> Vec<String> {
         c.coupler.to_string(),
         c.between.join(", "),
         demand(c, case),
-        force(words::rating(c), 0.0),
+        given_force(words::rating(c)),
         format!("{} %", percent(c.utilisation)),
         time(c.peak_time_s),
         c.first_exceeds_s.map(time).unwrap_or_default(),
@@ -146,6 +145,16 @@ fn methods(cases: &[CaseFindings]) -> Vec<String> {
     let several = said.len() > 1;
     let count = |n: usize| if several { format!(" ({})", words::count(n, "case")) } else { String::new() };
     said.iter().map(|(text, n)| format!("{}{}.", text.trim_end_matches('.'), count(*n))).collect()
+}
+
+fn horizon(cases: &[CaseFindings]) -> String {
+    let (low, high) = cases.iter().fold((f64::INFINITY, 0.0f64), |(l, h), c| (l.min(c.horizon_s), h.max(c.horizon_s)));
+    if low < high { format!("{} to {}", brief_time(low), brief_time(high)) } else { brief_time(high) }
+}
+
+fn run_time(cases: &[CaseFindings]) -> String {
+    let total = time(cases.iter().map(|c| c.run_time_s).sum());
+    if cases.len() > 1 { format!("{total}, summed over {} cases", cases.len()) } else { total }
 }
 
 fn accuracy(cases: &[CaseFindings]) -> String {

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::{CellAlignment, LineStyle, Table, presets};
 
 use super::numbers::{force, percent, time};
 use super::words;
@@ -47,7 +47,7 @@ fn table(scenario: &ScenarioFindings) -> Option<Table> {
     rows.sort_by(|a, b| b.1.utilisation.total_cmp(&a.1.utilisation));
     let broken = scenario.kind == "break";
     let mut table = Table::new();
-    table.load_style(presets::UTF8_HORIZONTAL_ONLY);
+    table.load_style(presets::UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none()));
     let columns = ["breaks", "worst coupler", "utilisation", "force", "at", "exceeding", "first exceedance"];
     table.set_header(&columns[usize::from(!broken)..]);
     for (case, worst) in rows.iter().take(ROWS) {
@@ -65,9 +65,6 @@ fn table(scenario: &ScenarioFindings) -> Option<Table> {
     }
     for column in table.column_iter_mut() {
         column.set_cell_alignment(CellAlignment::Right);
-    }
-    if rows.len() > ROWS {
-        table.add_row([format!("... {} more", rows.len() - ROWS)]);
     }
     Some(table)
 }

@@ -1,6 +1,6 @@
 //! The train and its scales, as rows of a table.
 
-use super::numbers::{digits, force, mass, time};
+use super::numbers::{brief_time, digits, given_force, given_mass, without_zeros};
 use super::words::{count, sense};
 use crate::consist::{Train, Vehicle};
 use crate::scenario;
@@ -8,9 +8,10 @@ use crate::scenario;
 /// What the train is: name and value of each fact that it has.
 pub fn train_facts(train: &Train) -> Vec<[String; 2]> {
     let wave = scenario::wave(train);
+    let four = |x: f64| without_zeros(&digits(x, 0.0, 4));
     let speed = match wave.metres_per_s {
-        Some(v) => format!("{} vehicles/s, {} m/s", digits(wave.vehicles_per_s, 0.0, 4), digits(v, 0.0, 4)),
-        None => format!("{} vehicles/s", digits(wave.vehicles_per_s, 0.0, 4)),
+        Some(v) => format!("{} vehicles/s, {} m/s", four(wave.vehicles_per_s), four(v)),
+        None => format!("{} vehicles/s", four(wave.vehicles_per_s)),
     };
     let couplers = &train.couplers;
     let live: Vec<&Vehicle> = train.vehicles.iter().filter(|v| !v.held).collect();
@@ -21,20 +22,20 @@ pub fn train_facts(train: &Train) -> Vec<[String; 2]> {
     };
     let mut rows = vec![
         ["vehicles, couplers".to_owned(), format!("{}, {}", train.vehicles.len(), couplers.len())],
-        ["total mass".to_owned(), mass(train.vehicles.iter().map(|v| v.mass_kg).sum())],
-        ["mass of a vehicle".to_owned(), span(train.vehicles.iter().map(|v| v.mass_kg), mass)],
+        ["total mass".to_owned(), given_mass(train.vehicles.iter().map(|v| v.mass_kg).sum())],
+        ["mass of a vehicle".to_owned(), span(train.vehicles.iter().map(|v| v.mass_kg), given_mass)],
     ];
-    rows.extend(length(train).map(|l| ["length over couplers".to_owned(), format!("{} m", digits(l, 0.0, 4))]));
+    rows.extend(length(train).map(|l| ["length over couplers".to_owned(), format!("{} m", four(l))]));
     rows.extend(held(train).map(|h| ["held at their speed".to_owned(), h]));
-    let stiffness = span(couplers.iter().map(|c| c.stiffness_n_per_m), |k| format!("{}/m", force(k, 0.0)));
+    let stiffness = span(couplers.iter().map(|c| c.stiffness_n_per_m), |k| format!("{}/m", given_force(k)));
     rows.extend([
         ["stiffness of a coupler".to_owned(), stiffness],
-        ["rated in draft".to_owned(), span(couplers.iter().map(|c| c.rated_draft_n), |f| force(f, 0.0))],
-        ["rated in buff".to_owned(), span(couplers.iter().map(|c| c.rated_buff_n), |f| force(f, 0.0))],
+        ["rated in draft".to_owned(), span(couplers.iter().map(|c| c.rated_draft_n), given_force)],
+        ["rated in buff".to_owned(), span(couplers.iter().map(|c| c.rated_buff_n), given_force)],
         ["load before the event".to_owned(), load(train)],
-        [unit.to_owned(), time(wave.time_unit_s)],
+        [unit.to_owned(), brief_time(wave.time_unit_s)],
         ["wave speed".to_owned(), speed],
-        ["one-way transit of the train".to_owned(), time(wave.transit_s)],
+        ["one-way transit of the train".to_owned(), brief_time(wave.transit_s)],
     ]);
     rows
 }
@@ -64,7 +65,7 @@ fn load(train: &Train) -> String {
     if forces().all(|f| f == 0.0) {
         return "none".to_owned();
     }
-    let one = |f: f64| if f == 0.0 { "0 N".to_owned() } else { format!("{} in {}", force(f, 0.0), sense(f)) };
+    let one = |f: f64| if f == 0.0 { "0 N".to_owned() } else { format!("{} in {}", given_force(f), sense(f)) };
     if equal(&train.initial_force_n, |&f| f) {
         return format!("{} in {}", one(train.initial_force_n[0]), count(train.couplers.len(), "coupler"));
     }

@@ -1,6 +1,6 @@
 //! What the findings come to, in sentences: plain text, shared by the report and the terminal.
 
-use super::numbers::{force, percent, percent_down, time};
+use super::numbers::{given_force, given_time, percent, percent_down, time};
 use crate::consist::Train;
 use crate::findings::{CaseFindings, CouplerFindings, ScenarioFindings};
 use crate::scenario::{Event, Scenario};
@@ -49,7 +49,7 @@ pub fn event(train: &Train, event: &Event) -> String {
                 let names = [b, b + 1].map(|v| train.vehicles[v].label.as_str());
                 let carried = match load {
                     0.0 => "which carries no force".to_owned(),
-                    _ => format!("which carries {} in {}", force(load, 0.0), sense(load)),
+                    _ => format!("which carries {} in {}", given_force(load), sense(load)),
                 };
                 format!("Coupler {}, between {} and {}, {carried}, breaks at t = 0.", b + 1, names[0], names[1])
             }
@@ -63,7 +63,7 @@ pub fn event(train: &Train, event: &Event) -> String {
         Event::Pulse { vehicle, force_n, duration_s } => {
             let way = if *force_n < 0.0 { "backward" } else { "forward" };
             let label = &train.vehicles[*vehicle].label;
-            let (size, lasting) = (force(*force_n, 0.0), time(*duration_s));
+            let (size, lasting) = (given_force(*force_n), given_time(*duration_s));
             format!(
                 "A constant force of {size} pulls vehicle {} ({label}) {way} from t = 0 for {lasting}.",
                 vehicle + 1
@@ -72,14 +72,9 @@ pub fn event(train: &Train, event: &Event) -> String {
     }
 }
 
-/// In which senses a coupler exceeds its rating.
-fn senses(c: &CouplerFindings) -> String {
-    let draft = c.peak_draft_n.is_some_and(|f| f > c.rated_draft_n);
-    let buff = c.peak_buff_n.is_some_and(|f| -f > c.rated_buff_n);
-    match (draft, buff) {
-        (true, true) => "draft and in buff".to_owned(),
-        _ => sense(c.peak_force_n).to_owned(),
-    }
+/// Whether a coupler exceeds its rating in draft at one time and in buff at another.
+fn exceeds_both_ways(c: &CouplerFindings) -> bool {
+    c.peak_draft_n.is_some_and(|f| f > c.rated_draft_n) && c.peak_buff_n.is_some_and(|f| -f > c.rated_buff_n)
 }
 
 /// The couplers that exceed, worst first.
@@ -143,7 +138,11 @@ fn verdict_exceeding(case: &CaseFindings) -> String {
             None => "at a time not found".to_owned(),
         };
         let word = if case.exceeding == 1 { "it is" } else { "the first is" };
-        format!("; {word} {}, in {}, {when}", place(c), senses(c))
+        if exceeds_both_ways(c) {
+            format!("; {word} {}, {when}, and it does so in draft and in buff", place(c))
+        } else {
+            format!("; {word} {}, in {}, {when}", place(c), sense(c.peak_force_n))
+        }
     });
     let open = match case.undecided {
         0 => String::new(),

@@ -2,7 +2,7 @@
 
 use kuva::plot::scatter::MarkerShape;
 
-use super::{BLACK, BLUE, Figure, VERMILLION, range_with_air};
+use super::{BLACK, BLUE, Figure, RATED, VERMILLION, count_couplers, range_with_air};
 use crate::findings::ScenarioFindings;
 
 /// The worst coupler's utilisation by broken coupler, as SVG.
@@ -16,12 +16,12 @@ pub fn breaks(scenario: &ScenarioFindings, couplers: usize, name: &str) -> Strin
     let which = |over: bool| points.iter().filter(|p| p.1 == over).map(|p| p.0).collect::<Vec<_>>();
     let x = (0.5, couplers as f64 + 0.5);
     let mut figure = Figure::new(name);
-    figure.line(vec![(x.0, 100.0), (x.1, 100.0)], BLACK, 1.2, Some("7 4"), Some("the rating"));
+    figure.line(vec![(x.0, 100.0), (x.1, 100.0)], BLACK, 1.2, Some(RATED), Some("the rating"));
     figure.line(points.iter().map(|p| p.0).collect(), BLUE, 1.0, None, None);
     figure.markers(which(false), BLUE, MarkerShape::Circle, 3.0, Some("no coupler exceeds"));
-    figure.markers(which(true), VERMILLION, MarkerShape::Diamond, 4.5, Some("some coupler exceeds"));
+    figure.markers(which(true), VERMILLION, MarkerShape::Diamond, 4.0, Some("some coupler exceeds"));
     let y = range_with_air(points.iter().map(|p| p.0.1).chain([100.0]));
     let layout =
         figure.layout(x, y, "coupler that breaks, counted from the head", "utilisation of the worst coupler, %");
-    figure.svg(layout)
+    figure.svg(count_couplers(layout, couplers))
 }

@@ -3,8 +3,10 @@
 use kuva::plot::BandPlot;
 use kuva::plot::scatter::MarkerShape;
 use kuva::render::annotations::{ReferenceLine, TextAnnotation};
+use kuva::render::layout::Layout;
 
-use super::{BLACK, BLUE, Figure, GREEN, GREY, TEXT_SIZE, VERMILLION, range_with_air, steps};
+use super::place::{Window, half_width};
+use super::{BLACK, BLUE, Figure, GREEN, GREY, RATED, TEXT_SIZE, VERMILLION, count_couplers, range_with_air, steps};
 use crate::consist::Train;
 use crate::findings::ScenarioFindings;
 use crate::report::numbers::force_unit;
@@ -58,8 +60,8 @@ pub fn envelope(train: &Train, scenario: &ScenarioFindings, name: &str) -> Strin
         let values: Vec<_> = train.couplers.iter().map(|c| Some(scaled(value(c)))).collect();
         steps(&values).into_iter().flatten().collect::<Vec<_>>()
     };
-    figure.line(rated(|c| c.rated_draft_n), BLACK, 1.2, Some("7 4"), Some("rated, in draft (+) and in buff (−)"));
-    figure.line(rated(|c| -c.rated_buff_n), BLACK, 1.2, Some("7 4"), None);
+    figure.line(rated(|c| c.rated_draft_n), BLACK, 1.2, Some(RATED), Some("rated"));
+    figure.line(rated(|c| -c.rated_buff_n), BLACK, 1.2, Some(RATED), None);
     let over = |(i, e): (usize, &Extremes)| {
         let at = i as f64 + 1.0;
         let draft = e.draft.filter(|_| e.over_draft).map(|f| (at, scaled(f)));
@@ -72,23 +74,25 @@ pub fn envelope(train: &Train, scenario: &ScenarioFindings, name: &str) -> Strin
     let y = range_with_air(ratings.chain(peaks).map(scaled));
     let x = (0.5, train.couplers.len() as f64 + 0.5);
     let y_label = format!("force, {} (draft +, buff −)", unit.name);
-    let mut layout = figure.layout(x, y, "coupler, counted from the head", &y_label);
-    if let [case] = &scenario.cases[..]
-        && let Some(broken) = case.broken_coupler
-    {
-        let at = broken as f64;
-        // The label stands on the side with more room.
-        let left = at > 0.5 * (x.0 + x.1);
-        let label = format!("coupler {broken} breaks");
-        let offset = 0.5 * label.len() as f64 * 7.2 / super::INNER.0 * (x.1 - x.0) + 0.012 * (x.1 - x.0);
-        layout = layout
-            .with_reference_line(
-                ReferenceLine::vertical(at).with_color(GREY).with_stroke_width(1.4).with_dasharray("2 3"),
-            )
-            .with_annotation(
-                TextAnnotation::new(label, if left { at - offset } else { at + offset }, y.0 + 0.5 * (y.1 - y.0))
-                    .with_font_size(TEXT_SIZE - 1),
-            );
-    }
+    let layout = count_couplers(figure.layout(x, y, "coupler, counted from the head", &y_label), train.couplers.len());
+    let broken = if let [case] = &scenario.cases[..] { case.broken_coupler } else { None };
+    let layout = match broken {
+        Some(broken) => mark_broken(layout, broken, Window { x, y }),
+        None => layout,
+    };
     figure.svg(layout)
+}
+
+/// A line where the broken coupler was, with its label on the side that has more room.
+fn mark_broken(layout: Layout, broken: usize, window: Window) -> Layout {
+    let (x, y) = (window.x, window.y);
+    let at = broken as f64;
+    let label = format!("coupler {broken} breaks");
+    let aside = half_width(&label, window) + 0.015 * (x.1 - x.0);
+    let label_at = if at > 0.5 * (x.0 + x.1) { at - aside } else { at + aside };
+    let line = ReferenceLine::vertical(at).with_color(GREY).with_stroke_width(1.4).with_dasharray("2 3");
+    let height = y.0 + 0.52 * (y.1 - y.0);
+    layout
+        .with_reference_line(line)
+        .with_annotation(TextAnnotation::new(label, label_at, height).with_font_size(TEXT_SIZE))
 }

@@ -6,10 +6,11 @@
 mod breaks;
 mod envelope;
 mod history;
+mod place;
 
 pub use breaks::breaks;
 pub use envelope::envelope;
-pub use history::history;
+pub use history::{history, window};
 
 use kuva::plot::legend::{LegendEntry, LegendPosition, LegendShape};
 use kuva::plot::line::{LinePlot, LineStyle};
@@ -27,9 +28,9 @@ const VERMILLION: &str = "#d55e00";
 
 const WIDTH: f64 = 860.0;
 const HEIGHT: f64 = 480.0;
-/// The part of the picture that the axes leave for the data, roughly; places for labels are judged by it.
-const INNER: (f64, f64) = (760.0, 360.0);
 const TEXT_SIZE: u32 = 15;
+/// Dashes of a rating's line, twice over so that the legend shows two of them.
+const RATED: &str = "4 3 4 3";
 
 /// A figure under way: what is drawn, and the legend that says what it is.
 struct Figure {
@@ -85,7 +86,10 @@ impl Figure {
             .with_box_axes()
             .with_show_grid(false)
             .with_ticks(7)
-            .with_clamp_axis()
+            .with_x_axis_min(x.0)
+            .with_x_axis_max(x.1)
+            .with_y_axis_min(y.0)
+            .with_y_axis_max(y.1)
             .with_y_tick_format(minus_signs())
             .with_legend_position(LegendPosition::OutsideBottomColumns)
             .with_legend_entries(self.legend.clone())
@@ -119,6 +123,11 @@ fn name_clip_path(svg: &str, name: &str) -> String {
     }
     out.push_str(rest);
     out
+}
+
+/// Ticks of an axis that counts couplers: never between two of them.
+fn count_couplers(layout: Layout, couplers: usize) -> Layout {
+    if couplers < 10 { layout.with_x_tick_step(1.0) } else { layout }
 }
 
 /// The range of the values, zero included, with some air at both ends.

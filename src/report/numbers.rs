@@ -79,21 +79,25 @@ pub fn without_zeros(number: &str) -> String {
 /// A share as a percentage of three digits, and as many more as it takes to keep it on its side of 100 %.
 pub fn percent(share: f64) -> String {
     let value = 100.0 * share;
-    let plain = digits(value, 0.0, 3);
-    if value == 100.0 || plain != "100" {
-        return plain;
-    }
-    let exact = (4..17).map(|n| digits(value, 0.0, n)).find(|s| s.trim_end_matches(['0', '.']) != "1");
-    exact.unwrap_or_else(|| format!("{value:?}"))
+    let is_100 = |text: &String| text.parse() == Ok(100.0);
+    let shown = (3..18).map(|most| digits(value, 0.0, most)).find(|text| value == 100.0 || !is_100(text));
+    shown.unwrap_or_else(|| format!("{value:?}"))
 }
 
-/// A factor that a user may rely on, as a percentage: rounded down to three digits.
-pub fn percent_down(share: f64) -> String {
-    let value = 100.0 * share;
-    let step = 10f64.powi(2 - value.abs().log10().floor().clamp(-300.0, 2.0) as i32);
-    // The product may round up past an integer that the value does not reach; a number that is three digits long stays.
-    let below = (value * step * (1.0 + 1e-12)).floor() / step;
-    digits(if value > 0.0 { below } else { 0.0 }, 0.0, 3)
+/// A number that a user may rely on as a bound from below: rounded down to three digits.
+pub fn down(value: f64) -> String {
+    if value <= 0.0 || !value.is_finite() {
+        return digits(value, 0.0, 3);
+    }
+    let step = 10f64.powi(2 - value.log10().floor().clamp(-300.0, 2.0) as i32);
+    // A number of three digits keeps them all, though its double lies a little under it.
+    digits((value * step * (1.0 + 1e-12)).floor() / step, 0.0, 3)
+}
+
+/// The interval `value` +- `error`, with as many digits as tell its ends apart.
+pub fn interval(value: f64, error: f64) -> [String; 2] {
+    let places = if error > 0.0 { (1.0 - error.log10().floor()).clamp(0.0, 20.0) as usize } else { 20 };
+    [value - error, value + error].map(|end| without_zeros(&format!("{end:.places$}")))
 }
 
 /// At most `most` significant digits, none finer than the error; whole digits are never rounded away.
@@ -155,11 +159,18 @@ mod tests {
     }
 
     #[test]
-    fn a_factor_to_rely_on_is_rounded_down() {
-        assert_eq!(percent_down(0.6199), "61.9");
-        assert_eq!(percent_down(0.67899), "67.8");
-        assert_eq!(percent_down(0.61), "61.0");
-        assert_eq!(percent_down(1.3599), "135");
-        assert_eq!(percent_down(0.0), "0");
+    fn a_bound_from_below_is_rounded_down() {
+        assert_eq!(down(61.99), "61.9");
+        assert_eq!(down(100.0 * 0.67899), "67.8");
+        assert_eq!(down(100.0 * 0.61), "61.0");
+        assert_eq!(down(2.7579), "2.75");
+        assert_eq!(down(135.99), "135");
+        assert_eq!(down(0.0), "0");
+    }
+
+    #[test]
+    fn the_ends_of_an_interval_differ() {
+        assert_eq!(interval(884_750.0, 90e3), ["794750", "974750"]);
+        assert_eq!(interval(1.0, 2e-7), ["0.9999998", "1.0000002"]);
     }
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::markdown::Picture;
-use super::numbers::{brief_time, digits, force, given_force, percent, percent_down, time};
+use super::numbers::{brief_time, digits, down, force, given_force, percent, time};
 use super::words;
 use crate::consist::Train;
 use crate::findings::{CaseFindings, CouplerFindings, ScenarioFindings};
@@ -58,7 +58,7 @@ pub fn section(train: &Train, scenario: &ScenarioFindings, pictures: &[Picture])
         safe_load: event.filter(|_| watched).map(|e| words::safe_load(train, e, factor)).unwrap_or_default(),
         exceeding: single.and_then(|case| table(words::exceeding(case), |c| exceeding_row(c, case))),
         undecided: single.and_then(|case| table(words::undecided(case), |c| undecided_row(c, case))),
-        breaks: if single.is_none() { table(harmful(scenario), |c| break_row(c)) } else { None },
+        breaks: if single.is_none() { table(harmful(scenario), break_row) } else { None },
         often: if single.is_none() { often(scenario) } else { None },
         figures: pictures.iter().map(|p| Figure { file: p.file.clone(), caption: p.caption.clone() }).collect(),
         rod: words::rod(scenario),
@@ -112,7 +112,7 @@ fn break_row((case, worst): (&CaseFindings, &CouplerFindings)) -> Vec<String> {
         demand(worst, case),
         format!("{} %", percent(worst.utilisation)),
         time(worst.peak_time_s),
-        case.safe_load_factor.map(|f| format!("{} %", percent_down(f))).unwrap_or_default(),
+        case.safe_load_factor.map(|f| format!("{} %", down(100.0 * f))).unwrap_or_default(),
     ]
 }
 
@@ -163,7 +163,7 @@ fn accuracy(cases: &[CaseFindings]) -> String {
     let write = |f: f64| format!("{} N", digits(f, 0.0, 2));
     let met = if cases.iter().all(|c| c.error_bound_n <= c.tolerance_n) { "asked for" } else { "not met; asked for" };
     format!(
-        "no reported force is further than {} from the exact solution of the model; the bound covers rounding, truncation \
+        "No reported force is further than {} from the exact solution of the model; the bound covers rounding, truncation \
          and the search for peaks between instants ({met}: {}).",
         write(bound),
         write(asked)

@@ -1,6 +1,6 @@
 //! What the findings come to, in sentences: plain text, shared by the report and the terminal.
 
-use super::numbers::{given_force, given_time, percent, percent_down, time};
+use super::numbers::{digits, down, given_force, given_time, percent, time};
 use crate::consist::Train;
 use crate::findings::{CaseFindings, CouplerFindings, ScenarioFindings};
 use crate::scenario::{Event, Scenario};
@@ -117,11 +117,13 @@ pub fn verdict(case: &CaseFindings) -> String {
         return format!("No coupler would exceed its rating {when}: no force arises in any.");
     }
     format!(
-        "No coupler would exceed its rating {when}: the most used is {}, at {} % of its rating in {}, {}.",
+        "No coupler would exceed its rating {when}: the most used is {}, at {} % of its rating in {}, {}, a margin of \
+         {} %.",
         place(worst),
         percent(worst.utilisation),
         sense(worst.peak_force_n),
         moment(worst.peak_time_s, case),
+        digits(100.0 * (1.0 - worst.utilisation), 0.0, 3),
     )
 }
 
@@ -158,8 +160,8 @@ pub fn moment(time_s: f64, case: &CaseFindings) -> String {
 
 /// The interval in which a peak force lies, with the digits that it takes to tell its ends apart.
 pub fn interval(c: &CouplerFindings, error_n: f64) -> String {
-    let peak = c.peak_force_n.abs();
-    format!("between {} N and {} N in {}", peak - error_n, peak + error_n, sense(c.peak_force_n))
+    let [low, high] = super::numbers::interval(c.peak_force_n.abs(), error_n);
+    format!("between {low} N and {high} N in {}", sense(c.peak_force_n))
 }
 
 /// The verdict on a scenario of many cases, in one sentence.
@@ -203,8 +205,8 @@ pub fn safe_load(train: &Train, event: &Event, factor: Option<f64>) -> String {
         Some(0.0) => format!("Some coupler is at or over its rating however small {cause} is."),
         Some(f) => format!(
             "No coupler exceeds up to {} % of this {what} (a safety factor of {} against the ratings).",
-            percent_down(f),
-            super::numbers::digits((f * 1000.0 * (1.0 + 1e-12)).floor() / 1000.0, 0.0, 3)
+            down(100.0 * f),
+            down(f)
         ),
     }
 }

@@ -6,10 +6,12 @@ use kuva::render::annotations::{ReferenceLine, TextAnnotation};
 use kuva::render::layout::Layout;
 
 use super::place::{Window, half_width};
-use super::{BLACK, BLUE, Figure, GREEN, GREY, RATED, TEXT_SIZE, VERMILLION, count_couplers, range_with_air, steps};
-use crate::consist::Train;
+use super::{
+    BLACK, BLUE, Figure, GREEN, GREY, RATED, TEXT_SIZE, VERMILLION, count_couplers, marker_size, range_with_air, steps,
+};
+use crate::consist::{Coupler, Train};
 use crate::findings::ScenarioFindings;
-use crate::report::numbers::force_unit;
+use crate::report::numbers::{Unit, force_unit};
 
 /// Extremes of one coupler over all cases of a scenario, N; `None` where it has no findings.
 #[derive(Clone, Copy, Default)]
@@ -37,42 +39,24 @@ fn extremes(train: &Train, scenario: &ScenarioFindings) -> Vec<Extremes> {
 /// The envelope of a scenario, over all its cases, as SVG.
 pub fn envelope(train: &Train, scenario: &ScenarioFindings, name: &str) -> String {
     let all = extremes(train, scenario);
-    let ratings = train.couplers.iter().flat_map(|c| [c.rated_draft_n, -c.rated_buff_n]);
-    let peaks = all.iter().flat_map(|e| [e.draft, e.buff]).flatten();
-    let largest = ratings.clone().chain(peaks.clone()).fold(0.0, |m: f64, f| m.max(f.abs()));
-    let unit = force_unit(largest);
-    let scaled = |f: f64| f / unit.size;
-
+    let forces = || {
+        let ratings = train.couplers.iter().flat_map(|c| [c.rated_draft_n, -c.rated_buff_n]);
+        ratings.chain(all.iter().flat_map(|e| [e.draft, e.buff]).flatten())
+    };
+    let unit = force_unit(forces().fold(0.0, |m: f64, f| m.max(f.abs())));
     let mut figure = Figure::new(name);
-    let draft: Vec<_> = all.iter().map(|e| e.draft.map(scaled)).collect();
-    let buff: Vec<_> = all.iter().map(|e| e.buff.map(scaled)).collect();
-    for (high, low) in steps(&draft).into_iter().zip(steps(&buff)) {
-        let x = high.iter().map(|p| p.0);
-        let band = BandPlot::new(x, low.iter().map(|p| p.1), high.iter().map(|p| p.1));
-        figure.plots.push(band.with_color(GREY).with_opacity(0.12).into());
-    }
-    for (runs, color, label) in [(steps(&draft), BLUE, "largest draft"), (steps(&buff), GREEN, "largest buff")] {
-        for (i, run) in runs.into_iter().enumerate() {
-            figure.line(run, color, 2.0, None, (i == 0).then_some(label));
-        }
-    }
-    let rated = |value: fn(&crate::consist::Coupler) -> f64| {
-        let values: Vec<_> = train.couplers.iter().map(|c| Some(scaled(value(c)))).collect();
-        steps(&values).into_iter().flatten().collect::<Vec<_>>()
-    };
-    figure.line(rated(|c| c.rated_draft_n), BLACK, 1.2, Some(RATED), Some("rated"));
-    figure.line(rated(|c| -c.rated_buff_n), BLACK, 1.2, Some(RATED), None);
+    draw_extremes(&mut figure, &all, unit);
+    draw_ratings(&mut figure, train, unit);
     let over = |(i, e): (usize, &Extremes)| {
-        let at = i as f64 + 1.0;
-        let draft = e.draft.filter(|_| e.over_draft).map(|f| (at, scaled(f)));
-        let buff = e.buff.filter(|_| e.over_buff).map(|f| (at, scaled(f)));
-        [draft, buff].into_iter().flatten()
+        let sides = [e.draft.filter(|_| e.over_draft), e.buff.filter(|_| e.over_buff)];
+        sides.into_iter().flatten().map(move |f| (i as f64 + 1.0, f / unit.size))
     };
-    let over: Vec<_> = all.iter().enumerate().flat_map(over).collect();
-    figure.markers(over, VERMILLION, MarkerShape::Diamond, 4.5, Some("exceeds its rating"));
+    let over = all.iter().enumerate().flat_map(over).collect();
+    let size = marker_size(train.couplers.len());
+    figure.markers(over, VERMILLION, MarkerShape::Diamond, size, Some("exceeds its rating"));
 
-    let y = range_with_air(ratings.chain(peaks).map(scaled));
     let x = (0.5, train.couplers.len() as f64 + 0.5);
+    let y = range_with_air(forces().map(|f| f / unit.size));
     let y_label = format!("force, {} (draft +, buff −)", unit.name);
     let layout = count_couplers(figure.layout(x, y, "coupler, counted from the head", &y_label), train.couplers.len());
     let broken = if let [case] = &scenario.cases[..] { case.broken_coupler } else { None };
@@ -81,6 +65,31 @@ pub fn envelope(train: &Train, scenario: &ScenarioFindings, name: &str) -> Strin
         None => layout,
     };
     figure.svg(layout)
+}
+
+/// Largest draft and buff as lines of steps, and the forces between them as a pale band.
+fn draw_extremes(figure: &mut Figure, all: &[Extremes], unit: Unit) {
+    let draft = steps(&all.iter().map(|e| e.draft.map(|f| f / unit.size)).collect::<Vec<_>>());
+    let buff = steps(&all.iter().map(|e| e.buff.map(|f| f / unit.size)).collect::<Vec<_>>());
+    for (high, low) in draft.iter().zip(&buff) {
+        let x = high.iter().map(|p| p.0);
+        let band = BandPlot::new(x, low.iter().map(|p| p.1), high.iter().map(|p| p.1));
+        figure.plots.push(band.with_color(GREY).with_opacity(0.12).into());
+    }
+    for (runs, color, label) in [(draft, BLUE, "largest draft"), (buff, GREEN, "largest buff")] {
+        for (i, run) in runs.into_iter().enumerate() {
+            figure.line(run, color, 2.0, None, (i == 0).then_some(label));
+        }
+    }
+}
+
+fn draw_ratings(figure: &mut Figure, train: &Train, unit: Unit) {
+    let line = |value: fn(&Coupler) -> f64| {
+        let values: Vec<_> = train.couplers.iter().map(|c| Some(value(c) / unit.size)).collect();
+        steps(&values).concat()
+    };
+    figure.line(line(|c| c.rated_draft_n), BLACK, 1.2, Some(RATED), Some("rated"));
+    figure.line(line(|c| -c.rated_buff_n), BLACK, 1.2, Some(RATED), None);
 }
 
 /// A line where the broken coupler was, with its label on the side that has more room.

@@ -130,6 +130,11 @@ fn count_couplers(layout: Layout, couplers: usize) -> Layout {
     if couplers < 10 { layout.with_x_tick_step(1.0) } else { layout }
 }
 
+/// Size of a marker that does not hide its neighbours, one a coupler.
+fn marker_size(couplers: usize) -> f64 {
+    (300.0 / couplers as f64).clamp(2.5, 4.5)
+}
+
 /// The range of the values, zero included, with some air at both ends.
 fn range_with_air(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let (low, high) = values.fold((0.0f64, 0.0f64), |(l, h), v| (l.min(v), h.max(v)));

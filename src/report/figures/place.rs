@@ -26,7 +26,7 @@ impl Window {
         (share(p.0, self.x) * INNER.0, share(p.1, self.y) * INNER.1)
     }
 
-    fn from_pixels(self, p: Point) -> Point {
+    fn to_data(self, p: Point) -> Point {
         let value = |pixels: f64, inner: f64, range: (f64, f64)| range.0 + pixels / inner * (range.1 - range.0);
         (value(p.0, INNER.0, self.x), value(p.1, INNER.1, self.y))
     }
@@ -72,7 +72,7 @@ pub fn free_place(text: &str, target: Point, lines: &[&[Point]], window: Window)
     let across = (0..=16).map(|i| half + 10.0 + (INNER.0 - 2.0 * half - 20.0) * f64::from(i) / 16.0);
     let places = across.flat_map(|x| (2..16).map(move |j| (x, INNER.1 * f64::from(j) / 16.0)));
     let cheapest = places.map(|p| (cost(p), p)).reduce(|a, b| if b.0 < a.0 { b } else { a });
-    window.from_pixels(cheapest.map_or(target, |(_, place)| place))
+    window.to_data(cheapest.map_or(target, |(_, place)| place))
 }
 
 /// Whether a point lies within a few pixels of a segment.

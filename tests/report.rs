@@ -63,7 +63,7 @@ fn one_break_of_a_real_train_is_told() {
 fn each_break_and_a_shock_have_a_section_each() {
     let hit = Event::Pulse { vehicle: 11, force_n: 1.2e6, duration_s: 0.06 };
     let mut train = uniform("Yard <cut> | 12 *cars*", 12, 90e3, 11e6, 1.0e6, 0.55e6);
-    train.vehicles[3].label = "tank_car [3]".to_owned();
+    train.vehicles[0].label = "tank_car | [1]".to_owned();
     train.scenarios = vec![
         breaks("each", (0..11).collect(), None),
         Scenario { name: "the rear is hit".to_owned(), event: hit, horizon_s: Some(2.0) },
@@ -114,6 +114,48 @@ fn a_train_without_load_or_without_another_coupler_is_no_trouble() {
         format!("{verdict}\n{}", report::terminal(&analysis, None))
     });
     insta::assert_snapshot!(told.join("\n"));
+}
+
+#[test]
+fn a_load_that_is_too_much_by_itself_is_said_to_be() {
+    let mut train = one_break();
+    train.couplers[9].rated_draft_n = 0.5e6;
+    let text = markdown(&train, &analysis_of(&train));
+    let verdict = "the first is coupler 10 (between car 10 and car 11), in draft, before anything happens, under the load alone.**";
+    assert!(text.contains(verdict), "{text}");
+    // 0.5 MN over the largest force of coupler 10, which is a little more than the load of 0.6 MN.
+    // The report rounds the share down to three digits.
+    let share = 0.5e6 / analysis_of(&train).scenarios[0].cases[0].couplers[9].peak_force_n;
+    assert!((0.6..0.84).contains(&share), "{share}");
+    assert!(text.contains(&format!("No coupler exceeds up to {:.1} % of this pull", 100.0 * share - 0.05)), "{text}");
+}
+
+#[test]
+fn a_horizon_too_long_to_draw_is_drawn_in_part_and_said_so() {
+    let mut train = figure_4();
+    train.scenarios[0].horizon_s = Some(2_500.0);
+    let text = markdown(&train, &analysis_of(&train));
+    let caption = text.lines().find(|l| l.starts_with("*Force in the worst")).unwrap_or_default();
+    assert!(caption.contains(" of 2500 s."), "{caption}");
+}
+
+#[test]
+fn bounds_that_settle_the_verdict_are_named() {
+    let mut train = one_break();
+    for c in &mut train.couplers {
+        (c.rated_draft_n, c.rated_buff_n) = (25e6, 25e6);
+    }
+    let mut analysis = analysis_of(&train);
+    for case in cases(&mut analysis) {
+        (case.worst, case.left_out, case.safe_load_factor) = (None, case.couplers.len(), None);
+        case.couplers.clear();
+    }
+    let text = markdown(&train, &analysis);
+    assert!(
+        text.contains("**No coupler can exceed its rating: the all-time bounds of all 103 lie under it.**"),
+        "{text}"
+    );
+    assert!(!text.contains(".svg"), "nothing is left to draw: {text}");
 }
 
 #[test]
@@ -280,6 +322,30 @@ fn figures_are_the_same_bytes_every_time() {
         assert!(clips.iter().all(|c| c.starts_with("clip-path") || c.starts_with(&own)), "{name}");
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "{name}");
     }
+}
+
+#[test]
+fn figures_say_what_they_show() {
+    let train = figure_4();
+    let dir = tempfile::tempdir().expect("a folder");
+    let analysis = analysis_of(&train);
+    report::write(&train, &analysis, dir.path()).expect("written");
+    let svg = |name: &str| fs::read_to_string(dir.path().join(name)).expect("a figure");
+    let (envelope, force) = (svg("figure-1-envelope.svg"), svg("figure-1-force.svg"));
+    for text in ["coupler 51 breaks", "largest draft", "largest buff", "rated", "exceeds its rating", "force, N"] {
+        assert!(envelope.contains(text), "{text}");
+    }
+    for text in ["first over its rating at 53.15 s", "time after the break, s", "force in coupler 1, N"] {
+        assert!(force.contains(text), "{text}");
+    }
+    // One marker per sense in which a coupler exceeds, and one in the legend.
+    let over = |c: &trainsafe::findings::CouplerFindings| {
+        let draft = c.peak_draft_n.is_some_and(|f| f > c.rated_draft_n);
+        let buff = c.peak_buff_n.is_some_and(|f| -f > c.rated_buff_n);
+        usize::from(draft) + usize::from(buff)
+    };
+    let exceeding = analysis.scenarios[0].cases[0].couplers.iter().filter(|c| c.exceeds == Some(true));
+    assert_eq!(envelope.matches("fill=\"#d55e00\"").count(), 1 + exceeding.map(over).sum::<usize>());
 }
 
 #[test]

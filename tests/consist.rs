@@ -285,7 +285,7 @@ fn a_place_far_along_a_line() {
         Err(error) => error.to_string(),
     };
     let far = refused(&format!("horizon = \"1 s\" #{list}\ncoupler = [ {}7]", " ".repeat(30_000)));
-    assert!(far.starts_with("error: the train has no coupler 7\n --> a.toml:10:30013\n"), "{far}");
+    assert!(far.starts_with("error: the train has no coupler 7\n--> a.toml:10:30013\n"), "{far}");
     let near = refused(&format!("coupler = [7] #{list}"));
     assert!(near.contains("a.toml:9:12\n") && near.contains("  ^"), "{near}");
 }

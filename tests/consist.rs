@@ -95,9 +95,11 @@ to be run:
 #[test]
 fn the_template_parses_with_and_without_its_optional_keys() {
     let plain = parse(TEMPLATE);
-    assert_eq!((plain.vehicles.len(), plain.scenarios.len()), (2, 1));
+    assert_eq!((plain.vehicles.len(), plain.scenarios.len()), (105, 1));
+    assert_eq!(warnings(&plain), Vec::<String>::new());
     let all = TEMPLATE.replace("\n#: ", "\n");
     let full = parse(&all);
+    assert_eq!((full.vehicles[0].held, full.vehicles[104].length_m), (true, Some(10.9)));
     assert_eq!((full.vehicles.len(), full.scenarios.len()), (105, 2));
     assert_eq!((full.couplers[52].rated_draft_n, full.couplers[52].rated_buff_n), (0.9e6, 1.5e6));
     let keys = "name stiffness rated_load rated_buff label count mass held length at uniform kind coupler horizon force \
@@ -297,7 +299,7 @@ proptest! {
         let end = (from + len).min(ORE_TRAIN.len());
         let text = format!("{}{with}{}", &ORE_TRAIN[..from], &ORE_TRAIN[end..]);
         match consist::parse(&text, Path::new("a.toml")) {
-            Ok(train) => prop_assert!(!describe(&train).is_empty()),
+            Ok(train) => prop_assert!(describe(&train).contains("to be run:")),
             Err(error) => {
                 let message = error.to_string();
                 prop_assert!(message.starts_with("error: "), "{message}");

@@ -194,7 +194,8 @@ fn doubts(train: &Train, scenario: &Scenario) -> Vec<String> {
     }
     if horizon_s < transit_s {
         let [horizon, transit] = [horizon_s, transit_s].map(|t| shown(t, Dimension::Time));
-        doubts.push(format!("the horizon of {horizon} ends before a wave has crossed the longest part, {transit}"));
+        let what = if scenario.event.kind() == "break" { "the longest part" } else { "the train" };
+        doubts.push(format!("the horizon of {horizon} ends before a wave has crossed {what}, {transit}"));
     }
     doubts
 }

@@ -29,7 +29,8 @@ const LARGEST_FILE: u64 = 16 << 20;
 /// A vehicle: a rigid mass between couplers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Vehicle {
-    /// What a report calls it: the file's `label`, numbered where the group has more than one (`"ore car 7"`).
+    /// What a report calls it: the file's `label`, numbered where the train has it more than once (`"ore car 7"`), or
+    /// `"vehicle 12"` by its place.
     pub label: String,
     /// Mass, kg; finite and > 0.
     pub mass_kg: f64,

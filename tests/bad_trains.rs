@@ -72,7 +72,7 @@ fn a_file_of_100_mb_is_refused_by_its_size() {
     let path = folder.path().join("large.toml");
     File::create(&path).and_then(|file| file.set_len(100_000_000)).expect("a large file");
     let expected = format!(
-        "error: the file is larger than 16 MiB
+        "error: the file has 100 MB, and a train file has at most 16 MiB
 --> {}
  = help: give a train file; `count` in it groups vehicles that are alike",
         path.display()
@@ -83,5 +83,5 @@ fn a_file_of_100_mb_is_refused_by_its_size() {
 #[cfg(unix)]
 #[test]
 fn an_endless_file_is_refused_after_the_limit() {
-    assert!(message(Path::new("/dev/zero")).starts_with("error: the file is larger than 16 MiB"));
+    assert!(message(Path::new("/dev/zero")).starts_with("error: the file has no end in sight, and a train file"));
 }

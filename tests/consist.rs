@@ -95,9 +95,11 @@ to be run:
 #[test]
 fn the_template_parses_with_and_without_its_optional_keys() {
     let plain = parse(TEMPLATE);
-    assert_eq!((plain.vehicles.len(), plain.scenarios.len()), (2, 1));
+    assert_eq!((plain.vehicles.len(), plain.scenarios.len()), (105, 1));
+    assert_eq!(warnings(&plain), Vec::<String>::new());
     let all = TEMPLATE.replace("\n#: ", "\n");
     let full = parse(&all);
+    assert_eq!((full.vehicles[0].held, full.vehicles[104].length_m), (true, Some(10.9)));
     assert_eq!((full.vehicles.len(), full.scenarios.len()), (105, 2));
     assert_eq!((full.couplers[52].rated_draft_n, full.couplers[52].rated_buff_n), (0.9e6, 1.5e6));
     let keys = "name stiffness rated_load rated_buff label count mass held length at uniform kind coupler horizon force \
@@ -231,6 +233,22 @@ fn warnings_say_what_is_likely_not_meant() {
     assert_eq!(warnings(&parse(&two)), [expected]);
 }
 
+/// The shortest and the longest horizon that `describe` names are those of all cases, looked at one by one.
+#[test]
+fn horizons_of_many_cases_are_told_from_the_shortest_to_the_longest() {
+    let uneven =
+        "[[vehicle]]\nmass = \"20 t\"\ncount = 30\n[load]\nuniform = \"1 N\"\n[[scenario]]\nkind = \"break\"\n";
+    for list in ["\"each\"", "[7, 39, 2, 5, 11, 3]", "[39, 38, 37]", "[1, 2]"] {
+        let train = ten(COUPLER, &format!("{uneven}coupler = {list}"));
+        let Event::Break { couplers } = &train.scenarios[0].event else { panic!("a break") };
+        let horizons = couplers.iter().map(|&b| trainsafe::scenario::horizon_s(&train, &train.scenarios[0], Some(b)));
+        let (low, high) = horizons.fold((f64::INFINITY, 0.0f64), |(l, h), t| (l.min(t), h.max(t)));
+        let [low, high] = [low, high].map(|t| trainsafe::units::shown(t, trainsafe::units::Dimension::Time));
+        let told = format!("horizon {low} to {high}\n");
+        assert!(describe(&train).contains(&told), "{told} is not in {}", describe(&train));
+    }
+}
+
 /// How many doubles lie between two positive ones.
 fn ulps(a: f64, b: f64) -> u64 {
     a.to_bits().abs_diff(b.to_bits())
@@ -258,6 +276,22 @@ fn the_same_train_in_other_units_is_the_same() {
     }
 }
 
+/// A problem far along a line is told by its numbers, and one near its start is underlined however long the line is.
+#[test]
+fn a_place_far_along_a_line() {
+    let list = "1, ".repeat(9_000);
+    let text =
+        format!("[coupler]\n{COUPLER}\n[[vehicle]]\ncount = 2\nmass = \"1 t\"\n[[scenario]]\nkind = \"break\"\n");
+    let refused = |line: &str| match consist::parse(&format!("{text}{line}"), Path::new("a.toml")) {
+        Ok(train) => panic!("{train:?}"),
+        Err(error) => error.to_string(),
+    };
+    let far = refused(&format!("horizon = \"1 s\" #{list}\ncoupler = [ {}7]", " ".repeat(30_000)));
+    assert!(far.starts_with("error: the train has no coupler 7\n--> a.toml:10:30013\n"), "{far}");
+    let near = refused(&format!("coupler = [7] #{list}"));
+    assert!(near.contains("a.toml:9:12\n") && near.contains("  ^"), "{near}");
+}
+
 proptest! {
     /// Whatever a slip of the hand does to a file, there is a train or an error that says something.
     #[test]
@@ -265,7 +299,7 @@ proptest! {
         let end = (from + len).min(ORE_TRAIN.len());
         let text = format!("{}{with}{}", &ORE_TRAIN[..from], &ORE_TRAIN[end..]);
         match consist::parse(&text, Path::new("a.toml")) {
-            Ok(train) => prop_assert!(!describe(&train).is_empty()),
+            Ok(train) => prop_assert!(describe(&train).contains("to be run:")),
             Err(error) => {
                 let message = error.to_string();
                 prop_assert!(message.starts_with("error: "), "{message}");

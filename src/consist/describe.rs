@@ -122,31 +122,33 @@ fn scenario_line(train: &Train, scenario: &Scenario) -> String {
             (format!("{force} {direction} on {label} for {}", shown(*duration_s, Dimension::Time)), 1)
         }
     };
-    let (short, long) = horizons(train, scenario);
-    let [from, to] = [shown(short, Dimension::Time), shown(long, Dimension::Time)];
+    let [from, to] = [shortest_s(train, scenario), longest_s(train, scenario)].map(|t| shown(t, Dimension::Time));
     let horizon = if from == to { to } else { format!("{from} to {to}") };
     format!("{event}; {}, horizon {horizon}", count(cases, "case"))
 }
 
-/// Shortest and longest horizon of a scenario's cases, s.
+/// Shortest horizon of a scenario's cases, s.
 ///
-/// From the head to the tail the front part grows and the rear part shrinks, so the longest part's transit first falls,
-/// then rises: its largest value is at an end, and its smallest is found by halving.
-fn horizons(train: &Train, scenario: &Scenario) -> (f64, f64) {
-    let Event::Break { couplers } = &scenario.event else {
-        let horizon = scenario::horizon_s(train, scenario, None);
-        return (horizon, horizon);
-    };
+/// From the head to the tail the front part grows and the rear part shrinks, so that the longest part's transit first
+/// falls, then rises. Its smallest value is found by halving.
+fn shortest_s(train: &Train, scenario: &Scenario) -> f64 {
+    let Event::Break { couplers } = &scenario.event else { return scenario::horizon_s(train, scenario, None) };
     let mut couplers = couplers.clone();
     couplers.sort_unstable();
     let at = |i: usize| scenario::horizon_s(train, scenario, couplers.get(i).copied());
-    let last = couplers.len().saturating_sub(1);
-    let (mut low, mut high) = (0, last);
+    let (mut low, mut high) = (0, couplers.len().saturating_sub(1));
     while low < high {
         let middle = (low + high) / 2;
         if at(middle + 1) < at(middle) { low = middle + 1 } else { high = middle }
     }
-    (at(low), at(0).max(at(last)))
+    at(low)
+}
+
+/// Longest horizon of a scenario's cases, s: that of a break nearest to an end.
+fn longest_s(train: &Train, scenario: &Scenario) -> f64 {
+    let Event::Break { couplers } = &scenario.event else { return scenario::horizon_s(train, scenario, None) };
+    let ends = [couplers.iter().min(), couplers.iter().max()];
+    ends.into_iter().map(|b| scenario::horizon_s(train, scenario, b.copied())).fold(0.0, f64::max)
 }
 
 /// What is likely not meant, one sentence each; nothing here stops a run.
@@ -176,8 +178,8 @@ fn overloaded(train: &Train) -> Option<String> {
 fn doubts(train: &Train, scenario: &Scenario) -> Vec<String> {
     let mut doubts = vec![];
     let default = Scenario { horizon_s: None, ..scenario.clone() };
-    let transit_s = horizons(train, &default).1 / 4.0;
-    let (_, horizon_s) = horizons(train, scenario);
+    let transit_s = longest_s(train, &default) / 4.0;
+    let horizon_s = longest_s(train, scenario);
     match &scenario.event {
         Event::Break { .. } if train.couplers.len() == 1 => {
             doubts.push("once its only coupler is broken the train has none left to look at".to_owned());
@@ -192,7 +194,8 @@ fn doubts(train: &Train, scenario: &Scenario) -> Vec<String> {
     }
     if horizon_s < transit_s {
         let [horizon, transit] = [horizon_s, transit_s].map(|t| shown(t, Dimension::Time));
-        doubts.push(format!("the horizon of {horizon} ends before a wave has crossed the longest part, {transit}"));
+        let what = if scenario.event.kind() == "break" { "the longest part" } else { "the train" };
+        doubts.push(format!("the horizon of {horizon} ends before a wave has crossed {what}, {transit}"));
     }
     doubts
 }

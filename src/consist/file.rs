@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::scenarios;
-use super::tree::{Read, Sign, Source, Table, Value};
+use super::tree::{Found, Read, Sign, Table, Value};
 use super::{Coupler, Train, Vehicle};
 use crate::error::{Problem, printable};
 use crate::units::{Amount, Dimension};
@@ -23,10 +23,10 @@ const VEHICLE_KEYS: [&str; 5] = ["label", "count", "mass", "held", "length"];
 ///
 /// A value that was wrong is replaced by some right one so that the rest is still looked at. The train is good only if no
 /// problem has been noted.
-pub(super) fn train(source: &Source, root: &Table, path: &Path) -> Read<Train> {
+pub(super) fn train(found: &Found, root: &Table, path: &Path) -> Read<Train> {
     let name = root.get("name").map_or_else(|| Ok(stem(path)), |v| v.name().map(str::to_owned));
     let base = base_coupler(root);
-    let vehicles = vehicles(source, root)?;
+    let vehicles = vehicles(found, root)?;
     let couplers = couplers(root, &base.unwrap_or(PLACEHOLDER), vehicles.len() - 1);
     let weakest_n = couplers.iter().map(|c| c.rated_draft_n).fold(f64::INFINITY, f64::min);
     let load_n = load(root, weakest_n);
@@ -134,19 +134,18 @@ fn apply_override(table: &Table, base: &Ratings, ratings: &mut [Ratings], seen: 
 
 /// Coupler numbers, one or a list, each once; as indices from 0.
 pub(super) fn coupler_list(value: &Value, count: usize, right: &str) -> Read<Vec<usize>> {
-    let items = value.items();
-    if items.is_empty() {
-        return Err(value.wrong("the list of couplers is empty", right));
-    }
-    let mut seen: HashMap<usize, Range<usize>> = HashMap::with_capacity(items.len());
-    let mut numbers = Vec::with_capacity(items.len());
-    for item in items {
+    let mut seen: HashMap<usize, Range<usize>> = HashMap::new();
+    let mut numbers = vec![];
+    for item in value.items() {
         let number = item.number(count, |n| format!("the train has no coupler {n}"), right)?;
         if let Some(earlier) = seen.insert(number, item.span()) {
             let title = format!("coupler {number} is listed twice");
             return Err(item.wrong_because(title, "list it once", earlier, "listed here before"));
         }
         numbers.push(number - 1);
+    }
+    if numbers.is_empty() {
+        return Err(value.wrong("the list of couplers is empty", right));
     }
     Ok(numbers)
 }
@@ -160,10 +159,10 @@ struct Group<'s> {
     length_m: Option<f64>,
 }
 
-fn vehicles(source: &Source, root: &Table) -> Read<Vec<Vehicle>> {
+fn vehicles(found: &Found, root: &Table) -> Read<Vec<Vehicle>> {
     let right = "add a [[vehicle]] table for each vehicle or group alike, from the head: at least two vehicles";
     let Some(value) = root.get("vehicle") else {
-        return Err(source.note(Problem::of_file("the train has no vehicles", right)));
+        return Err(found.note(Problem::of_file("the train has no vehicles", right)));
     };
     let tables = value.tables("[[vehicle]]", &VEHICLE_KEYS)?;
     let groups = tables.iter().map(group).collect::<Vec<_>>().into_iter().collect::<Read<Vec<Group>>>()?;

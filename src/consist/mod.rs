@@ -29,7 +29,8 @@ const LARGEST_FILE: u64 = 16 << 20;
 /// A vehicle: a rigid mass between couplers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Vehicle {
-    /// What a report calls it: the file's `label`, numbered where the group has more than one (`"ore car 7"`).
+    /// What a report calls it: the file's `label`, numbered where the train has it more than once (`"ore car 7"`), or
+    /// `"vehicle 12"` by its place.
     pub label: String,
     /// Mass, kg; finite and > 0.
     pub mass_kg: f64,
@@ -81,19 +82,19 @@ pub fn parse(text: &str, path: &Path) -> Result<Train, InputError> {
     let syntax = |e: toml::de::Error| {
         let at = e.span().unwrap_or(0..0);
         let title = format!("not TOML: {}", e.message());
-        InputError::new(path, vec![Problem::at(text, at.clone(), title, unquoted(text, at.start))])
+        InputError::one(path, text, Problem::at(at.clone(), title, unquoted(text, at.start)))
     };
     if text.trim().is_empty() {
         let help = "`trainsafe new` prints one to start from";
         return Err(InputError::of_file(path, "the train file is empty", help));
     }
     let root = DeTable::parse(text).map_err(syntax)?;
-    let source = tree::Source::new(text);
-    let train = file::train(&source, &tree::Table::root(&source, root.get_ref(), &file::KEYS), path);
-    let problems = source.into_problems();
+    let found = tree::Found::default();
+    let train = file::train(&found, &tree::Table::root(&found, root.get_ref(), &file::KEYS), path);
+    let problems = found.into_problems();
     match train {
         Ok(train) if problems.is_empty() => Ok(train),
-        _ => Err(InputError::new(path, problems)),
+        _ => Err(InputError::new(path, text, problems)),
     }
 }
 
@@ -123,18 +124,18 @@ fn text_of(path: &Path) -> Result<String, InputError> {
     if about.is_dir() {
         return Err(refuse("this is a folder".into(), "give the path of a train file in it"));
     }
-    let too_large = || {
-        let title = format!("the file is larger than {} MiB", LARGEST_FILE >> 20);
+    let too_large = |size: String| {
+        let title = format!("the file has {size}, and a train file has at most {} MiB", LARGEST_FILE >> 20);
         refuse(title, "give a train file; `count` in it groups vehicles that are alike")
     };
     if about.len() > LARGEST_FILE {
-        return Err(too_large());
+        return Err(too_large(format!("{} MB", about.len() / 1_000_000)));
     }
     let mut bytes = Vec::new();
     // A device or pipe has no size to look at beforehand.
     File::open(path).and_then(|f| f.take(LARGEST_FILE + 1).read_to_end(&mut bytes)).map_err(unreadable)?;
     if bytes.len() as u64 > LARGEST_FILE {
-        return Err(too_large());
+        return Err(too_large("no end in sight".to_owned()));
     }
     String::from_utf8(bytes).map_err(|e| {
         let valid = &e.as_bytes()[..e.utf8_error().valid_up_to()];

@@ -10,6 +10,9 @@ use crate::error::quoted;
 use crate::scenario::{Event, Scenario};
 use crate::units::{Amount, Dimension};
 
+/// More breaks than this, over all scenarios, are refused.
+const MOST_CASES: usize = 1_000_000;
+
 const KEYS: [&str; 8] = ["name", "kind", "coupler", "at", "force", "duration", "shape", "horizon"];
 const BREAK_KEYS: [&str; 1] = ["coupler"];
 const PULSE_KEYS: [&str; 4] = ["at", "force", "duration", "shape"];
@@ -22,9 +25,19 @@ pub(super) fn read(root: &Table, vehicles: &[Vehicle], weakest_n: f64) -> Read<V
         let event = each();
         return Ok(vec![Scenario { name: default_name(&event, vehicles.len()), event, horizon_s: None }]);
     }
-    let read: Vec<Read<Unnamed>> = tables.iter().map(|t| scenario(t, vehicles, weakest_n)).collect();
-    let read = read.into_iter().collect::<Read<Vec<Unnamed>>>()?;
-    named(read, vehicles.len())
+    let (mut scenarios, mut cases) = (vec![], 0);
+    for table in &tables {
+        let scenario = scenario(table, vehicles, weakest_n);
+        if let Ok(Unnamed { event: Event::Break { couplers }, .. }) = &scenario {
+            cases += couplers.len();
+        }
+        if cases > MOST_CASES {
+            let title = format!("the scenarios have more than {MOST_CASES} breaks up to here");
+            return Err(table.wrong(title, "a train file has at most that many"));
+        }
+        scenarios.push(scenario);
+    }
+    named(scenarios.into_iter().collect::<Read<_>>()?, vehicles.len())
 }
 
 /// A scenario that may have no name yet.

@@ -5,13 +5,13 @@ use std::ops::Range;
 
 use toml::de::{DeTable, DeValue};
 
-use crate::error::{Problem, quoted};
+use crate::error::{Problem, Problems, quoted};
 use crate::units::{self, Amount, Dimension, one_of};
 
-/// The text that is read, and what was found wrong with it so far.
-pub(super) struct Source<'t> {
-    text: &'t str,
-    problems: RefCell<Vec<Problem>>,
+/// What was found wrong with a text so far.
+#[derive(Default)]
+pub(super) struct Found {
+    problems: RefCell<Problems>,
 }
 
 /// Proof that a problem has been noted: whoever holds one need not note it again.
@@ -21,17 +21,13 @@ pub(super) struct Reported(());
 /// A value, or a problem that has been noted.
 pub(super) type Read<T> = Result<T, Reported>;
 
-impl<'t> Source<'t> {
-    pub(super) fn new(text: &'t str) -> Self {
-        Source { text, problems: RefCell::new(vec![]) }
-    }
-
+impl Found {
     pub(super) fn note(&self, problem: Problem) -> Reported {
-        self.problems.borrow_mut().push(problem);
+        self.problems.borrow_mut().note(problem);
         Reported(())
     }
 
-    pub(super) fn into_problems(self) -> Vec<Problem> {
+    pub(super) fn into_problems(self) -> Problems {
         self.problems.into_inner()
     }
 }
@@ -47,7 +43,7 @@ pub(super) enum Sign {
 /// A table with its name as it is written, such as `[coupler]`, and the place of its header.
 #[derive(Clone)]
 pub(super) struct Table<'s> {
-    source: &'s Source<'s>,
+    found: &'s Found,
     name: &'static str,
     keys: &'static [&'static str],
     table: &'s DeTable<'s>,
@@ -56,8 +52,8 @@ pub(super) struct Table<'s> {
 
 impl<'s> Table<'s> {
     /// The whole file.
-    pub(super) fn root(source: &'s Source<'s>, table: &'s DeTable<'s>, keys: &'static [&'static str]) -> Self {
-        Table { source, name: "the train file", keys, table, span: 0..0 }.checked()
+    pub(super) fn root(found: &'s Found, table: &'s DeTable<'s>, keys: &'static [&'static str]) -> Self {
+        Table { found, name: "the train file", keys, table, span: 0..0 }.checked()
     }
 
     /// The same, with every key noted that it cannot have.
@@ -74,6 +70,10 @@ impl<'s> Table<'s> {
 
     /// The key that was probably meant.
     fn nearest(&self, key: &str) -> Option<&'static str> {
+        // Nothing long is near, and a table of very many keys is no slip of the hand: a hint is not worth the time there.
+        if key.len() > 40 || self.table.len() > 100 {
+            return None;
+        }
         let distance = |known: &str| strsim::damerau_levenshtein(&key.to_lowercase(), known);
         let near = self.keys.iter().min_by_key(|known| distance(known)).copied();
         near.filter(|known| distance(known) <= (known.len() / 3).max(1))
@@ -82,7 +82,7 @@ impl<'s> Table<'s> {
     /// The value of a key, if it is there.
     pub(super) fn get(&self, key: &'static str) -> Option<Value<'s>> {
         let (_, value) = self.table.get_key_value(key)?;
-        Some(Value { source: self.source, key, value: value.get_ref(), span: value.span() })
+        Some(Value { found: self.found, key, value: value.get_ref(), span: value.span() })
     }
 
     /// The place of a key, if it is there.
@@ -103,14 +103,14 @@ impl<'s> Table<'s> {
     /// Notes a problem with this table as a whole.
     pub(super) fn wrong(&self, title: impl Into<String>, help: impl Into<String>) -> Reported {
         if self.span.is_empty() {
-            return self.source.note(Problem::of_file(title, help));
+            return self.found.note(Problem::of_file(title, help));
         }
         self.note_at(self.span.clone(), title, help)
     }
 
     /// Notes a problem at a place within it.
     pub(super) fn note_at(&self, span: Range<usize>, title: impl Into<String>, help: impl Into<String>) -> Reported {
-        self.source.note(Problem::at(self.source.text, span, title, Some(help.into())))
+        self.found.note(Problem::at(span, title, Some(help.into())))
     }
 
     /// Notes a problem at a place within it that another place has a part in.
@@ -120,17 +120,17 @@ impl<'s> Table<'s> {
         title: impl Into<String>,
         help: impl Into<String>,
         other: Range<usize>,
-        label: &str,
+        label: &'static str,
     ) -> Reported {
-        let problem = Problem::at(self.source.text, span, title, Some(help.into()));
-        self.source.note(problem.and(self.source.text, other, label))
+        let problem = Problem::at(span, title, Some(help.into()));
+        self.found.note(problem.and(other, label))
     }
 }
 
 /// A value with its key and place.
 #[derive(Clone)]
 pub(super) struct Value<'s> {
-    source: &'s Source<'s>,
+    found: &'s Found,
     key: &'static str,
     value: &'s DeValue<'s>,
     span: Range<usize>,
@@ -139,7 +139,7 @@ pub(super) struct Value<'s> {
 impl<'s> Value<'s> {
     /// Notes that this value is wrong.
     pub(super) fn wrong(&self, title: impl Into<String>, help: impl Into<String>) -> Reported {
-        self.source.note(Problem::at(self.source.text, self.span.clone(), title, Some(help.into())))
+        self.found.note(Problem::at(self.span.clone(), title, Some(help.into())))
     }
 
     /// Notes that this value is wrong because of another place.
@@ -148,10 +148,10 @@ impl<'s> Value<'s> {
         title: impl Into<String>,
         help: impl Into<String>,
         other: Range<usize>,
-        label: &str,
+        label: &'static str,
     ) -> Reported {
-        let problem = Problem::at(self.source.text, self.span.clone(), title, Some(help.into()));
-        self.source.note(problem.and(self.source.text, other, label))
+        let problem = Problem::at(self.span.clone(), title, Some(help.into()));
+        self.found.note(problem.and(other, label))
     }
 
     fn wrong_type(&self, right: impl Into<String>) -> Reported {
@@ -252,22 +252,23 @@ impl<'s> Value<'s> {
     }
 
     /// The items of a list, or the value itself as the only one.
-    pub(super) fn items(&self) -> Vec<Value<'s>> {
-        match self.value {
-            DeValue::Array(items) => items.iter().map(|item| self.item(item)).collect(),
-            _ => vec![self.clone()],
-        }
+    pub(super) fn items(&self) -> impl Iterator<Item = Value<'s>> {
+        let (list, alone) = match self.value {
+            DeValue::Array(items) => (Some(items), None),
+            _ => (None, Some(self.clone())),
+        };
+        list.into_iter().flat_map(|items| items.iter()).map(|item| self.item(item)).chain(alone)
     }
 
     fn item(&self, item: &'s toml::Spanned<DeValue<'s>>) -> Value<'s> {
-        Value { source: self.source, key: self.key, value: item.get_ref(), span: item.span() }
+        Value { found: self.found, key: self.key, value: item.get_ref(), span: item.span() }
     }
 
     /// A table, called `name`, that may have these keys.
     pub(super) fn table(&self, name: &'static str, keys: &'static [&'static str]) -> Read<Table<'s>> {
         match self.value {
             DeValue::Table(table) => {
-                Ok(Table { source: self.source, name, keys, table, span: self.span.clone() }.checked())
+                Ok(Table { found: self.found, name, keys, table, span: self.span.clone() }.checked())
             }
             _ => Err(self.wrong_type(format!("expected {name}, a table with keys of its own"))),
         }

@@ -9,11 +9,15 @@ use crate::chain::Scene;
 use crate::consist::Train;
 use crate::rod::Rod;
 use crate::scenario::{self, Event, Part, Scales, Scenario};
+use crate::solve::memo::Memo;
 use crate::solve::watch::{Side, SpringPeaks};
-use crate::solve::{self, Ask, Method, SolveError, solve};
+use crate::solve::{self, Ask, Method, SolveError};
 
 /// The longest that an analysis may take by its estimate, s.
 const MOST_SECONDS: f64 = 3600.0;
+
+/// What one analysis may remember of scenes that it has solved, bytes.
+const REMEMBERED: usize = 32 << 20;
 
 /// How an analysis is to be done.
 #[derive(Clone, Debug)]
@@ -173,7 +177,8 @@ pub enum AnalyzeError {
 /// # Errors
 /// [`AnalyzeError`] for an unknown scenario, or a method that does not fit the train.
 pub fn analyze(train: &Train, options: &Options) -> Result<Analysis, AnalyzeError> {
-    let scenarios = chosen(train, options)?.into_iter().map(|s| scenario_findings(train, s, options));
+    let memo = Memo::new(REMEMBERED);
+    let scenarios = chosen(train, options)?.into_iter().map(|s| scenario_findings(train, s, options, &memo));
     let (vehicles, couplers) = (train.vehicles.len(), train.couplers.len());
     Ok(Analysis { train: train.name.clone(), vehicles, couplers, scenarios: scenarios.collect::<Result<_, _>>()? })
 }
@@ -217,7 +222,7 @@ fn chosen<'a>(train: &'a Train, options: &Options) -> Result<Vec<&'a Scenario>, 
 }
 
 /// The couplers that break, each in a case of its own; `None` for a pulse.
-fn cases(event: &Event) -> Vec<Option<usize>> {
+pub(crate) fn cases(event: &Event) -> Vec<Option<usize>> {
     match event {
         Event::Break { couplers } => couplers.iter().map(|&b| Some(b)).collect(),
         Event::Pulse { .. } => vec![None],
@@ -235,20 +240,27 @@ fn ask(train: &Train, options: &Options) -> Ask {
     }
 }
 
-fn scenario_findings(train: &Train, scenario: &Scenario, options: &Options) -> Result<ScenarioFindings, AnalyzeError> {
+fn scenario_findings(
+    train: &Train,
+    scenario: &Scenario,
+    options: &Options,
+    memo: &Memo,
+) -> Result<ScenarioFindings, AnalyzeError> {
     let cases = cases(&scenario.event)
         .par_iter()
-        .map(|&b| case_findings(train, scenario, b, options))
+        .map(|&b| case_findings(train, scenario, b, options, memo))
         .collect::<Result<Vec<_>, _>>()
         .map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
     Ok(ScenarioFindings { name: scenario.name.clone(), kind: scenario.event.kind(), cases })
 }
 
-fn case_findings(
+/// One case of a train: what the event, or the break of one coupler, does to every coupler.
+pub(crate) fn case_findings(
     train: &Train,
     scenario: &Scenario,
     broken: Option<usize>,
     options: &Options,
+    memo: &Memo,
 ) -> Result<CaseFindings, SolveError> {
     let start = Instant::now();
     let horizon_s = scenario::horizon_s(train, scenario, broken);
@@ -259,7 +271,7 @@ fn case_findings(
     let (mut error_bound_n, mut left_out) = (0.0f64, 0);
     let parts = scenario::parts(train, &scenario.event, broken, horizon_s);
     for part in &parts {
-        let solution = solve(&part.scene, &ask)?;
+        let solution = memo.solve(&part.scene, &ask)?;
         if part.scene.initial.len() > largest {
             largest = part.scene.initial.len();
             (method, reason) = (solution.method.name(), solution.reason.clone());

@@ -5,16 +5,14 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::scenarios;
+use super::table::Row;
 use super::tree::{Found, Read, Sign, Table, Value};
-use super::{Coupler, Train, Vehicle};
+use super::{Coupler, MOST_VEHICLES, Train, Vehicle};
 use crate::error::{Problem, printable};
 use crate::units::{Amount, Dimension};
 
-/// More vehicles than this are refused.
-const MOST_VEHICLES: usize = 1_000_000;
-
 /// Keys of the whole file.
-pub(super) const KEYS: [&str; 6] = ["name", "coupler", "vehicle", "coupler_override", "load", "scenario"];
+pub(crate) const KEYS: [&str; 7] = ["name", "coupler", "vehicle", "vehicles", "coupler_override", "load", "scenario"];
 const COUPLER_KEYS: [&str; 3] = ["stiffness", "rated_load", "rated_buff"];
 const OVERRIDE_KEYS: [&str; 4] = ["at", "stiffness", "rated_load", "rated_buff"];
 const VEHICLE_KEYS: [&str; 5] = ["label", "count", "mass", "held", "length"];
@@ -22,12 +20,17 @@ const VEHICLE_KEYS: [&str; 5] = ["label", "count", "mass", "held", "length"];
 /// Reads the whole train, going on after a problem as far as what follows can be judged without it.
 ///
 /// A value that was wrong is replaced by some right one so that the rest is still looked at. The train is good only if no
-/// problem has been noted.
-pub(super) fn train(found: &Found, root: &Table, path: &Path) -> Read<Train> {
+/// problem has been noted. `rows` are those of the table that the file's `vehicles` names.
+pub(super) fn train(found: &Found, root: &Table, rows: Option<&[Row]>, path: &Path) -> Read<Train> {
     let name = root.get("name").map_or_else(|| Ok(stem(path)), |v| v.name().map(str::to_owned));
-    let base = base_coupler(root);
-    let vehicles = vehicles(found, root)?;
-    let couplers = couplers(root, &base.unwrap_or(PLACEHOLDER), vehicles.len() - 1);
+    let base = base_coupler(root).unwrap_or(PLACEHOLDER);
+    let vehicles = match rows {
+        Some(rows) => tabled(root, rows)?,
+        None => vehicles(found, root)?,
+    };
+    let mut ratings = vec![base; vehicles.len() - 1];
+    rate_by_table(&mut ratings, rows.unwrap_or_default());
+    let couplers = couplers(root, &base, ratings);
     let weakest_n = couplers.iter().map(|c| c.rated_draft_n).fold(f64::INFINITY, f64::min);
     let load_n = load(root, weakest_n);
     let scenarios = scenarios::read(root, &vehicles, weakest_n)?;
@@ -87,8 +90,17 @@ fn base_coupler(root: &Table) -> Read<Ratings> {
     Ok(Ratings { stiffness_n_per_m: stiffness?, draft_n: draft?, buff: buff? })
 }
 
-fn couplers(root: &Table, base: &Ratings, count: usize) -> Vec<Coupler> {
-    let mut ratings = vec![*base; count];
+/// What a table of vehicles says of the couplers behind them.
+fn rate_by_table(ratings: &mut [Ratings], rows: &[Row]) {
+    let behind = rows.iter().flat_map(|row| std::iter::repeat_n(row, row.count));
+    for (coupler, row) in ratings.iter_mut().zip(behind) {
+        coupler.stiffness_n_per_m = row.stiffness_n_per_m.unwrap_or(coupler.stiffness_n_per_m);
+        coupler.draft_n = row.rated_draft_n.unwrap_or(coupler.draft_n);
+        coupler.buff = row.rated_buff_n.map_or(coupler.buff, Amount::Si);
+    }
+}
+
+fn couplers(root: &Table, base: &Ratings, mut ratings: Vec<Ratings>) -> Vec<Coupler> {
     let overrides = root.get("coupler_override").and_then(|v| v.tables("[[coupler_override]]", &OVERRIDE_KEYS).ok());
     let mut seen = HashMap::new();
     for table in overrides.into_iter().flatten() {
@@ -150,6 +162,31 @@ pub(super) fn coupler_list(value: &Value, count: usize, right: &str) -> Read<Vec
     Ok(numbers)
 }
 
+/// Vehicles of a table.
+fn tabled(root: &Table, rows: &[Row]) -> Read<Vec<Vehicle>> {
+    if let (Some(spelt_out), Some(table)) = (root.key_span("vehicle"), root.key_span("vehicles")) {
+        let title = "the train has its vehicles twice, as a table and as [[vehicle]]";
+        return Err(root.note_because(spelt_out, title, "keep one of the two", table, "the table"));
+    }
+    let kind = |row: &Row| Kind {
+        label: row.label.clone(),
+        count: row.count,
+        mass_kg: row.mass_kg,
+        held: row.held,
+        length_m: row.length_m,
+    };
+    Ok(numbered(&rows.iter().map(kind).collect::<Vec<_>>()))
+}
+
+/// Vehicles alike that follow each other.
+struct Kind {
+    label: Option<String>,
+    count: usize,
+    mass_kg: f64,
+    held: bool,
+    length_m: Option<f64>,
+}
+
 /// One `[[vehicle]]` table.
 struct Group<'s> {
     label: Option<&'s str>,
@@ -161,6 +198,9 @@ struct Group<'s> {
 
 fn vehicles(found: &Found, root: &Table) -> Read<Vec<Vehicle>> {
     let right = "add a [[vehicle]] table for each vehicle or group alike, from the head: at least two vehicles";
+    if let Some(table) = root.get("vehicles") {
+        return Err(table.wrong_type("expected the name of a table: vehicles = \"consist.csv\""));
+    }
     let Some(value) = root.get("vehicle") else {
         return Err(found.note(Problem::of_file("the train has no vehicles", right)));
     };
@@ -183,7 +223,19 @@ fn vehicles(found: &Found, root: &Table) -> Read<Vec<Vehicle>> {
         (2, [Group { held: Some(_), .. }, Group { held: Some(tail), .. }]) => {
             Err(tail.wrong("both vehicles of the train are held, so nothing in it moves", "hold one of them, or none"))
         }
-        _ => Ok(numbered(&groups)),
+        _ => Ok(numbered(&groups.iter().map(Group::kind).collect::<Vec<_>>())),
+    }
+}
+
+impl Group<'_> {
+    fn kind(&self) -> Kind {
+        Kind {
+            label: self.label.map(str::to_owned),
+            count: self.count,
+            mass_kg: self.mass_kg,
+            held: self.held.is_some(),
+            length_m: self.length_m,
+        }
     }
 }
 
@@ -217,16 +269,16 @@ fn check_held(group: &Group, at_an_end: bool) {
 }
 
 /// The groups spelt out, with numbers after a label that more than one vehicle has.
-fn numbered(groups: &[Group]) -> Vec<Vehicle> {
+fn numbered(groups: &[Kind]) -> Vec<Vehicle> {
     let mut totals: HashMap<&str, usize> = HashMap::new();
     for group in groups {
-        *totals.entry(group.label.unwrap_or_default()).or_default() += group.count;
+        *totals.entry(group.label.as_deref().unwrap_or_default()).or_default() += group.count;
     }
     let mut used: HashMap<&str, usize> = HashMap::new();
     let mut vehicles = Vec::new();
     for group in groups {
         for _ in 0..group.count {
-            let label = match group.label {
+            let label = match group.label.as_deref() {
                 None => format!("vehicle {}", vehicles.len() + 1),
                 Some(label) if totals.get(label) == Some(&1) => label.to_owned(),
                 Some(label) => {
@@ -235,12 +287,7 @@ fn numbered(groups: &[Group]) -> Vec<Vehicle> {
                     format!("{label} {number}")
                 }
             };
-            vehicles.push(Vehicle {
-                label,
-                mass_kg: group.mass_kg,
-                held: group.held.is_some(),
-                length_m: group.length_m,
-            });
+            vehicles.push(Vehicle { label, mass_kg: group.mass_kg, held: group.held, length_m: group.length_m });
         }
     }
     vehicles

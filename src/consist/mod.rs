@@ -7,11 +7,12 @@
 mod describe;
 mod file;
 mod scenarios;
-mod tree;
+mod table;
+pub(crate) mod tree;
 
 use std::fs::{self, File};
 use std::io::Read as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use toml::de::DeTable;
 
@@ -22,6 +23,9 @@ pub use describe::{describe, warnings};
 
 /// A commented train file to start from, with every key explained; it runs as it is.
 pub const TEMPLATE: &str = include_str!("template.toml");
+
+/// More vehicles than this are refused.
+const MOST_VEHICLES: usize = 1_000_000;
 
 /// Larger files are refused unread.
 const LARGEST_FILE: u64 = 16 << 20;
@@ -79,23 +83,40 @@ pub fn read(path: &Path) -> Result<Train, InputError> {
 /// # Errors
 /// Every problem in the text that can be seen at once, with its place and what would be right.
 pub fn parse(text: &str, path: &Path) -> Result<Train, InputError> {
-    let syntax = |e: toml::de::Error| {
-        let at = e.span().unwrap_or(0..0);
-        let title = format!("not TOML: {}", e.message());
-        InputError::one(path, text, Problem::at(at.clone(), title, unquoted(text, at.start)))
-    };
     if text.trim().is_empty() {
         let help = "`trainsafe new` prints one to start from";
         return Err(InputError::of_file(path, "the train file is empty", help));
     }
-    let root = DeTable::parse(text).map_err(syntax)?;
+    let root = DeTable::parse(text).map_err(|e| not_toml(e, text, path))?;
+    let rows = match root.get_ref().get("vehicles").and_then(|v| v.get_ref().as_str()) {
+        Some(name) => {
+            let beside = table::place(path, name);
+            Some(table::parse(&text_of(&beside)?, &beside)?)
+        }
+        None => None,
+    };
     let found = tree::Found::default();
-    let train = file::train(&found, &tree::Table::root(&found, root.get_ref(), &file::KEYS), path);
+    let root = tree::Table::root(&found, root.get_ref(), "the train file", &file::KEYS);
+    let train = file::train(&found, &root, rows.as_deref(), path);
     let problems = found.into_problems();
     match train {
         Ok(train) if problems.is_empty() => Ok(train),
         _ => Err(InputError::new(path, text, problems)),
     }
+}
+
+/// The table of vehicles that a train file's text refers to, if it does.
+pub(crate) fn table_of(text: &str, path: &Path) -> Option<PathBuf> {
+    let root = DeTable::parse(text).ok()?;
+    let name = root.get_ref().get("vehicles")?.get_ref().as_str()?;
+    Some(table::place(path, name))
+}
+
+/// A text that TOML's grammar refuses.
+pub(crate) fn not_toml(error: toml::de::Error, text: &str, path: &Path) -> InputError {
+    let at = error.span().unwrap_or(0..0);
+    let title = format!("not TOML: {}", error.message());
+    InputError::one(path, text, Problem::at(at.clone(), title, unquoted(text, at.start)))
 }
 
 /// The commonest slip of syntax, a quantity without quotes, put right.
@@ -111,7 +132,7 @@ fn unquoted(text: &str, at: usize) -> Option<String> {
 }
 
 /// The file's text, its size looked at before anything is read.
-fn text_of(path: &Path) -> Result<String, InputError> {
+pub(crate) fn text_of(path: &Path) -> Result<String, InputError> {
     let refuse = |title: String, help: &str| InputError::of_file(path, title, help);
     let unreadable = |e: std::io::Error| match e.kind() {
         std::io::ErrorKind::NotFound => refuse(

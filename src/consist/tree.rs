@@ -10,31 +10,31 @@ use crate::units::{self, Amount, Dimension, one_of};
 
 /// What was found wrong with a text so far.
 #[derive(Default)]
-pub(super) struct Found {
+pub(crate) struct Found {
     problems: RefCell<Problems>,
 }
 
 /// Proof that a problem has been noted: whoever holds one need not note it again.
 #[derive(Debug)]
-pub(super) struct Reported(());
+pub(crate) struct Reported(());
 
 /// A value, or a problem that has been noted.
-pub(super) type Read<T> = Result<T, Reported>;
+pub(crate) type Read<T> = Result<T, Reported>;
 
 impl Found {
-    pub(super) fn note(&self, problem: Problem) -> Reported {
+    pub(crate) fn note(&self, problem: Problem) -> Reported {
         self.problems.borrow_mut().note(problem);
         Reported(())
     }
 
-    pub(super) fn into_problems(self) -> Problems {
+    pub(crate) fn into_problems(self) -> Problems {
         self.problems.into_inner()
     }
 }
 
 /// Which signs a quantity may have.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Sign {
+pub(crate) enum Sign {
     Positive,
     NonZero,
     Any,
@@ -42,7 +42,7 @@ pub(super) enum Sign {
 
 /// A table with its name as it is written, such as `[coupler]`, and the place of its header.
 #[derive(Clone)]
-pub(super) struct Table<'s> {
+pub(crate) struct Table<'s> {
     found: &'s Found,
     name: &'static str,
     keys: &'static [&'static str],
@@ -51,9 +51,14 @@ pub(super) struct Table<'s> {
 }
 
 impl<'s> Table<'s> {
-    /// The whole file.
-    pub(super) fn root(found: &'s Found, table: &'s DeTable<'s>, keys: &'static [&'static str]) -> Self {
-        Table { found, name: "the train file", keys, table, span: 0..0 }.checked()
+    /// The whole file, called `name`.
+    pub(crate) fn root(
+        found: &'s Found,
+        table: &'s DeTable<'s>,
+        name: &'static str,
+        keys: &'static [&'static str],
+    ) -> Self {
+        Table { found, name, keys, table, span: 0..0 }.checked()
     }
 
     /// The same, with every key noted that it cannot have.
@@ -80,18 +85,18 @@ impl<'s> Table<'s> {
     }
 
     /// The value of a key, if it is there.
-    pub(super) fn get(&self, key: &'static str) -> Option<Value<'s>> {
+    pub(crate) fn get(&self, key: &'static str) -> Option<Value<'s>> {
         let (_, value) = self.table.get_key_value(key)?;
         Some(Value { found: self.found, key, value: value.get_ref(), span: value.span() })
     }
 
     /// The place of a key, if it is there.
-    pub(super) fn key_span(&self, key: &str) -> Option<Range<usize>> {
+    pub(crate) fn key_span(&self, key: &str) -> Option<Range<usize>> {
         self.table.get_key_value(key).map(|(k, _)| k.span())
     }
 
     /// The value of a key that must be there.
-    pub(super) fn require(&self, key: &'static str, right: &str) -> Read<Value<'s>> {
+    pub(crate) fn require(&self, key: &'static str, right: &str) -> Read<Value<'s>> {
         let misspelt = || self.table.keys().any(|k| *k.get_ref() != key && self.nearest(k.get_ref()) == Some(key));
         match self.get(key) {
             Some(value) => Ok(value),
@@ -101,7 +106,7 @@ impl<'s> Table<'s> {
     }
 
     /// Notes a problem with this table as a whole.
-    pub(super) fn wrong(&self, title: impl Into<String>, help: impl Into<String>) -> Reported {
+    pub(crate) fn wrong(&self, title: impl Into<String>, help: impl Into<String>) -> Reported {
         if self.span.is_empty() {
             return self.found.note(Problem::of_file(title, help));
         }
@@ -109,12 +114,12 @@ impl<'s> Table<'s> {
     }
 
     /// Notes a problem at a place within it.
-    pub(super) fn note_at(&self, span: Range<usize>, title: impl Into<String>, help: impl Into<String>) -> Reported {
+    pub(crate) fn note_at(&self, span: Range<usize>, title: impl Into<String>, help: impl Into<String>) -> Reported {
         self.found.note(Problem::at(span, title, Some(help.into())))
     }
 
     /// Notes a problem at a place within it that another place has a part in.
-    pub(super) fn note_because(
+    pub(crate) fn note_because(
         &self,
         span: Range<usize>,
         title: impl Into<String>,
@@ -129,7 +134,7 @@ impl<'s> Table<'s> {
 
 /// A value with its key and place.
 #[derive(Clone)]
-pub(super) struct Value<'s> {
+pub(crate) struct Value<'s> {
     found: &'s Found,
     key: &'static str,
     value: &'s DeValue<'s>,
@@ -138,12 +143,12 @@ pub(super) struct Value<'s> {
 
 impl<'s> Value<'s> {
     /// Notes that this value is wrong.
-    pub(super) fn wrong(&self, title: impl Into<String>, help: impl Into<String>) -> Reported {
+    pub(crate) fn wrong(&self, title: impl Into<String>, help: impl Into<String>) -> Reported {
         self.found.note(Problem::at(self.span.clone(), title, Some(help.into())))
     }
 
     /// Notes that this value is wrong because of another place.
-    pub(super) fn wrong_because(
+    pub(crate) fn wrong_because(
         &self,
         title: impl Into<String>,
         help: impl Into<String>,
@@ -154,26 +159,27 @@ impl<'s> Value<'s> {
         self.found.note(problem.and(other, label))
     }
 
-    fn wrong_type(&self, right: impl Into<String>) -> Reported {
+    /// Notes that this value is of the wrong type.
+    pub(crate) fn wrong_type(&self, right: impl Into<String>) -> Reported {
         self.wrong(format!("{} is {}", self.key, type_name(self.value)), right)
     }
 
     /// Notes that this is a word that has no meaning here.
-    pub(super) fn wrong_word(&self, text: &str, right: impl Into<String>) -> Reported {
+    pub(crate) fn wrong_word(&self, text: &str, right: impl Into<String>) -> Reported {
         self.wrong(format!("{} is {}", self.key, quoted(text)), right)
     }
 
-    pub(super) fn span(&self) -> Range<usize> {
+    pub(crate) fn span(&self) -> Range<usize> {
         self.span.clone()
     }
 
     /// The string itself, if it is one.
-    pub(super) fn as_text(&self) -> Option<&'s str> {
+    pub(crate) fn as_text(&self) -> Option<&'s str> {
         self.value.as_str()
     }
 
     /// One of several fixed words.
-    pub(super) fn word(&self, words: &[&'static str]) -> Read<&'static str> {
+    pub(crate) fn word(&self, words: &[&'static str]) -> Read<&'static str> {
         let right = || format!("expected {}", one_of(words.iter().map(|w| format!("\"{w}\""))));
         let text = self.as_text().ok_or_else(|| self.wrong_type(right()))?;
         let known = words.iter().find(|w| **w == text).copied();
@@ -181,7 +187,7 @@ impl<'s> Value<'s> {
     }
 
     /// A string to show: neither empty nor longer than 200 characters, and of one line.
-    pub(super) fn name(&self) -> Read<&'s str> {
+    pub(crate) fn name(&self) -> Read<&'s str> {
         const LONGEST: usize = 200;
         let right = format!("expected a string of 1 to {LONGEST} characters");
         let text = self.as_text().ok_or_else(|| self.wrong_type(&*right))?;
@@ -200,12 +206,29 @@ impl<'s> Value<'s> {
         Ok(text)
     }
 
-    pub(super) fn flag(&self) -> Read<bool> {
+    /// The value as it stands.
+    pub(crate) fn raw(&self) -> &'s DeValue<'s> {
+        self.value
+    }
+
+    /// A number without a unit, more than 0.
+    pub(crate) fn positive(&self) -> Read<f64> {
+        let right = "expected a number without a unit, more than zero";
+        let text = match self.value {
+            DeValue::Integer(number) => number.to_string(),
+            DeValue::Float(number) => number.to_string(),
+            _ => return Err(self.wrong_type(right)),
+        };
+        let number = text.parse().ok().filter(|x: &f64| *x > 0.0 && x.is_finite());
+        number.ok_or_else(|| self.wrong(format!("{} is {text}", self.key), right))
+    }
+
+    pub(crate) fn flag(&self) -> Read<bool> {
         self.value.as_bool().ok_or_else(|| self.wrong_type("expected true or false, without quotes"))
     }
 
     /// A whole number from 1 to `largest`; `title` says what is wrong with another, `right` what is expected.
-    pub(super) fn number(&self, largest: usize, title: impl Fn(&str) -> String, right: &str) -> Read<usize> {
+    pub(crate) fn number(&self, largest: usize, title: impl Fn(&str) -> String, right: &str) -> Read<usize> {
         let integer = self.value.as_integer().ok_or_else(|| self.wrong_type(right))?;
         let number = usize::from_str_radix(integer.as_str(), integer.radix()).ok();
         let number = number.filter(|n| (1..=largest).contains(n));
@@ -213,14 +236,14 @@ impl<'s> Value<'s> {
     }
 
     /// A quantity in SI units.
-    pub(super) fn quantity(&self, dimension: Dimension, sign: Sign) -> Read<f64> {
+    pub(crate) fn quantity(&self, dimension: Dimension, sign: Sign) -> Read<f64> {
         match self.read_amount(dimension, sign, false)? {
             Amount::Si(value) | Amount::Share(value) => Ok(value),
         }
     }
 
     /// A quantity in SI units or a share in %.
-    pub(super) fn amount(&self, dimension: Dimension, sign: Sign) -> Read<Amount> {
+    pub(crate) fn amount(&self, dimension: Dimension, sign: Sign) -> Read<Amount> {
         self.read_amount(dimension, sign, true)
     }
 
@@ -252,7 +275,7 @@ impl<'s> Value<'s> {
     }
 
     /// The items of a list, or the value itself as the only one.
-    pub(super) fn items(&self) -> impl Iterator<Item = Value<'s>> {
+    pub(crate) fn items(&self) -> impl Iterator<Item = Value<'s>> {
         let (list, alone) = match self.value {
             DeValue::Array(items) => (Some(items), None),
             _ => (None, Some(self.clone())),
@@ -265,7 +288,7 @@ impl<'s> Value<'s> {
     }
 
     /// A table, called `name`, that may have these keys.
-    pub(super) fn table(&self, name: &'static str, keys: &'static [&'static str]) -> Read<Table<'s>> {
+    pub(crate) fn table(&self, name: &'static str, keys: &'static [&'static str]) -> Read<Table<'s>> {
         match self.value {
             DeValue::Table(table) => {
                 Ok(Table { found: self.found, name, keys, table, span: self.span.clone() }.checked())
@@ -275,7 +298,7 @@ impl<'s> Value<'s> {
     }
 
     /// A list of tables, each called `name`, that may have these keys.
-    pub(super) fn tables(&self, name: &'static str, keys: &'static [&'static str]) -> Read<Vec<Table<'s>>> {
+    pub(crate) fn tables(&self, name: &'static str, keys: &'static [&'static str]) -> Read<Vec<Table<'s>>> {
         match self.value {
             DeValue::Array(items) => items.iter().map(|item| self.item(item).table(name, keys)).collect(),
             _ => Err(self.wrong_type(format!("write {name}, with two brackets on each side, above each of them"))),

@@ -11,8 +11,8 @@ pub mod between;
 pub mod closed_form;
 pub mod dd;
 pub mod fronts;
-
 pub mod local;
+pub mod memo;
 pub mod modal;
 pub mod path;
 pub mod plan;

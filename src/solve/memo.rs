@@ -1,0 +1,223 @@
+//! Scenes that are the same but for their units, or for the end from which they are counted, solved once.
+//!
+//! Every scene is turned into its canonical form, that form is solved, and the solution is turned back. So a result is the
+//! same to the last bit whether it was remembered or computed, in whatever order and on however many threads.
+//!
+//! The canonical form of an equal chain has mass 1, stiffness 1 and force 1 or -1; times are then in units of
+//! `sqrt(mass / stiffness)`. Of a scene and its mirror image (counted from the other end, where forward is backward and
+//! the outside force turns its sign, while tension stays tension) the one that comes first in a fixed order stands for
+//! both. A held mass plays no part and is 1.
+
+use std::collections::HashMap;
+use std::mem::size_of;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use super::closed_form::equal;
+use super::watch::SpringPeaks;
+use super::{Ask, Solution, SolveError, solve};
+use crate::chain::Scene;
+
+/// Solutions by canonical scene, of bounded size; shared by threads.
+#[derive(Debug)]
+pub struct Memo {
+    /// Bytes that the younger half may have.
+    half: usize,
+    shelves: Mutex<Shelves>,
+    hits: AtomicU64,
+    solved: AtomicU64,
+}
+
+/// Two generations: when the young one is full it becomes the old one, and the old one is forgotten.
+#[derive(Debug, Default)]
+struct Shelves {
+    young: HashMap<Key, Arc<Solution>>,
+    old: HashMap<Key, Arc<Solution>>,
+    bytes: usize,
+}
+
+/// A canonical scene and what is asked of it, bit for bit, with repetitions counted.
+type Key = Box<[u64]>;
+
+impl Memo {
+    /// A memo of at most about so many bytes; with none it remembers nothing, and every result is the same.
+    pub fn new(bytes: usize) -> Memo {
+        let (hits, solved) = (AtomicU64::new(0), AtomicU64::new(0));
+        Memo { half: bytes / 2, shelves: Mutex::default(), hits, solved }
+    }
+
+    /// Scenes found already solved, and scenes solved.
+    pub fn counts(&self) -> (u64, u64) {
+        (self.hits.load(Ordering::Relaxed), self.solved.load(Ordering::Relaxed))
+    }
+
+    /// [`solve`] of the scene's canonical form, turned back.
+    ///
+    /// # Errors
+    /// As for [`solve`].
+    pub fn solve(&self, scene: &Scene, ask: &Ask) -> Result<Solution, SolveError> {
+        if scene.force == 0.0 {
+            return solve(scene, ask);
+        }
+        let form = Form::of(scene, ask);
+        if self.half == 0 {
+            self.solved.fetch_add(1, Ordering::Relaxed);
+            return Ok(form.back(&solve(&form.scene, &form.ask)?, scene));
+        }
+        let key = key(&form.scene, &form.ask);
+        if let Some(known) = self.recall(&key) {
+            self.hits.fetch_add(1, Ordering::Relaxed);
+            return Ok(form.back(&known, scene));
+        }
+        let solution = Arc::new(solve(&form.scene, &form.ask)?);
+        self.solved.fetch_add(1, Ordering::Relaxed);
+        self.keep(key, solution.clone());
+        Ok(form.back(&solution, scene))
+    }
+
+    fn recall(&self, key: &Key) -> Option<Arc<Solution>> {
+        let mut shelves = self.shelves();
+        if let Some(known) = shelves.young.get(key) {
+            return Some(known.clone());
+        }
+        let (key, known) = shelves.old.remove_entry(key)?;
+        self.put(&mut shelves, key, known.clone());
+        Some(known)
+    }
+
+    fn keep(&self, key: Key, solution: Arc<Solution>) {
+        self.put(&mut self.shelves(), key, solution);
+    }
+
+    fn put(&self, shelves: &mut Shelves, key: Key, solution: Arc<Solution>) {
+        let bounds = solution.all_time_bounds.as_ref().map_or(0, Vec::len);
+        let bytes = 8 * (key.len() + bounds) + size_of::<Option<SpringPeaks>>() * solution.springs.len() + 400;
+        if bytes > self.half {
+            return;
+        }
+        if shelves.bytes + bytes > self.half {
+            shelves.old = std::mem::take(&mut shelves.young);
+            shelves.bytes = 0;
+        }
+        // Two threads may have solved the same scene at once; they found the same.
+        if shelves.young.insert(key, solution).is_none() {
+            shelves.bytes += bytes;
+        }
+    }
+
+    fn shelves(&self) -> MutexGuard<'_, Shelves> {
+        // A panic elsewhere leaves whole entries only.
+        self.shelves.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// A scene's canonical form, and how to come back from it.
+struct Form {
+    scene: Scene,
+    ask: Ask,
+    mirrored: bool,
+    /// Units of time and force of the canonical form; `None` where the scene kept its own.
+    units: Option<(f64, f64)>,
+}
+
+impl Form {
+    fn of(scene: &Scene, ask: &Ask) -> Form {
+        let mut form = Form { scene: scene.clone(), ask: *ask, mirrored: false, units: None };
+        let last = scene.chain.mass.len() - 1;
+        for v in [0, last].into_iter().filter(|&v| !scene.chain.live(v)) {
+            form.scene.chain.mass[v] = 1.0;
+        }
+        if let Some((scaled, time)) = scaled(&form.scene) {
+            form.scene = scaled;
+            form.ask.tolerance /= scene.force.abs();
+            form.units = Some((time, scene.force.abs()));
+        }
+        let mirror = mirror(&form.scene);
+        if key(&mirror, ask) < key(&form.scene, ask) {
+            form.scene = mirror;
+            form.mirrored = true;
+        }
+        form
+    }
+
+    /// The solution of the canonical form in the scene's own units and order.
+    ///
+    /// Rounding to the canonical units and back moves a force by no more than is added to the bound: one unit roundoff
+    /// each way of its own size, and what happens within the roundoff of the horizon and the duration, during which a
+    /// force changes by at most the outside force per unit of time. (A unit impulse brings a unit mass the energy 1/2,
+    /// and no spring of stiffness 1 ever holds more.)
+    fn back(&self, solution: &Solution, scene: &Scene) -> Solution {
+        let mut own = solution.clone();
+        if let Some((time, force)) = self.units {
+            let largest = own.springs.iter().flatten().map(|s| s.draft.best.value.max(s.buff.best.value));
+            let largest = largest.fold(0.0, f64::max);
+            own.error_bound += f64::EPSILON * (2.0 * largest + 4.0 * self.scene.horizon);
+            own.error_bound *= force;
+            for peaks in own.springs.iter_mut().flatten() {
+                peaks.scale_time(time);
+                for side in [&mut peaks.draft, &mut peaks.buff] {
+                    side.best.value *= force;
+                    side.best.at = side.best.at.min(scene.horizon);
+                    side.first_over = side.first_over.map(|t| t.min(scene.horizon));
+                }
+            }
+            for bound in own.all_time_bounds.iter_mut().flatten() {
+                *bound *= force;
+            }
+        }
+        if self.mirrored {
+            own.springs.reverse();
+            own.all_time_bounds.iter_mut().for_each(|bounds| bounds.reverse());
+        }
+        own
+    }
+}
+
+/// An equal chain with mass, stiffness and force of 1, and the unit of its time; `None` for other chains, and where
+/// rounding would bring an initial force to its rating, or from it.
+fn scaled(scene: &Scene) -> Option<(Scene, f64)> {
+    let (mass, stiffness) = equal(&scene.chain)?;
+    let time = (mass / stiffness).sqrt();
+    let force = scene.force.abs();
+    let mut unit = scene.clone();
+    unit.chain.mass.fill(1.0);
+    unit.chain.stiffness.fill(1.0);
+    unit.force /= force;
+    unit.duration /= time;
+    unit.horizon /= time;
+    for of in [&mut unit.initial, &mut unit.rated_draft, &mut unit.rated_buff] {
+        of.iter_mut().for_each(|f| *f /= force);
+    }
+    let order =
+        |s: &Scene, i: usize| (s.initial[i].total_cmp(&s.rated_draft[i]), (-s.initial[i]).total_cmp(&s.rated_buff[i]));
+    (0..scene.initial.len()).all(|i| order(scene, i) == order(&unit, i)).then_some((unit, time))
+}
+
+/// The scene counted from the other end.
+fn mirror(scene: &Scene) -> Scene {
+    let mut mirror = scene.clone();
+    mirror.chain.mass.reverse();
+    mirror.chain.stiffness.reverse();
+    mirror.chain.held_head = scene.chain.held_tail;
+    mirror.chain.held_tail = scene.chain.held_head;
+    mirror.source = scene.chain.mass.len() - 1 - scene.source;
+    mirror.force = -scene.force;
+    for of in [&mut mirror.initial, &mut mirror.rated_draft, &mut mirror.rated_buff] {
+        of.reverse();
+    }
+    mirror
+}
+
+fn key(scene: &Scene, ask: &Ask) -> Key {
+    let method = ask.method.map_or(0, |m| 1 + m as u64);
+    let flags = [ask.verdict_only, ask.all_time_bound, scene.chain.held_head, scene.chain.held_tail];
+    let flags = flags.into_iter().fold(method, |all, flag| 2 * all + u64::from(flag));
+    let mut words = vec![flags, scene.source as u64];
+    words.extend([ask.tolerance, scene.force, scene.duration, scene.horizon].map(f64::to_bits));
+    let chain = &scene.chain;
+    for list in [&chain.mass, &chain.stiffness, &scene.initial, &scene.rated_draft, &scene.rated_buff] {
+        let runs = list.chunk_by(|a, b| a.to_bits() == b.to_bits());
+        words.extend(runs.flat_map(|run| [run.len() as u64, run[0].to_bits()]));
+    }
+    words.into()
+}

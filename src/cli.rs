@@ -3,11 +3,12 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
+use trainsafe::fleet::Shard;
 
 /// Which couplers of a train exceed their capacity, and when, after another coupler breaks or a shock hits the train.
 ///
 /// Exit status: 0 the analysis ran, whatever it found; 1 a coupler exceeds, with --fail-on-exceed; 2 bad usage or bad input;
-/// 4 the results could not be written.
+/// 3 the analysis ran for some trains and not for others; 4 the results could not be written.
 #[derive(Debug, Parser)]
 #[command(
     version,
@@ -24,6 +25,12 @@ pub enum Command {
     /// Analyse one train: a short table here, the report in a folder
     #[command(after_help = "Example: trainsafe analyze consist.toml --scenario \"the rear is hit\" --out study/rear")]
     Analyze(Analyze),
+    /// Analyse many trains and what-ifs: a row for every case, and a report on all of them
+    ///
+    /// The folder gets fleet.csv, errors.csv, fleet.md and a figure. The run may be killed at any moment: --resume goes on with
+    /// it. On several machines that share a folder, each runs a share with --shard, and --merge joins them.
+    #[command(after_help = "Example: trainsafe fleet trains/ --out reports/yard")]
+    Fleet(Fleet),
     /// Say whether a train file is right, and in words what the train is and what will be run
     #[command(after_help = "Example: trainsafe check consist.toml")]
     Check {
@@ -51,6 +58,42 @@ pub struct Analyze {
     /// Exit with status 1 if some coupler exceeds, or cannot be told not to
     #[arg(long)]
     pub fail_on_exceed: bool,
+    /// Leave out couplers that cannot exceed at any time: their all-time bound is under their rating
+    #[arg(long)]
+    pub verdict_only: bool,
+    /// Report the all-time bound of every coupler's force
+    #[arg(long)]
+    pub all_time_bound: bool,
+    #[command(flatten)]
+    pub solver: Solver,
+}
+
+#[derive(Debug, Args)]
+pub struct Fleet {
+    /// Train files, folders of them, globs in quotes, or one study file
+    #[arg(required_unless_present = "merge", value_name = "PATH")]
+    pub paths: Vec<PathBuf>,
+    /// Folder for the results [default: reports/<stem of the only path>, or reports/fleet]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Print a line of JSON for every case to standard output and nothing else there; write no files
+    #[arg(long, conflicts_with_all = ["out", "resume", "shard", "merge"])]
+    pub json: bool,
+    /// Go on with the run in the folder: compute what is missing and nothing else
+    #[arg(long, conflicts_with = "merge")]
+    pub resume: bool,
+    /// Compute share I of N and leave it in the folder, beside the other shares
+    #[arg(long, value_name = "I/N", value_parser = shard, conflicts_with = "merge")]
+    pub shard: Option<Shard>,
+    /// Join the shares in the folder into the files of one run
+    #[arg(long, requires = "out")]
+    pub merge: bool,
+    /// Say how many cases there are and roughly how long they will take, and stop
+    #[arg(long, conflicts_with_all = ["json", "merge"])]
+    pub dry_run: bool,
+    /// Exit with status 1 if some coupler exceeds, or cannot be told not to
+    #[arg(long)]
+    pub fail_on_exceed: bool,
     #[command(flatten)]
     pub solver: Solver,
 }
@@ -63,17 +106,19 @@ pub struct Solver {
     /// Compute in this way, whatever it costs [default: the cheapest within the tolerance]
     #[arg(long, value_name = "NAME", value_parser = ["closed-form", "fronts", "modal", "propagator"])]
     pub method: Option<String>,
-    /// Leave out couplers that cannot exceed at any time: their all-time bound is under their rating
-    #[arg(long)]
-    pub verdict_only: bool,
-    /// Report the all-time bound of every coupler's force
-    #[arg(long)]
-    pub all_time_bound: bool,
 }
 
 fn share(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(x) if x > 0.0 && x < 1.0 => Ok(x),
         _ => Err("a number between 0 and 1 is needed, such as 1e-9".to_owned()),
+    }
+}
+
+fn shard(text: &str) -> Result<Shard, String> {
+    let numbers = text.split_once('/').and_then(|(i, n)| Some((i.parse::<usize>().ok()?, n.parse::<usize>().ok()?)));
+    match numbers {
+        Some((i, count)) if (1..=count).contains(&i) => Ok(Shard { index: i - 1, count }),
+        _ => Err("a share is needed such as 3/8, the third of eight".to_owned()),
     }
 }

@@ -147,6 +147,20 @@ impl InputError {
         shown.chain(more).collect::<Vec<_>>().join("\n\n")
     }
 
+    /// The first problem with its place, and how many more there are, on one line.
+    pub fn brief(&self) -> String {
+        let place = self.shown.first().and_then(|s| s.places.first());
+        let place = place.map_or(String::new(), |p| format!(":{}:{}", p.line_number, p.column));
+        format!("{}{place}: {}", self.path, self.titles())
+    }
+
+    /// The first problem without its place, and how many more there are, on one line.
+    pub(crate) fn titles(&self) -> String {
+        let more = self.more + self.shown.len().saturating_sub(1);
+        let more = if more > 0 { format!(" (and {more} more)") } else { String::new() };
+        self.shown.first().map_or(String::new(), |first| first.title.clone()) + &more
+    }
+
     fn group<'a>(&'a self, problem: &'a Shown) -> Group<'a> {
         let mut group = Group::with_title(Level::ERROR.primary_title(problem.title.as_str()));
         if problem.places.is_empty() {

@@ -9,7 +9,7 @@
 //! Nothing below knows what is above it. [`consist`] reads and validates a train file; [`chain`] holds coupled masses
 //! and springs in the model's own units; [`scenario`] cuts a train and an event into scenes; [`solve`] finds every
 //! coupler's largest force in a scene, with a bound on its error; [`findings`] turns those into utilisations and
-//! verdicts; [`report`] writes them down.
+//! verdicts; [`report`] writes them down. [`fleet`] does all of it for many trains and what-ifs.
 #![doc = include_str!("equations.md")]
 
 pub mod accuracy;
@@ -17,6 +17,7 @@ pub mod chain;
 pub mod consist;
 pub mod error;
 pub mod findings;
+pub mod fleet;
 pub mod report;
 pub mod rod;
 pub mod scenario;

@@ -1,6 +1,7 @@
 //! The command line: parse, call the library, set the exit status.
 
 mod cli;
+mod run_fleet;
 
 use std::fmt::Display;
 use std::io::{self, Write};
@@ -21,12 +22,14 @@ const LONG_S: f64 = 5.0;
 enum Failure {
     Exceeds = 1,
     Input = 2,
+    Some = 3,
     Output = 4,
 }
 
 fn main() -> ExitCode {
     let done = match Cli::parse().command {
         Command::Analyze(args) => analyze(&args),
+        Command::Fleet(args) => run_fleet::run(&args),
         Command::Check { train } => read(&train).and_then(|t| print(&consist::describe(&t))),
         Command::New => print(consist::TEMPLATE),
     };
@@ -35,7 +38,12 @@ fn main() -> ExitCode {
 
 fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
     let train = read(&args.train)?;
-    let options = options(args.solver.method.as_deref(), args);
+    let options = Options {
+        scenario: args.scenario.clone(),
+        verdict_only: args.verdict_only,
+        all_time_bound: args.all_time_bound,
+        ..options(&args.solver)
+    };
     let seconds = findings::estimate_s(&train, &options).map_err(|e| complain(&args.train, &e))?;
     if seconds > LONG_S {
         say(&format!("this will take about {seconds:.0} s"));
@@ -52,14 +60,10 @@ fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
     if args.fail_on_exceed && exceeds(&analysis) { Err(Failure::Exceeds) } else { Ok(()) }
 }
 
-fn options(method: Option<&str>, args: &cli::Analyze) -> Options {
-    Options {
-        tolerance: args.solver.tolerance,
-        method: method.and_then(Method::from_name),
-        scenario: args.scenario.clone(),
-        verdict_only: args.solver.verdict_only,
-        all_time_bound: args.solver.all_time_bound,
-    }
+/// How each case is to be solved.
+fn options(solver: &cli::Solver) -> Options {
+    let method = solver.method.as_deref().and_then(Method::from_name);
+    Options { tolerance: solver.tolerance, method, ..Options::default() }
 }
 
 /// Some coupler exceeds, or lies so near its rating that it cannot be told.

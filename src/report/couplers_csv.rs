@@ -2,6 +2,7 @@
 
 use std::io::Write;
 
+use super::cells::{number, optional, text};
 use crate::findings::{Analysis, CaseFindings, CouplerFindings, ScenarioFindings};
 
 const COLUMNS: [&str; 18] = [
@@ -69,18 +70,4 @@ fn row(scenario: &ScenarioFindings, case: &CaseFindings, c: &CouplerFindings) ->
         optional(c.first_exceeds_s),
         optional(c.all_time_bound_n),
     ]
-}
-
-/// The shortest decimal that reads back as the same number; empty where it is not finite.
-fn number(x: f64) -> String {
-    if x.is_finite() { format!("{x:?}") } else { String::new() }
-}
-
-fn optional(x: Option<f64>) -> String {
-    x.map(number).unwrap_or_default()
-}
-
-fn text(s: &str) -> String {
-    let formula = s.starts_with(|c: char| "=+-@＝＋－＠".contains(c) || c.is_control());
-    if formula { format!("'{s}") } else { s.to_owned() }
 }

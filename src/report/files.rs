@@ -6,6 +6,10 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
+/// What the names of unfinished files begin and end with.
+const PREFIX: &str = ".trainsafe-";
+const SUFFIX: &str = ".tmp";
+
 /// Why a report could not be written.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot write {}: {source}; {help}", path.display())]
@@ -20,7 +24,7 @@ pub struct WriteError {
 
 impl WriteError {
     /// An error at a path, with what would help against it.
-    pub(super) fn new(path: &Path, source: io::Error) -> WriteError {
+    pub(crate) fn new(path: &Path, source: io::Error) -> WriteError {
         let help = match source.kind() {
             io::ErrorKind::PermissionDenied => "choose a folder that you may write to with --out DIR",
             io::ErrorKind::StorageFull => "free some space, or choose a folder on another disk with --out DIR",
@@ -62,13 +66,30 @@ pub fn write_all(dir: &Path, files: &[(String, Vec<u8>)]) -> Result<Vec<PathBuf>
 }
 
 fn stage(dir: &Path, content: &[u8]) -> io::Result<NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".trainsafe-").suffix(".tmp");
-    // Temporary files are for their owner alone unless asked otherwise; a report is as readable as any other new file.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut file = builder.tempfile_in(dir)?;
+    let mut file = unfinished(dir)?;
     file.write_all(content)?;
     file.flush()?;
     Ok(file)
+}
+
+/// An empty file under a temporary name, to be renamed once it is whole.
+pub fn unfinished(dir: &Path) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(PREFIX).suffix(SUFFIX);
+    // Temporary files are for their owner alone unless asked otherwise; a report is as readable as any other new file.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(dir)
+}
+
+/// Removes what a run that was killed left under temporary names.
+pub fn remove_unfinished(dir: &Path) {
+    let Ok(entries) = dir.read_dir() else { return };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        if name.to_str().is_some_and(|n| n.starts_with(PREFIX) && n.ends_with(SUFFIX)) {
+            // One that stays does no harm.
+            let _ = fs::remove_file(entry.path());
+        }
+    }
 }

@@ -45,13 +45,21 @@ pub fn markdown(train: &Train, analysis: &Analysis, pictures: &Pictures) -> Resu
         sections: analysis.scenarios.iter().enumerate().map(|(i, s)| section(train, s, of(i))).collect(),
         train: train_facts(train),
     };
+    render(TEMPLATE, report)
+}
+
+/// A template filled with facts, every text in them escaped.
+///
+/// # Errors
+/// None are known: templates and facts are this crate's own.
+pub fn render(template: &str, facts: impl Serialize) -> Result<String, Error> {
     let mut environment = Environment::new();
     environment
         .set_syntax(SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).keep_trailing_newline(true).build()?);
     environment.set_auto_escape_callback(|_| AutoEscape::Custom("markdown".into()));
     environment.set_formatter(write_escaped);
     environment.add_filter("join", join);
-    environment.render_str(TEMPLATE, Serde(report))
+    environment.render_str(template, Serde(facts))
 }
 
 /// The cells of a row, each escaped, with the separator left as it is.

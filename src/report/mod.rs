@@ -9,11 +9,12 @@
 //! | `figure-N-force.svg` | the worst coupler's force over time |
 //! | `figure-N-breaks.svg` | the worst utilisation by broken coupler, where several breaks were examined |
 
+pub(crate) mod cells;
 mod couplers_csv;
-mod figures;
-mod files;
-mod markdown;
-mod numbers;
+pub(crate) mod figures;
+pub(crate) mod files;
+pub(crate) mod markdown;
+pub(crate) mod numbers;
 mod result_json;
 mod section;
 mod terminal_table;

@@ -7,10 +7,12 @@ mod breaks;
 mod envelope;
 mod history;
 mod place;
+mod safe_load;
 
 pub use breaks::breaks;
 pub use envelope::envelope;
 pub use history::{history, window};
+pub use safe_load::safe_load;
 
 use kuva::plot::legend::{LegendEntry, LegendPosition, LegendShape};
 use kuva::plot::line::{LinePlot, LineStyle};

@@ -1,0 +1,203 @@
+//! `fleet.md`: what a run came to.
+
+use minijinja::Error;
+use serde::Serialize;
+
+use super::parts::Run;
+use super::statistics::{clopper_pearson, rank_correlation};
+use super::summary::{Summary, TrainSummary};
+use crate::report::figures;
+use crate::report::markdown::render;
+use crate::report::numbers::{digits, down, percent, without_zeros};
+
+const TEMPLATE: &str = include_str!("fleet.md.jinja");
+/// Rows of a table at most.
+const LISTED: usize = 50;
+
+#[derive(Serialize)]
+struct Report {
+    title: String,
+    verdict: Vec<String>,
+    figure: Option<&'static str>,
+    caption: String,
+    tables: Vec<Table>,
+}
+
+#[derive(Serialize)]
+struct Table {
+    title: &'static str,
+    text: Vec<String>,
+    head: Vec<&'static str>,
+    rows: Vec<Vec<String>>,
+}
+
+/// The distribution of safe load factors, if there are any.
+pub fn figure(summary: &Summary, name: &str) -> Option<String> {
+    let some = summary.safe.iter().any(|f| f.is_finite());
+    some.then(|| figures::safe_load(&summary.safe, units(summary), name))
+}
+
+/// The report; `figure` is the file that the figure is in.
+///
+/// # Errors
+/// None are known: the template and the facts are this crate's own.
+pub fn markdown(run: &Run, summary: &Summary, figure: Option<&'static str>) -> Result<String, Error> {
+    let probabilities = run.variations.map(|_| probabilities(run, summary));
+    let inputs = run.variations.and_then(|_| correlations(run, summary));
+    let tables = [probabilities, inputs, worst(summary), breaks(summary), overloaded(summary), errors(summary)];
+    let report = Report {
+        title: format!("Fleet of {}", count(run.trains, "train")),
+        verdict: verdict(run, summary),
+        figure,
+        caption: format!(
+            "Share of {} whose smallest safe load factor is below x. Left of 1 a coupler is overloaded.",
+            units(summary)
+        ),
+        tables: tables.into_iter().flatten().collect(),
+    };
+    Ok(render(TEMPLATE, report)?.trim_end().to_owned() + "\n")
+}
+
+/// What the run came to, as sentences of plain text.
+pub fn verdict(run: &Run, summary: &Summary) -> Vec<String> {
+    let seen = summary.trains.len();
+    let harmful = summary.unsafe_trains().len();
+    let varied = run.variations.map_or(String::new(), |n| format!(" in {} each", count(n, "variation")));
+    let mut text = vec![format!(
+        "{harmful} of {}{varied} would overload a coupler in some case; {} of {} do.",
+        count(seen, "train"),
+        summary.harmful,
+        count(summary.cases, "case"),
+    )];
+    match summary.undecided_trains() {
+        0 => {}
+        n => text.push(format!("For {n} more it is not decided: a rating lies within the error bound of a peak.")),
+    }
+    if summary.failed > 0 {
+        text.push(format!("{} could not be computed: see errors.csv.", count(summary.failed, "train or case")));
+    }
+    text
+}
+
+fn units(summary: &Summary) -> &'static str {
+    if summary.safe.len() > summary.trains.len() { "variations" } else { "trains" }
+}
+
+/// Each train's share of variations with an exceedance, for draws with its confidence interval.
+fn probabilities(run: &Run, summary: &Summary) -> Table {
+    let row = |train: &TrainSummary| {
+        let (n, k, open) = (train.variations, train.unsafe_variations, train.undecided_variations);
+        let share = |k: usize| digits(k as f64 / n as f64, 0.0, 4);
+        let estimate = if open == 0 { share(k) } else { format!("{} to {}", share(k), share(k + open)) };
+        let mut row = vec![train.name.clone(), n.to_string(), k.to_string(), estimate];
+        if run.drawn {
+            let (low, high) = (clopper_pearson(k, n, 0.05).0, clopper_pearson(k + open, n, 0.05).1);
+            row.push(format!("{} to {}", digits(low, 0.0, 4), digits(high, 0.0, 4)));
+        }
+        row
+    };
+    let mut head = vec!["train", "variations", "with an exceedance", "share"];
+    let mut text = Vec::new();
+    if run.drawn {
+        head[3] = "probability";
+        head.push("95 % confidence");
+        text.push("At least one coupler exceeds its rating in at least one case of the train. The interval is Clopper and Pearson's.".to_owned());
+        if run.latin_hypercube {
+            text.push("It takes samples as independent; those of a Latin hypercube usually do better.".to_owned());
+        }
+        text.push(
+            "Draws that make no train, such as a negative strength, are left out and listed in errors.csv.".to_owned(),
+        );
+    }
+    let mut trains: Vec<&TrainSummary> = summary.trains.iter().collect();
+    let share = |t: &TrainSummary| t.unsafe_variations as f64 / t.variations as f64;
+    trains.sort_by(|a, b| share(b).total_cmp(&share(a)));
+    more(&mut text, trains.len(), "trains");
+    let rows = trains.into_iter().take(LISTED).map(row).collect();
+    Table { title: if run.drawn { "Probability of an exceedance" } else { "Variations" }, text, head, rows }
+}
+
+/// How each input goes together with the largest utilisation, strongest first.
+fn correlations(run: &Run, summary: &Summary) -> Option<Table> {
+    let (utilisation, inputs) = summary.columns.split_last()?;
+    let mut found: Vec<(f64, &String)> = run
+        .inputs
+        .iter()
+        .zip(inputs)
+        .filter(|(_, column)| column.iter().all(|x| x.is_finite()))
+        .filter_map(|(name, column)| Some((rank_correlation(column, utilisation)?, name)))
+        .collect();
+    found.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()));
+    let text = "Spearman's rank correlation of each input with the largest utilisation of a variation: near 1 or -1 it rules, \
+                near 0 it does not matter, or not in one direction only."
+        .to_owned();
+    let rows: Vec<_> = found.into_iter().map(|(r, name)| vec![name.clone(), format!("{r:.3}")]).collect();
+    let head = vec!["input", "rank correlation"];
+    (!rows.is_empty()).then_some(Table { title: "Which inputs matter most", text: vec![text], head, rows })
+}
+
+fn worst(summary: &Summary) -> Option<Table> {
+    let trains = summary.unsafe_trains();
+    let row = |t: &&TrainSummary| {
+        let w = &t.worst;
+        let variation = if w.variation.is_empty() { String::new() } else { format!(", variation {}", w.variation) };
+        let case = match w.broken.as_str() {
+            "" => format!("{}{variation}", w.scenario),
+            broken => format!("coupler {broken} breaks{variation}"),
+        };
+        let safe = if t.safe.is_finite() { down(t.safe) } else { String::new() };
+        let harmful = format!("{} of {}", t.cases[1], t.cases[0]);
+        vec![t.name.clone(), t.file.clone(), percent(w.utilisation), w.coupler.clone(), case, safe, harmful]
+    };
+    let mut text = Vec::new();
+    more(&mut text, trains.len(), "unsafe trains");
+    let head =
+        vec!["train", "file", "utilisation, %", "coupler", "when", "safe load factor", "cases with an exceedance"];
+    let rows: Vec<_> = trains.iter().take(LISTED).map(row).collect();
+    (!rows.is_empty()).then_some(Table { title: "Unsafe trains, worst first", text, head, rows })
+}
+
+fn breaks(summary: &Summary) -> Option<Table> {
+    let mut found: Vec<_> = summary.breaks.iter().filter(|(_, (_, harmful))| *harmful > 0).collect();
+    found.sort_by(|a, b| b.1.1.cmp(&a.1.1));
+    let share = |(all, harmful): (usize, usize)| without_zeros(&digits(100.0 * harmful as f64 / all as f64, 0.0, 3));
+    let row = |&(coupler, &(all, harmful)): &(&usize, &(usize, usize))| {
+        vec![coupler.to_string(), harmful.to_string(), all.to_string(), share((all, harmful))]
+    };
+    let mut text = Vec::new();
+    more(&mut text, found.len(), "couplers");
+    let head = vec!["coupler that breaks", "breaks that overload another", "breaks examined", "share, %"];
+    let rows: Vec<_> = found.iter().take(LISTED).map(row).collect();
+    (!rows.is_empty()).then_some(Table { title: "Couplers whose break overloads another", text, head, rows })
+}
+
+fn overloaded(summary: &Summary) -> Option<Table> {
+    let mut found: Vec<_> = summary.overloaded.iter().collect();
+    found.sort_by(|a, b| b.1.cmp(a.1));
+    let mut text = Vec::new();
+    more(&mut text, found.len(), "couplers");
+    let rows: Vec<_> = found.iter().take(LISTED).map(|(c, n)| vec![c.to_string(), n.to_string()]).collect();
+    let head = vec!["coupler", "cases in which it is the worst"];
+    (!rows.is_empty()).then_some(Table { title: "Couplers overloaded most often", text, head, rows })
+}
+
+fn errors(summary: &Summary) -> Option<Table> {
+    let mut text = Vec::new();
+    if summary.failed > summary.errors.len() {
+        text.push(format!("The first {} of {}; errors.csv has all.", summary.errors.len(), summary.failed));
+    }
+    let rows: Vec<_> = summary.errors.iter().map(|e| e.to_vec()).collect();
+    let head = vec!["file", "what", "error"];
+    (!rows.is_empty()).then_some(Table { title: "Not computed", text, head, rows })
+}
+
+/// Says that a table is cut short.
+fn more(text: &mut Vec<String>, all: usize, what: &str) {
+    if all > LISTED {
+        text.push(format!("The first {LISTED} of {all} {what}; fleet.csv has all."));
+    }
+}
+
+fn count(n: usize, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
+}

@@ -1,0 +1,183 @@
+//! What a fleet run is given: paths into train files and, where there is one, a study; and a fingerprint of it all.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+use sha2::{Digest, Sha256};
+
+use super::FleetError;
+use super::study::{self, Study};
+use super::variation::{self, Varied};
+use crate::consist::{self, Train};
+use crate::findings::{Options, cases};
+
+/// Keys that can change how many cases a train has, or whether its other keys are right.
+const COUNTING: [&str; 4] = ["count", "held", "coupler", "at"];
+
+/// The train files and the study, as they were found at the start.
+pub struct Inputs {
+    /// Train files, in the order in which they are run.
+    pub files: Vec<PathBuf>,
+    /// What is varied.
+    pub study: Option<Study>,
+    /// Content of each file and of the table that it refers to.
+    digests: Vec<[u8; 32]>,
+    /// Text of the study file.
+    study_text: String,
+}
+
+impl Inputs {
+    /// Finds the train files, or reads the study file and finds its trains.
+    ///
+    /// # Errors
+    /// A study file that is wrong, a glob that matches nothing, no train file at all.
+    pub fn find(paths: &[PathBuf]) -> Result<Inputs, FleetError> {
+        let (mut study, mut study_text) = (None, String::new());
+        let mut wanted = paths.to_vec();
+        for path in paths.iter().filter(|p| p.is_file()) {
+            // What cannot be read is a bad train, and told as such later.
+            let Ok(text) = consist::text_of(path) else { continue };
+            if study::is_study(&text) {
+                if paths.len() > 1 {
+                    let title = format!("{} is a study, which names its own trains", path.display());
+                    return Err(FleetError::Usage(format!("{title}: give it alone")));
+                }
+                let read = study::parse(&text, path)?;
+                let folder = path.parent().unwrap_or(Path::new(""));
+                wanted = read.trains.iter().map(|t| folder.join(t)).collect();
+                (study, study_text) = (Some(read), text);
+            }
+        }
+        let mut files = Vec::new();
+        for path in &wanted {
+            expand(path, &mut files)?;
+        }
+        let mut seen = std::collections::HashSet::new();
+        files.retain(|file| seen.insert(file.clone()));
+        if files.is_empty() {
+            return Err(FleetError::Usage("there is no train file (*.toml) in what was given".to_owned()));
+        }
+        let digests = files.par_iter().map(|file| digest(file)).collect();
+        Ok(Inputs { files, study, digests, study_text })
+    }
+
+    /// Variations of each train.
+    pub fn variations(&self) -> usize {
+        self.study.as_ref().map_or(1, Study::variations)
+    }
+
+    /// A fingerprint of everything that the results depend on, in hexadecimal.
+    pub fn fingerprint(&self, options: &Options) -> String {
+        let mut all = Sha256::new();
+        let mut add = |bytes: &[u8]| {
+            all.update((bytes.len() as u64).to_le_bytes());
+            all.update(bytes);
+        };
+        add(env!("CARGO_PKG_VERSION").as_bytes());
+        add(&options.tolerance.to_le_bytes());
+        add(options.method.map_or("", |m| m.name()).as_bytes());
+        add(self.study_text.as_bytes());
+        for (file, digest) in self.files.iter().zip(&self.digests) {
+            add(file.as_os_str().as_encoded_bytes());
+            add(digest);
+        }
+        all.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+
+    /// A train file's variation, both counted from 0.
+    ///
+    /// # Errors
+    /// [`FleetError::Changed`] if the file is no longer what it was at the start.
+    pub fn load(&self, file: usize, variation: usize) -> Result<Varied, FleetError> {
+        let path = &self.files[file];
+        if digest(path) != self.digests[file] {
+            return Err(FleetError::Changed(path.clone()));
+        }
+        let varied = match (&self.study, consist::text_of(path)) {
+            (Some(study), Ok(text)) => variation::vary(study, variation, &text, path),
+            (None, Ok(text)) => Varied { cells: vec![], train: consist::parse(&text, path).map_err(|e| e.brief()) },
+            (study, Err(e)) => {
+                let inputs = study.as_ref().map_or(0, |s| s.inputs.len());
+                Varied { cells: vec![String::new(); inputs], train: Err(e.brief()) }
+            }
+        };
+        Ok(varied)
+    }
+
+    /// How many cases each variation of each train has, in order; a train that cannot be read has one.
+    ///
+    /// # Errors
+    /// As for [`Inputs::load`].
+    pub fn case_counts(&self) -> Result<Vec<u32>, FleetError> {
+        let variations = self.variations();
+        let fixed = self.study.as_ref().is_none_or(|s| !s.inputs.iter().any(|i| COUNTING.contains(&i.key.leaf)));
+        let one = |file: usize, variation: usize| {
+            let varied = self.load(file, variation)?;
+            Ok(varied.train.map_or(1, |train| case_count(&train)))
+        };
+        if fixed {
+            let base = |file| consist::read(file).map_or(1, |train| case_count(&train));
+            let counts: Vec<u32> = self.files.par_iter().map(|file| base(file)).collect();
+            return Ok(counts.into_iter().flat_map(|count| std::iter::repeat_n(count, variations)).collect());
+        }
+        let units = self.files.len() * variations;
+        (0..units).into_par_iter().map(|unit| one(unit / variations, unit % variations)).collect()
+    }
+}
+
+fn case_count(train: &Train) -> u32 {
+    let count: usize = train.scenarios.iter().map(|s| cases(&s.event).len()).sum();
+    // A train file has at most a million breaks, and a table of scenarios of at most 16 MiB.
+    u32::try_from(count).unwrap_or(u32::MAX)
+}
+
+/// The train files that a path stands for: itself, those in a folder and below, those that a glob matches; each sorted.
+fn expand(path: &Path, files: &mut Vec<PathBuf>) -> Result<(), FleetError> {
+    if path.is_dir() {
+        return in_folder(path, files);
+    }
+    let text = path.to_string_lossy();
+    if path.exists() || !text.contains(['*', '?', '[']) {
+        files.push(path.to_owned());
+        return Ok(());
+    }
+    let matches = glob::glob(&text).map_err(|e| FleetError::Usage(format!("{text} is no glob: {}", e.msg)))?;
+    let before = files.len();
+    files.extend(matches.flatten().filter(|found| found.is_file()));
+    if files.len() == before {
+        return Err(FleetError::Usage(format!("{text} matches no file")));
+    }
+    Ok(())
+}
+
+fn in_folder(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), FleetError> {
+    let unreadable = |e| FleetError::Usage(format!("the folder {} cannot be read: {e}", folder.display()));
+    let mut entries = fs::read_dir(folder).map_err(unreadable)?.flatten().map(|e| e.path()).collect::<Vec<_>>();
+    entries.sort();
+    for entry in entries {
+        // A link to a folder above would lead round for ever.
+        if entry.is_dir() && !entry.is_symlink() {
+            in_folder(&entry, files)?;
+        } else if entry.extension().is_some_and(|e| e == "toml") && entry.is_file() {
+            files.push(entry);
+        }
+    }
+    Ok(())
+}
+
+/// Content of a train file and of the table it refers to; of a file that cannot be read, what stands in the way.
+fn digest(path: &Path) -> [u8; 32] {
+    let mut all = Sha256::new();
+    match consist::text_of(path) {
+        Ok(text) => {
+            all.update(&text);
+            if let Some(table) = consist::table_of(&text, path) {
+                all.update([0]);
+                all.update(consist::text_of(&table).unwrap_or_else(|e| e.brief()));
+            }
+        }
+        Err(e) => all.update(e.brief()),
+    }
+    all.finalize().into()
+}

@@ -1,0 +1,268 @@
+//! Many trains and what-ifs: every case of every variation of every train, one row each.
+//!
+//! ```text
+//! inputs (+ study) -> plan: numbered chunks of cases -> part files -> fleet.csv, errors.csv, fleet.md
+//! ```
+//!
+//! The chunks depend on the inputs alone, never on threads, shards or attempts. A chunk's rows appear in a part file whole
+//! or not at all, so a run may be killed at any moment, and another may do what is missing; the parts in order are the
+//! result. Only the rows of chunks under way are in memory.
+
+mod fleet_md;
+mod inputs;
+mod join;
+mod key;
+mod parts;
+mod plan;
+mod progress;
+mod rows;
+pub mod spread;
+mod statistics;
+mod study;
+mod summary;
+mod variation;
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+
+pub use plan::Shard;
+
+use crate::error::InputError;
+use crate::findings::Options;
+use crate::report::files::WriteError;
+use crate::solve::memo::Memo;
+use inputs::Inputs;
+use parts::Run;
+use plan::Plan;
+use progress::Progress;
+use summary::Summary;
+
+/// What a run may remember of scenes that it has solved, bytes.
+const REMEMBERED: usize = 64 << 20;
+
+/// Why a run could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum FleetError {
+    /// The study file is wrong.
+    #[error("{}", .0.render(false))]
+    Study(#[from] InputError),
+    /// What was asked makes no sense here.
+    #[error("{0}")]
+    Usage(String),
+    /// A train file, or its table, is no longer what it was when the run started.
+    #[error("{} has changed since the run started: what is done belongs to the old one", .0.display())]
+    Changed(PathBuf),
+    /// A result could not be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// Standard output could not be written.
+    #[error("cannot write to standard output: {0}")]
+    Output(std::io::Error),
+}
+
+/// How a run is to be made.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// Train files, folders and globs, or one study file.
+    pub paths: Vec<PathBuf>,
+    /// Tolerance and method of each case.
+    pub options: Options,
+    /// Only this share of the chunks; the parts are joined by [`merge`].
+    pub shard: Option<Shard>,
+    /// Go on with the run that the folder holds.
+    pub resume: bool,
+    /// Bytes of memory for scenes that have been solved; `None`: 64 MiB. Results do not depend on it.
+    pub memo_bytes: Option<usize>,
+}
+
+/// What a run came to.
+#[derive(Clone, Debug, Default)]
+pub struct Outcome {
+    /// The verdict, as sentences; empty for a shard.
+    pub verdict: Vec<String>,
+    /// The report; `None` for a shard.
+    pub report: Option<PathBuf>,
+    /// Trains with a result, as far as this run knows.
+    pub computed: usize,
+    /// Trains or cases without.
+    pub failed: usize,
+    /// Cases with an exceedance, or not decided.
+    pub exceeding: usize,
+    /// Scenes found already solved, and scenes solved.
+    pub scenes: (u64, u64),
+}
+
+/// What a run would take.
+#[derive(Clone, Copy, Debug)]
+pub struct Estimate {
+    /// Train files.
+    pub trains: usize,
+    /// Variations of each.
+    pub variations: usize,
+    /// Cases in all.
+    pub cases: u64,
+    /// On one thread, s; roughly.
+    pub seconds: f64,
+}
+
+/// Runs what the request asks for and writes the results into a folder, made if need be.
+///
+/// # Errors
+/// [`FleetError`]; what has been computed until then stays, for a run that resumes.
+pub fn run(request: &Request, dir: &Path) -> Result<Outcome, FleetError> {
+    let inputs = Inputs::find(&request.paths)?;
+    let memo = Memo::new(request.memo_bytes.unwrap_or(REMEMBERED));
+    let plan = Plan::new(&inputs, &request.options, &memo)?;
+    let description = description(&inputs, &plan, &request.options);
+    if start(request, dir, &description)? {
+        let failed = compute(request, dir, &plan)?;
+        if request.shard.is_some() {
+            return Ok(Outcome { failed, computed: 1, scenes: memo.counts(), ..Outcome::default() });
+        }
+    }
+    let outcome = finish(dir, &description)?;
+    Ok(Outcome { scenes: memo.counts(), ..outcome })
+}
+
+/// Joins the parts that shards have written into the same files that one run would have.
+///
+/// # Errors
+/// [`FleetError`] where the folder holds no run, or parts are missing.
+pub fn merge(dir: &Path) -> Result<Outcome, FleetError> {
+    let run = parts::read(dir)?;
+    let none = || FleetError::Usage(format!("{} holds no run of shards to merge", dir.display()));
+    finish(dir, &run.ok_or_else(none)?)
+}
+
+/// Counts the work without doing it.
+///
+/// # Errors
+/// As for [`run`].
+pub fn estimate(request: &Request) -> Result<Estimate, FleetError> {
+    let inputs = Inputs::find(&request.paths)?;
+    let memo = Memo::new(0);
+    let plan = Plan::new(&inputs, &request.options, &memo)?;
+    Ok(Estimate {
+        trains: inputs.files.len(),
+        variations: inputs.variations(),
+        cases: plan.cases(),
+        seconds: plan.estimate_s()?,
+    })
+}
+
+/// Writes every row as a line of JSON, in order, and every error too; no files.
+///
+/// # Errors
+/// As for [`run`].
+pub fn stream(request: &Request, out: &mut dyn Write) -> Result<Outcome, FleetError> {
+    let inputs = Inputs::find(&request.paths)?;
+    let memo = Memo::new(request.memo_bytes.unwrap_or(REMEMBERED));
+    let plan = Plan::new(&inputs, &request.options, &memo)?;
+    let run = description(&inputs, &plan, &request.options);
+    let mut summary = Summary::new(run.inputs.len());
+    let progress = Progress::new(plan.cases());
+    let headings = join::headings(&run);
+    let chunks: Vec<usize> = (0..plan.chunks()).collect();
+    for together in chunks.chunks(4 * rayon::current_num_threads()) {
+        let done: Vec<_> = together.par_iter().with_max_len(1).map(|&c| work(&plan, c, &progress)).collect();
+        for rows in done {
+            let [rows, errors] = rows?.into_bytes();
+            summary.add(&rows, &errors);
+            let lines = rows::json(&headings, &rows) + &rows::json(&rows::ERRORS, &errors);
+            out.write_all(lines.as_bytes()).map_err(FleetError::Output)?;
+        }
+    }
+    summary.close();
+    progress.finish();
+    Ok(Outcome { scenes: memo.counts(), ..outcome(&run, &summary, None) })
+}
+
+fn description(inputs: &Inputs, plan: &Plan, options: &Options) -> Run {
+    let study = inputs.study.as_ref();
+    Run {
+        trainsafe: env!("CARGO_PKG_VERSION").to_owned(),
+        fingerprint: inputs.fingerprint(options),
+        trains: inputs.files.len(),
+        variations: study.map(study::Study::variations),
+        drawn: study.is_some_and(|s| s.draws.is_some()),
+        latin_hypercube: study.and_then(|s| s.draws).is_some_and(|d| d.latin_hypercube),
+        inputs: study.map(variation::headings).unwrap_or_default(),
+        cases: plan.cases(),
+        chunk_cases: plan.chunk_cases,
+        complete: false,
+    }
+}
+
+/// Looks at what the folder holds; whether something is left to compute.
+fn start(request: &Request, dir: &Path, new: &Run) -> Result<bool, FleetError> {
+    let goes_on = request.resume || request.shard.is_some();
+    let found = parts::read(dir)?;
+    let same = found.as_ref().is_some_and(|old| Run { complete: false, ..old.clone() } == *new);
+    let refuse = |why: &str, help: &str| Err(FleetError::Usage(format!("{} {why}: {help}", dir.display())));
+    match &found {
+        Some(old) if !old.complete && !goes_on => refuse(
+            "holds a run that is not finished",
+            "go on with it by --resume, or choose another folder with --out DIR",
+        ),
+        Some(old) if !same && (request.resume || !old.complete) => refuse(
+            "holds a run of other train files, another study, other options or another version of trainsafe",
+            "put back what it was, or choose another folder with --out DIR",
+        ),
+        Some(old) if old.complete && same && goes_on => Ok(false),
+        Some(old) if !old.complete => Ok(true),
+        _ => {
+            parts::remove(dir);
+            parts::describe(dir, new)?;
+            Ok(true)
+        }
+    }
+}
+
+/// Computes the chunks that are missing; how many trains or cases failed in them.
+fn compute(request: &Request, dir: &Path, plan: &Plan) -> Result<usize, FleetError> {
+    let mine = |chunk: &usize| request.shard.is_none_or(|shard| shard.has(*chunk));
+    let missing: Vec<usize> = (0..plan.chunks()).filter(mine).filter(|&c| !parts::is_done(dir, c)).collect();
+    let cases = |chunk: &usize| plan.range(*chunk).end - plan.range(*chunk).start;
+    let progress = Progress::new(missing.iter().map(cases).sum());
+    let one = |&chunk: &usize| {
+        let rows = work(plan, chunk, &progress)?;
+        let failed = rows.failed;
+        parts::keep(dir, chunk, rows)?;
+        Ok(failed)
+    };
+    let failed: Result<Vec<usize>, FleetError> = missing.par_iter().with_max_len(1).map(one).collect();
+    progress.finish();
+    Ok(failed?.into_iter().sum())
+}
+
+fn work(plan: &Plan, chunk: usize, progress: &Progress) -> Result<rows::Chunk, FleetError> {
+    let rows = plan.compute(chunk)?;
+    let range = plan.range(chunk);
+    progress.add((range.end - range.start) as usize, rows.failed);
+    Ok(rows)
+}
+
+/// Joins the parts, unless that has been done.
+fn finish(dir: &Path, run: &Run) -> Result<Outcome, FleetError> {
+    let known = parts::read(dir)?.is_some_and(|found| found.complete);
+    let summary = if known { join::summarise(dir, run)? } else { join::join(dir, run)? };
+    if !known {
+        parts::describe(dir, &Run { complete: true, ..run.clone() })?;
+    }
+    parts::remove(dir);
+    Ok(outcome(run, &summary, Some(join::report(dir))))
+}
+
+fn outcome(run: &Run, summary: &Summary, report: Option<PathBuf>) -> Outcome {
+    let open: usize = summary.trains.iter().map(|t| t.undecided_variations).sum();
+    Outcome {
+        verdict: fleet_md::verdict(run, summary),
+        report,
+        computed: summary.trains.len(),
+        failed: summary.failed,
+        exceeding: summary.harmful + open,
+        scenes: (0, 0),
+    }
+}

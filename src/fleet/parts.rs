@@ -1,0 +1,102 @@
+//! What a run has written so far: its description, and a pair of part files for each chunk that is done.
+//!
+//! Part files appear whole or not at all; that of the rows appears last and says that the chunk is done.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::FleetError;
+use super::rows::Chunk;
+use crate::report::files::{self, WriteError};
+
+const DESCRIPTION: &str = "fleet-run.json";
+const PARTS: &str = "fleet-parts";
+
+/// What is run, and whether it is done: `fleet-run.json`.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Run {
+    /// The program's version.
+    pub trainsafe: String,
+    /// Fingerprint of train files, study and options.
+    pub fingerprint: String,
+    /// Train files.
+    pub trains: usize,
+    /// Variations of each, where there is a study.
+    pub variations: Option<usize>,
+    /// Whether the variations are draws from distributions, which have probabilities.
+    pub drawn: bool,
+    /// Whether they are a Latin hypercube.
+    pub latin_hypercube: bool,
+    /// Headings of the study's inputs.
+    pub inputs: Vec<String>,
+    /// Cases in all.
+    pub cases: u64,
+    /// Cases in each chunk but the last.
+    pub chunk_cases: u64,
+    /// All rows are in `fleet.csv`.
+    pub complete: bool,
+}
+
+impl Run {
+    /// How many chunks there are.
+    pub fn chunks(&self) -> usize {
+        self.cases.div_ceil(self.chunk_cases.max(1)) as usize
+    }
+}
+
+/// The run in a folder, if there is one.
+///
+/// # Errors
+/// A description that is none.
+pub fn read(dir: &Path) -> Result<Option<Run>, FleetError> {
+    let path = dir.join(DESCRIPTION);
+    let unreadable = |why: String| FleetError::Usage(format!("{} cannot be read: {why}", path.display()));
+    match fs::read(&path) {
+        Ok(bytes) => serde_json::from_slice(&bytes).map(Some).map_err(|e| unreadable(e.to_string())),
+        Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(None),
+        Err(e) => Err(unreadable(e.to_string())),
+    }
+}
+
+/// Writes the run's description.
+///
+/// # Errors
+/// [`WriteError`] with the path.
+pub fn describe(dir: &Path, run: &Run) -> Result<(), FleetError> {
+    let text = serde_json::to_vec_pretty(run).map_err(|e| WriteError::new(&dir.join(DESCRIPTION), e.into()))?;
+    files::write_all(dir, &[(DESCRIPTION.to_owned(), text)])?;
+    Ok(())
+}
+
+/// The part files of a chunk: rows, errors.
+pub fn paths(dir: &Path, chunk: usize) -> [PathBuf; 2] {
+    names(chunk).map(|name| dir.join(PARTS).join(name))
+}
+
+fn names(chunk: usize) -> [String; 2] {
+    ["", "-errors"].map(|kind| format!("{chunk:08}{kind}.csv"))
+}
+
+/// Whether a chunk is done.
+pub fn is_done(dir: &Path, chunk: usize) -> bool {
+    paths(dir, chunk)[0].exists()
+}
+
+/// Keeps a chunk's rows.
+///
+/// # Errors
+/// [`WriteError`] with the path.
+pub fn keep(dir: &Path, chunk: usize, rows: Chunk) -> Result<(), FleetError> {
+    let [rows, errors] = rows.into_bytes();
+    let [rows_name, errors_name] = names(chunk);
+    files::write_all(&dir.join(PARTS), &[(errors_name, errors), (rows_name, rows)])?;
+    Ok(())
+}
+
+/// Removes the parts; those that stay do no harm to a complete run.
+pub fn remove(dir: &Path) {
+    let _ = fs::remove_dir_all(dir.join(PARTS));
+}

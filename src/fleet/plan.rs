@@ -1,0 +1,148 @@
+//! The work as numbered chunks of cases, the same for every thread, shard and attempt.
+
+use std::ops::Range;
+
+use super::FleetError;
+use super::inputs::Inputs;
+use super::rows::{self, Chunk};
+use crate::consist::Train;
+use crate::findings::{self, Options, cases};
+use crate::solve::memo::Memo;
+
+/// Chunks that a run is cut into, if they keep within the limits that follow.
+const CHUNKS: u64 = 1000;
+const FEWEST_CASES: u64 = 8;
+const MOST_CASES: u64 = 500;
+
+/// Cases of all variations of all trains, in order, cut into chunks.
+pub struct Plan<'a> {
+    inputs: &'a Inputs,
+    options: &'a Options,
+    memo: &'a Memo,
+    /// The number of cases up to and with each unit, a unit being a variation of a train.
+    ends: Vec<u64>,
+    /// Cases in each chunk but the last.
+    pub chunk_cases: u64,
+}
+
+/// A share of the chunks: number `index` (from 0) of `count`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    /// From 0.
+    pub index: usize,
+    /// How many there are.
+    pub count: usize,
+}
+
+impl Shard {
+    /// Every so many chunks, so that shards take about as long as each other whatever order the trains have.
+    pub fn has(&self, chunk: usize) -> bool {
+        chunk % self.count == self.index
+    }
+}
+
+impl<'a> Plan<'a> {
+    /// Counts the cases.
+    ///
+    /// # Errors
+    /// As for [`Inputs::case_counts`].
+    pub fn new(inputs: &'a Inputs, options: &'a Options, memo: &'a Memo) -> Result<Plan<'a>, FleetError> {
+        let running = |total: &mut u64, count: u32| {
+            *total += u64::from(count);
+            Some(*total)
+        };
+        let ends: Vec<u64> = inputs.case_counts()?.into_iter().scan(0, running).collect();
+        let total = ends.last().copied().unwrap_or(0);
+        let chunk_cases = (total / CHUNKS).clamp(FEWEST_CASES, MOST_CASES);
+        Ok(Plan { inputs, options, memo, ends, chunk_cases })
+    }
+
+    /// All cases.
+    pub fn cases(&self) -> u64 {
+        self.ends.last().copied().unwrap_or(0)
+    }
+
+    /// How many chunks there are.
+    pub fn chunks(&self) -> usize {
+        self.cases().div_ceil(self.chunk_cases) as usize
+    }
+
+    /// The cases of a chunk.
+    pub fn range(&self, chunk: usize) -> Range<u64> {
+        let from = chunk as u64 * self.chunk_cases;
+        from..(from + self.chunk_cases).min(self.cases())
+    }
+
+    /// Computes a chunk's rows.
+    ///
+    /// # Errors
+    /// As for [`Inputs::load`].
+    pub fn compute(&self, chunk: usize) -> Result<Chunk, FleetError> {
+        let range = self.range(chunk);
+        let mut rows = Chunk::default();
+        let mut at = range.start;
+        while at < range.end {
+            let unit = self.ends.partition_point(|end| *end <= at);
+            let start = if unit == 0 { 0 } else { self.ends[unit - 1] };
+            let end = self.ends[unit].min(range.end);
+            self.unit(unit, (at - start) as usize..(end - start) as usize, &mut rows)?;
+            at = end;
+        }
+        Ok(rows)
+    }
+
+    /// Some cases of a unit.
+    fn unit(&self, unit: usize, range: Range<usize>, rows: &mut Chunk) -> Result<(), FleetError> {
+        let variations = self.inputs.variations();
+        let (file, variation) = (unit / variations, unit % variations);
+        let varied = self.inputs.load(file, variation)?;
+        let place = rows::Place {
+            file: self.inputs.files[file].display().to_string(),
+            variation: self.inputs.study.as_ref().map(|_| variation + 1),
+            inputs: varied.cells,
+        };
+        let train = match varied.train {
+            Ok(train) => train,
+            Err(error) => {
+                // Told once, with the first of the cases that were to be.
+                if range.start == 0 {
+                    rows.fail(&place, None, &error);
+                }
+                return Ok(());
+            }
+        };
+        for (scenario, broken) in all_cases(&train).skip(range.start).take(range.len()) {
+            match findings::case_findings(&train, scenario, broken, self.options, self.memo) {
+                Ok(case) => rows.add(&place, &train, scenario, &case),
+                Err(error) => rows.fail(&place, Some((scenario, broken)), &error.to_string()),
+            }
+        }
+        Ok(())
+    }
+
+    /// Roughly how long it will take on one thread, s, from the count of the work of a few trains.
+    ///
+    /// # Errors
+    /// As for [`Inputs::load`].
+    pub fn estimate_s(&self) -> Result<f64, FleetError> {
+        const LOOKED_AT: usize = 100;
+        let every = self.ends.len().div_ceil(LOOKED_AT);
+        let variations = self.inputs.variations();
+        let (mut seconds, mut cases) = (0.0, 0u64);
+        for unit in (0..self.ends.len()).step_by(every) {
+            let varied = self.inputs.load(unit / variations, unit % variations)?;
+            let Ok(train) = varied.train else { continue };
+            cases += all_cases(&train).count() as u64;
+            seconds += match findings::estimate_s(&train, self.options) {
+                Ok(seconds) | Err(findings::AnalyzeError::TooLong { seconds }) => seconds,
+                Err(_) => 0.0,
+            };
+        }
+        Ok(if cases == 0 { 0.0 } else { seconds * self.cases() as f64 / cases as f64 })
+    }
+}
+
+/// The cases of a train: each scenario with each coupler that breaks in it.
+fn all_cases(train: &Train) -> impl Iterator<Item = (&crate::scenario::Scenario, Option<usize>)> {
+    train.scenarios.iter().flat_map(|s| cases(&s.event).into_iter().map(move |broken| (s, broken)))
+}

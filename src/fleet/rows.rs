@@ -1,0 +1,151 @@
+//! Rows of `fleet.csv` and `errors.csv`.
+
+use crate::consist::Train;
+use crate::findings::CaseFindings;
+use crate::report::cells::{number, optional, text};
+use crate::scenario::Scenario;
+
+/// Columns before those of a study's inputs.
+pub const FRONT: [&str; 4] = ["file", "train", "vehicles", "variation"];
+
+/// Columns after those of a study's inputs, named as in `couplers.csv` and `result.json`.
+pub const BACK: [&str; 20] = [
+    "scenario",
+    "kind",
+    "broken_coupler",
+    "worst_coupler",
+    "between_front",
+    "between_rear",
+    "rated_draft_n",
+    "rated_buff_n",
+    "initial_force_n",
+    "peak_force_n",
+    "peak_time_s",
+    "utilisation",
+    "first_exceeds_s",
+    "exceeding",
+    "undecided",
+    "safe_load_factor",
+    "error_bound_n",
+    "horizon_s",
+    "method",
+    "rod_exceeding",
+];
+
+/// Columns of `errors.csv`.
+pub const ERRORS: [&str; 5] = ["file", "variation", "scenario", "broken_coupler", "error"];
+
+/// The rows of a chunk of cases, without headings.
+#[derive(Default)]
+pub struct Chunk {
+    rows: Lines,
+    errors: Lines,
+    /// Cases and trains that could not be computed.
+    pub failed: usize,
+}
+
+/// CSV in memory.
+type Lines = Vec<u8>;
+
+/// Which variation of which train rows belong to.
+pub struct Place {
+    /// The train file, as it was given.
+    pub file: String,
+    /// Counted from 1; `None` without a study.
+    pub variation: Option<usize>,
+    /// Cells of the study's inputs.
+    pub inputs: Vec<String>,
+}
+
+impl Chunk {
+    /// The rows of cases and those of errors.
+    pub fn into_bytes(self) -> [Vec<u8>; 2] {
+        [self.rows, self.errors]
+    }
+
+    /// A case that was computed.
+    pub fn add(&mut self, place: &Place, train: &Train, scenario: &Scenario, case: &CaseFindings) {
+        let front = [text(&place.file), text(&train.name), train.vehicles.len().to_string(), whole(place.variation)];
+        let inputs = place.inputs.iter().map(|cell| text_or_number(cell));
+        line(&mut self.rows, front.into_iter().chain(inputs).chain(back(scenario, case)));
+    }
+
+    /// A train or a case that could not be computed.
+    pub fn fail(&mut self, place: &Place, case: Option<(&Scenario, Option<usize>)>, error: &str) {
+        self.failed += 1;
+        let scenario = case.map_or(String::new(), |(scenario, _)| text(&scenario.name));
+        let broken = whole(case.and_then(|(_, broken)| broken).map(|b| b + 1));
+        line(&mut self.errors, [text(&place.file), whole(place.variation), scenario, broken, text(error)].into_iter());
+    }
+}
+
+fn back(scenario: &Scenario, case: &CaseFindings) -> [String; BACK.len()] {
+    let worst = case.worst.as_ref();
+    let value = |of: fn(&crate::findings::CouplerFindings) -> f64| optional(worst.map(of));
+    let first = case.couplers.iter().filter_map(|c| c.first_exceeds_s).reduce(f64::min);
+    [
+        text(&scenario.name),
+        scenario.event.kind().to_owned(),
+        whole(case.broken_coupler),
+        whole(worst.map(|w| w.coupler)),
+        worst.map_or(String::new(), |w| text(&w.between[0])),
+        worst.map_or(String::new(), |w| text(&w.between[1])),
+        value(|w| w.rated_draft_n),
+        value(|w| w.rated_buff_n),
+        value(|w| w.initial_force_n),
+        value(|w| w.peak_force_n),
+        value(|w| w.peak_time_s),
+        value(|w| w.utilisation),
+        optional(first),
+        case.exceeding.to_string(),
+        case.undecided.to_string(),
+        optional(case.safe_load_factor),
+        number(case.error_bound_n),
+        number(case.horizon_s),
+        case.method.to_owned(),
+        whole(case.rod.as_ref().map(|rod| rod.exceeding)),
+    ]
+}
+
+fn whole(number: Option<usize>) -> String {
+    number.map(|n| n.to_string()).unwrap_or_default()
+}
+
+/// An input's cell: a negative number is no formula.
+fn text_or_number(cell: &str) -> String {
+    if cell.parse::<f64>().is_ok() { cell.to_owned() } else { text(cell) }
+}
+
+/// Appends a line of CSV.
+pub fn line(to: &mut Vec<u8>, cells: impl Iterator<Item = String>) {
+    let mut writer = csv::WriterBuilder::new().flexible(true).from_writer(to);
+    // Nothing can fail in memory: the writer has no limit and rows may differ in length.
+    let _ = writer.write_record(cells.map(String::into_bytes));
+}
+
+/// Lines of CSV as lines of JSON; an empty cell is `null`, a number is a number.
+pub fn json<S: AsRef<str>>(headings: &[S], lines: &[u8]) -> String {
+    let records = csv::ReaderBuilder::new().has_headers(false).from_reader(lines).into_records();
+    let mut text = String::new();
+    for record in records.flatten() {
+        let pairs = headings.iter().zip(record.iter());
+        let object: serde_json::Map<_, _> =
+            pairs.map(|(heading, cell)| (heading.as_ref().to_owned(), json_cell(heading.as_ref(), cell))).collect();
+        text += &serde_json::Value::Object(object).to_string();
+        text.push('\n');
+    }
+    text
+}
+
+fn json_cell(heading: &str, cell: &str) -> serde_json::Value {
+    let is_text = ["file", "train", "scenario", "kind", "between_front", "between_rear", "method", "error"];
+    if is_text.contains(&heading) && !cell.is_empty() {
+        return cell.into();
+    }
+    let whole = cell.parse::<u64>().map(serde_json::Value::from);
+    let number = || cell.parse::<f64>().ok().filter(|x| x.is_finite()).map(serde_json::Value::from);
+    match cell {
+        "" => serde_json::Value::Null,
+        _ => whole.ok().or_else(number).unwrap_or_else(|| cell.into()),
+    }
+}

@@ -1,0 +1,297 @@
+//! A study file: which trains, and what to vary in them.
+//!
+//! ```toml
+//! trains = ["trains/*.toml"]        # files, folders or globs, from the study file's folder
+//! samples = 10000                   # absent: every combination of the lists and ranges
+//! seed = 7                          # 1 if absent
+//! latin_hypercube = true            # false if absent
+//!
+//! [[vary]]
+//! key = "coupler.rated_load"        # a key of the train file; lists of tables are indexed from 0
+//! distribution = "normal"
+//! mean = "1.5 MN"
+//! sd = "0.1 MN"
+//! per = "coupler"                   # "train" if absent
+//!
+//! [[vary]]
+//! key = "load.uniform"
+//! values = ["0.5 MN", "0.6 MN"]     # or from, to and steps
+//! ```
+
+use std::path::Path;
+
+use toml::de::{DeTable, DeValue};
+
+use super::key::Key;
+use super::spread::{Law, Spread};
+use crate::consist;
+use crate::consist::tree::{Found, Read, Sign, Table, Value};
+use crate::error::InputError;
+use crate::units::{Amount, Dimension};
+
+/// More variations of a train than this are refused.
+const MOST_VARIATIONS: usize = 10_000_000;
+
+const KEYS: [&str; 5] = ["trains", "samples", "seed", "latin_hypercube", "vary"];
+const VARY_KEYS: [&str; 15] = [
+    "key",
+    "values",
+    "from",
+    "to",
+    "steps",
+    "distribution",
+    "low",
+    "high",
+    "mean",
+    "sd",
+    "scale",
+    "shape",
+    "mode",
+    "location",
+    "per",
+];
+
+/// What a study file says.
+#[derive(Clone, Debug)]
+pub struct Study {
+    /// Files, folders and globs, from the study file's folder.
+    pub trains: Vec<String>,
+    /// `None`: every combination.
+    pub draws: Option<Draws>,
+    /// What is varied; the first changes slowest where every combination is run.
+    pub inputs: Vec<Input>,
+}
+
+/// How variations are drawn.
+#[derive(Clone, Copy, Debug)]
+pub struct Draws {
+    /// Variations of each train.
+    pub samples: usize,
+    /// Seed of the draws.
+    pub seed: u64,
+    /// Whether each input's draws are stratified over the samples.
+    pub latin_hypercube: bool,
+}
+
+/// A key that is varied.
+#[derive(Clone, Debug)]
+pub struct Input {
+    /// Which.
+    pub key: Key,
+    /// Over what.
+    pub spread: Spread,
+    /// Every coupler has its own draw.
+    pub per_coupler: bool,
+}
+
+impl Study {
+    /// How many variations each train has.
+    pub fn variations(&self) -> usize {
+        let grid = || self.inputs.iter().map(|input| input.spread.count()).product();
+        self.draws.map_or_else(grid, |draws| draws.samples)
+    }
+}
+
+/// Whether a file's text is a study rather than a train.
+pub fn is_study(text: &str) -> bool {
+    let study = |root: toml::Spanned<DeTable>| ["trains", "vary"].iter().any(|k| root.get_ref().contains_key(*k));
+    DeTable::parse(text).is_ok_and(study)
+}
+
+/// Reads a study file's text; `path` is what messages call it.
+///
+/// # Errors
+/// Every problem in the text that can be seen at once, with its place and what would be right.
+pub fn parse(text: &str, path: &Path) -> Result<Study, InputError> {
+    let root = DeTable::parse(text).map_err(|e| consist::not_toml(e, text, path))?;
+    let found = Found::default();
+    let study = study(&Table::root(&found, root.get_ref(), "the study file", &KEYS));
+    let problems = found.into_problems();
+    match study {
+        Ok(study) if problems.is_empty() => Ok(study),
+        _ => Err(InputError::new(path, text, problems)),
+    }
+}
+
+fn study(root: &Table) -> Read<Study> {
+    let trains = root.require("trains", "add trains = [\"trains/*.toml\"]: files, folders or globs").and_then(|list| {
+        let names: Vec<String> = list.items().map(|v| v.name().map(str::to_owned)).collect::<Read<_>>()?;
+        if names.is_empty() { Err(list.wrong("trains is empty", "name a file, a folder or a glob")) } else { Ok(names) }
+    });
+    let draws = draws(root);
+    let vary = root.require("vary", "add a [[vary]] table for each key to vary");
+    let tables = vary.and_then(|v| Ok((v.tables("[[vary]]", &VARY_KEYS)?, v)));
+    let (tables, value) = tables?;
+    let draws = draws?;
+    let inputs = tables.iter().map(|table| input(table, draws.is_some())).collect::<Vec<_>>();
+    let inputs = inputs.into_iter().collect::<Read<Vec<Input>>>()?;
+    if inputs.is_empty() {
+        return Err(value.wrong("nothing is varied", "add a [[vary]] table for each key to vary"));
+    }
+    for (i, input) in inputs.iter().enumerate() {
+        if inputs[..i].iter().any(|earlier| earlier.key == input.key) {
+            let help = "a key is varied in one way at a time";
+            return Err(tables[i].wrong(format!("{} is varied twice", input.key), help));
+        }
+    }
+    let study = Study { trains: trains?, draws, inputs };
+    let counts = study.inputs.iter().map(|input| input.spread.count());
+    if study.draws.is_none() && counts.fold(1usize, |all, n| all.saturating_mul(n)) > MOST_VARIATIONS {
+        let title = format!("there are more than {MOST_VARIATIONS} combinations");
+        return Err(value.wrong(title, "name fewer values, or draw some of the combinations: samples = 10000"));
+    }
+    Ok(study)
+}
+
+fn draws(root: &Table) -> Read<Option<Draws>> {
+    let whole = |key: &'static str, most: usize| {
+        let right = format!("expected a whole number from 1 to {most}");
+        root.get(key).map(|v| v.number(most, |n| format!("{key} is {n}"), &right)).transpose()
+    };
+    let samples = whole("samples", MOST_VARIATIONS)?;
+    let seed = whole("seed", u32::MAX as usize)?;
+    let latin = root.get("latin_hypercube").map(|v| v.flag()).transpose()?;
+    match (samples, seed.is_some() || latin.is_some()) {
+        (None, true) => Err(root.wrong("the study has a way to draw but no number of samples", "add samples = 10000")),
+        (None, false) => Ok(None),
+        (Some(samples), _) => {
+            let seed = seed.unwrap_or(1) as u64;
+            Ok(Some(Draws { samples, seed, latin_hypercube: latin.unwrap_or(false) }))
+        }
+    }
+}
+
+fn input(table: &Table, drawn: bool) -> Read<Input> {
+    let value = table.require("key", "add key = \"coupler.stiffness\", or another key of the train file")?;
+    let key = Key::parse(value.name()?).map_err(|bad| value.wrong(bad.title, bad.help))?;
+    let per = table.get("per").map(|v| Ok((v.word(&["train", "coupler"])?, v))).transpose()?;
+    let per_coupler = match per {
+        Some(("coupler", v)) if !key.of_every_coupler() => {
+            return Err(v.wrong(format!("{key} is no key of every coupler"), "only keys of [coupler] have per"));
+        }
+        Some(("coupler", v)) if !drawn => {
+            return Err(v.wrong("every coupler has its own value only in draws", "add samples = 10000"));
+        }
+        other => other.is_some_and(|(word, _)| word == "coupler"),
+    };
+    let ways = ["values", "from", "distribution"].map(|key| table.get(key));
+    let spread = match ways {
+        [Some(list), None, None] => values(&list, &key),
+        [None, Some(from), None] => range(table, &from, &key),
+        [None, None, Some(name)] if drawn => law(table, &name, &key),
+        [None, None, Some(name)] => {
+            Err(name.wrong("a distribution has no combinations to run", "add samples = 10000 at the top of the file"))
+        }
+        [None, None, None] => {
+            Err(table.wrong("nothing says how to vary it", "add values, from and to, or distribution"))
+        }
+        _ => Err(table.wrong("it is varied in two ways", "keep one of values, from and to, and distribution")),
+    };
+    Ok(Input { key, spread: spread?, per_coupler })
+}
+
+fn values(list: &Value, key: &Key) -> Read<Spread> {
+    let one = |item: Value| -> Read<toml::Value> {
+        if let Some(dimension) = key.dimension() {
+            item.amount(dimension, Sign::Any)?;
+        }
+        plain(item.raw())
+            .ok_or_else(|| item.wrong("this is no value of a train file's key", "expected a string or a number"))
+    };
+    let all = list.items().map(one).collect::<Read<Vec<_>>>()?;
+    if all.is_empty() { Err(list.wrong("values is empty", "name at least one")) } else { Ok(Spread::Values(all)) }
+}
+
+/// The value without its places; `None` for what no key of a train file has.
+fn plain(value: &DeValue) -> Option<toml::Value> {
+    Some(match value {
+        DeValue::String(text) => toml::Value::String(text.to_string()),
+        DeValue::Integer(number) => toml::Value::Integer(i64::from_str_radix(number.as_str(), number.radix()).ok()?),
+        DeValue::Boolean(flag) => toml::Value::Boolean(*flag),
+        DeValue::Array(items) => toml::Value::Array(items.iter().map(|i| plain(i.get_ref())).collect::<Option<_>>()?),
+        DeValue::Float(_) | DeValue::Datetime(_) | DeValue::Table(_) => return None,
+    })
+}
+
+fn range(table: &Table, from: &Value, key: &Key) -> Read<Spread> {
+    const MOST: usize = 1_000_000;
+    let right = format!("add steps = 9, the number of values with both ends, from 2 to {MOST}");
+    let steps = table.require("steps", &right)?;
+    let steps = match steps.number(MOST, |n| format!("steps is {n}"), &right)? {
+        1 => return Err(steps.wrong("steps is 1", right)),
+        steps => steps,
+    };
+    let to = table.require("to", "add to, the last value")?;
+    let dimension = dimension(key, from)?;
+    let ends = [from.amount(dimension, Sign::Any)?, to.amount(dimension, Sign::Any)?];
+    let ([Amount::Si(low), Amount::Si(high)] | [Amount::Share(low), Amount::Share(high)]) = ends else {
+        return Err(to.wrong("one end is a share and the other is none", "give both in the same way"));
+    };
+    let share = matches!(ends[0], Amount::Share(_));
+    let at = |i: usize| low + (high - low) * (i as f64 / (steps - 1) as f64);
+    Ok(Spread::Values((0..steps).map(|i| super::spread::written(at(i), dimension, share)).collect()))
+}
+
+fn dimension(key: &Key, at: &Value) -> Read<Dimension> {
+    key.dimension()
+        .ok_or_else(|| at.wrong(format!("{key} has no unit, so no range and no distribution"), "list its values"))
+}
+
+fn law(table: &Table, name: &Value, key: &Key) -> Read<Spread> {
+    let dimension = dimension(key, name)?;
+    let word = name.word(&["uniform", "normal", "lognormal", "weibull", "triangular"])?;
+    let mut share = None;
+    let mut quantity = |key: &'static str, sign: Sign| -> Read<f64> {
+        let value = table.require(key, &format!("a {word} distribution has {}", parameters(word)))?;
+        let (amount, is_share) = match value.amount(dimension, sign)? {
+            Amount::Si(x) => (x, false),
+            Amount::Share(x) => (x, true),
+        };
+        if *share.get_or_insert(is_share) != is_share {
+            return Err(value.wrong("one parameter is a share and another is none", "give all in the same way"));
+        }
+        Ok(amount)
+    };
+    let law = match word {
+        "uniform" => Law::Uniform { low: quantity("low", Sign::Any)?, high: quantity("high", Sign::Any)? },
+        "normal" => Law::Normal { mean: quantity("mean", Sign::Any)?, sd: quantity("sd", Sign::Positive)? },
+        "lognormal" => Law::lognormal(quantity("mean", Sign::Positive)?, quantity("sd", Sign::Positive)?),
+        "weibull" => {
+            let scale = quantity("scale", Sign::Positive)?;
+            let location = if table.get("location").is_some() { quantity("location", Sign::Any)? } else { 0.0 };
+            let shape =
+                table.require("shape", "add shape, the Weibull modulus, a number without a unit")?.positive()?;
+            Law::Weibull { location, scale, shape }
+        }
+        _ => {
+            let (low, mode) = (quantity("low", Sign::Any)?, quantity("mode", Sign::Any)?);
+            Law::Triangular { low, mode, high: quantity("high", Sign::Any)? }
+        }
+    };
+    if !law.is_ordered() {
+        return Err(
+            name.wrong("the limits of the distribution are not in order", "low is below high, and mode between")
+        );
+    }
+    only(table, word);
+    Ok(Spread::Law { law, dimension, share: share.unwrap_or(false) })
+}
+
+fn parameters(word: &str) -> &'static str {
+    match word {
+        "uniform" => "low, high",
+        "normal" | "lognormal" => "mean, sd",
+        "weibull" => "scale, shape, location",
+        _ => "low, mode, high",
+    }
+}
+
+/// Notes parameters that belong to another distribution.
+fn only(table: &Table, word: &str) {
+    for key in ["low", "high", "mean", "sd", "scale", "shape", "mode", "location", "to", "steps"] {
+        if let Some(span) = table.key_span(key).filter(|_| !parameters(word).split(", ").any(|p| p == key)) {
+            let help = format!("a {word} distribution has {}", parameters(word));
+            table.note_at(span, format!("{key} is no parameter of a {word} distribution"), help);
+        }
+    }
+}

@@ -1,0 +1,228 @@
+//! What the rows of a run come to, gathered as they pass by.
+
+use std::collections::BTreeMap;
+
+use super::rows::{BACK, FRONT};
+
+/// Examples of errors that a report shows.
+const SHOWN: usize = 20;
+
+/// Sums over all rows.
+#[derive(Clone, Debug, Default)]
+pub struct Summary {
+    /// One entry per train file with a result, in order.
+    pub trains: Vec<TrainSummary>,
+    /// Cases that were computed.
+    pub cases: usize,
+    /// Cases in which some coupler exceeds.
+    pub harmful: usize,
+    /// By broken coupler: cases, and those in which another coupler exceeds.
+    pub breaks: BTreeMap<usize, (usize, usize)>,
+    /// By coupler: cases in which it is the worst and some coupler exceeds.
+    pub overloaded: BTreeMap<usize, usize>,
+    /// Smallest safe load factor of each variation of each train; infinite where nothing bounds it.
+    pub safe: Vec<f64>,
+    /// Each variation's inputs, then its largest utilisation, column by column.
+    pub columns: Vec<Vec<f64>>,
+    /// Rows of `errors.csv`.
+    pub failed: usize,
+    /// The first of them: file, what was to be run, error.
+    pub errors: Vec<[String; 3]>,
+    inputs: usize,
+    unit: Option<Unit>,
+}
+
+/// What is known of one train.
+#[derive(Clone, Debug)]
+pub struct TrainSummary {
+    /// Its file.
+    pub file: String,
+    /// Its name.
+    pub name: String,
+    /// Variations that were computed.
+    pub variations: usize,
+    /// Variations with an exceedance in some case.
+    pub unsafe_variations: usize,
+    /// Variations without one, but with a case that is not decided.
+    pub undecided_variations: usize,
+    /// Cases, and those with an exceedance.
+    pub cases: [usize; 2],
+    /// The case with the largest utilisation.
+    pub worst: Worst,
+    /// Smallest safe load factor; infinite where nothing bounds it.
+    pub safe: f64,
+}
+
+/// The worst case of a train.
+#[derive(Clone, Debug, Default)]
+pub struct Worst {
+    /// Its largest utilisation.
+    pub utilisation: f64,
+    /// The variation, empty where there is none.
+    pub variation: String,
+    /// The scenario.
+    pub scenario: String,
+    /// The coupler that breaks, empty for a pulse.
+    pub broken: String,
+    /// The coupler with that utilisation.
+    pub coupler: String,
+}
+
+/// A variation of a train whose rows are passing by.
+#[derive(Clone, Debug)]
+struct Unit {
+    file: String,
+    name: String,
+    variation: String,
+    inputs: Vec<f64>,
+    cases: [usize; 2],
+    undecided: bool,
+    worst: Worst,
+    safe: f64,
+}
+
+impl Summary {
+    /// Nothing seen; rows will have this many inputs.
+    pub fn new(inputs: usize) -> Summary {
+        Summary { inputs, columns: vec![Vec::new(); inputs + 1], ..Summary::default() }
+    }
+
+    /// Takes in rows of `fleet.csv` and `errors.csv`.
+    pub fn add(&mut self, rows: &[u8], errors: &[u8]) {
+        for row in records(rows) {
+            self.row(&row);
+        }
+        for row in records(errors) {
+            self.error(&row);
+        }
+    }
+
+    /// Takes in a row of `errors.csv`.
+    pub fn error(&mut self, row: &csv::StringRecord) {
+        self.failed += 1;
+        if self.errors.len() < SHOWN {
+            let cell = |i: usize| row.get(i).unwrap_or_default();
+            let variation = if cell(1).is_empty() { String::new() } else { format!("variation {}", cell(1)) };
+            let what = [variation, cell(2).to_owned()];
+            let what = what.into_iter().filter(|w| !w.is_empty()).collect::<Vec<_>>().join(", ");
+            self.errors.push([cell(0).to_owned(), what, cell(4).to_owned()]);
+        }
+    }
+
+    /// Takes in a row of `fleet.csv`.
+    pub fn row(&mut self, row: &csv::StringRecord) {
+        let cell = |i: usize| row.get(i).unwrap_or_default();
+        let back = |name: &str| {
+            let at = BACK.iter().position(|column| *column == name);
+            at.map_or("", |at| cell(FRONT.len() + self.inputs + at))
+        };
+        let is_new = self.unit.as_ref().is_none_or(|u| u.file != cell(0) || u.variation != cell(3));
+        let exceeds = back("exceeding") != "0";
+        let undecided = back("undecided") != "0";
+        let utilisation: f64 = back("utilisation").parse().unwrap_or(0.0);
+        let safe = back("safe_load_factor").parse().unwrap_or(f64::INFINITY);
+        let (broken, worst) = (back("broken_coupler").to_owned(), back("worst_coupler").to_owned());
+        let case = Worst {
+            utilisation,
+            variation: cell(3).to_owned(),
+            scenario: back("scenario").to_owned(),
+            broken,
+            coupler: worst,
+        };
+        self.cases += 1;
+        self.harmful += usize::from(exceeds);
+        if let Ok(broken) = case.broken.parse() {
+            let (all, harmful) = self.breaks.entry(broken).or_default();
+            (*all, *harmful) = (*all + 1, *harmful + usize::from(exceeds));
+        }
+        if let Some(coupler) = case.coupler.parse().ok().filter(|_| exceeds) {
+            *self.overloaded.entry(coupler).or_default() += 1;
+        }
+        if is_new {
+            self.close();
+            let inputs = (0..self.inputs).map(|i| cell(FRONT.len() + i).parse().unwrap_or(f64::NAN)).collect();
+            self.unit = Some(Unit::new(cell(0), cell(1), cell(3), inputs));
+        }
+        if let Some(unit) = &mut self.unit {
+            unit.cases = [unit.cases[0] + 1, unit.cases[1] + usize::from(exceeds)];
+            unit.undecided |= undecided;
+            unit.safe = unit.safe.min(safe);
+            if unit.cases[0] == 1 || case.utilisation > unit.worst.utilisation {
+                unit.worst = case;
+            }
+        }
+    }
+
+    /// Counts the variation whose rows have all passed.
+    pub fn close(&mut self) {
+        let Some(unit) = self.unit.take() else { return };
+        self.safe.push(unit.safe);
+        for (column, value) in self.columns.iter_mut().zip(unit.inputs.iter().chain([&unit.worst.utilisation])) {
+            column.push(*value);
+        }
+        match self.trains.last_mut().filter(|train| train.file == unit.file) {
+            Some(train) => train.add(unit),
+            None => self.trains.push(TrainSummary::new(unit)),
+        }
+    }
+
+    /// Trains with an exceedance, worst first.
+    pub fn unsafe_trains(&self) -> Vec<&TrainSummary> {
+        let mut found: Vec<&TrainSummary> = self.trains.iter().filter(|t| t.unsafe_variations > 0).collect();
+        found.sort_by(|a, b| b.worst.utilisation.total_cmp(&a.worst.utilisation));
+        found
+    }
+
+    /// Trains without an exceedance, but with a case that is not decided.
+    pub fn undecided_trains(&self) -> usize {
+        self.trains.iter().filter(|t| t.unsafe_variations == 0 && t.undecided_variations > 0).count()
+    }
+}
+
+impl Unit {
+    fn new(file: &str, name: &str, variation: &str, inputs: Vec<f64>) -> Unit {
+        Unit {
+            file: file.to_owned(),
+            name: name.to_owned(),
+            variation: variation.to_owned(),
+            inputs,
+            cases: [0, 0],
+            undecided: false,
+            worst: Worst::default(),
+            safe: f64::INFINITY,
+        }
+    }
+}
+
+impl TrainSummary {
+    fn new(unit: Unit) -> TrainSummary {
+        let exceeds = unit.cases[1] > 0;
+        TrainSummary {
+            variations: 1,
+            unsafe_variations: usize::from(exceeds),
+            undecided_variations: usize::from(!exceeds && unit.undecided),
+            file: unit.file,
+            name: unit.name,
+            cases: unit.cases,
+            worst: unit.worst,
+            safe: unit.safe,
+        }
+    }
+
+    fn add(&mut self, unit: Unit) {
+        let other = TrainSummary::new(unit);
+        self.variations += other.variations;
+        self.unsafe_variations += other.unsafe_variations;
+        self.undecided_variations += other.undecided_variations;
+        self.cases = [self.cases[0] + other.cases[0], self.cases[1] + other.cases[1]];
+        self.safe = self.safe.min(other.safe);
+        if other.worst.utilisation > self.worst.utilisation {
+            self.worst = other.worst;
+        }
+    }
+}
+
+/// The rows of a part, which this program has written.
+fn records(bytes: &[u8]) -> impl Iterator<Item = csv::StringRecord> + '_ {
+    csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(bytes).into_records().flatten()
+}

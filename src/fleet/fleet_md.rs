@@ -13,6 +13,8 @@ use crate::report::numbers::{digits, down, percent, without_zeros};
 const TEMPLATE: &str = include_str!("fleet.md.jinja");
 /// Rows of a table at most.
 const LISTED: usize = 50;
+/// Rows of a table of couplers at most.
+const COUPLERS: usize = 20;
 
 #[derive(Serialize)]
 struct Report {
@@ -112,7 +114,7 @@ fn probabilities(run: &Run, summary: &Summary) -> Table {
     let mut trains: Vec<&TrainSummary> = summary.trains.iter().collect();
     let share = |t: &TrainSummary| t.unsafe_variations as f64 / t.variations as f64;
     trains.sort_by(|a, b| share(b).total_cmp(&share(a)));
-    more(&mut text, trains.len(), "trains");
+    more(&mut text, trains.len(), LISTED, "trains");
     let rows = trains.into_iter().take(LISTED).map(row).collect();
     Table { title: if run.drawn { "Probability of an exceedance" } else { "Variations" }, text, head, rows }
 }
@@ -150,7 +152,7 @@ fn worst(summary: &Summary) -> Option<Table> {
         vec![t.name.clone(), t.file.clone(), percent(w.utilisation), w.coupler.clone(), case, safe, harmful]
     };
     let mut text = Vec::new();
-    more(&mut text, trains.len(), "unsafe trains");
+    more(&mut text, trains.len(), LISTED, "unsafe trains");
     let head =
         vec!["train", "file", "utilisation, %", "coupler", "when", "safe load factor", "cases with an exceedance"];
     let rows: Vec<_> = trains.iter().take(LISTED).map(row).collect();
@@ -165,9 +167,9 @@ fn breaks(summary: &Summary) -> Option<Table> {
         vec![coupler.to_string(), harmful.to_string(), all.to_string(), share((all, harmful))]
     };
     let mut text = Vec::new();
-    more(&mut text, found.len(), "couplers");
+    more(&mut text, found.len(), COUPLERS, "couplers");
     let head = vec!["coupler that breaks", "breaks that overload another", "breaks examined", "share, %"];
-    let rows: Vec<_> = found.iter().take(LISTED).map(row).collect();
+    let rows: Vec<_> = found.iter().take(COUPLERS).map(row).collect();
     (!rows.is_empty()).then_some(Table { title: "Couplers whose break overloads another", text, head, rows })
 }
 
@@ -175,8 +177,8 @@ fn overloaded(summary: &Summary) -> Option<Table> {
     let mut found: Vec<_> = summary.overloaded.iter().collect();
     found.sort_by(|a, b| b.1.cmp(a.1));
     let mut text = Vec::new();
-    more(&mut text, found.len(), "couplers");
-    let rows: Vec<_> = found.iter().take(LISTED).map(|(c, n)| vec![c.to_string(), n.to_string()]).collect();
+    more(&mut text, found.len(), COUPLERS, "couplers");
+    let rows: Vec<_> = found.iter().take(COUPLERS).map(|(c, n)| vec![c.to_string(), n.to_string()]).collect();
     let head = vec!["coupler", "cases in which it is the worst"];
     (!rows.is_empty()).then_some(Table { title: "Couplers overloaded most often", text, head, rows })
 }
@@ -192,9 +194,9 @@ fn errors(summary: &Summary) -> Option<Table> {
 }
 
 /// Says that a table is cut short.
-fn more(text: &mut Vec<String>, all: usize, what: &str) {
-    if all > LISTED {
-        text.push(format!("The first {LISTED} of {all} {what}; fleet.csv has all."));
+fn more(text: &mut Vec<String>, all: usize, shown: usize, what: &str) {
+    if all > shown {
+        text.push(format!("The first {shown} of {all} {what}; fleet.csv has all."));
     }
 }
 

@@ -56,7 +56,7 @@ pub fn read(dir: &Path) -> Result<Option<Run>, FleetError> {
     let unreadable = |why: String| FleetError::Usage(format!("{} cannot be read: {why}", path.display()));
     match fs::read(&path) {
         Ok(bytes) => serde_json::from_slice(&bytes).map(Some).map_err(|e| unreadable(e.to_string())),
-        Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(None),
+        Err(e) if matches!(e.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) => Ok(None),
         Err(e) => Err(unreadable(e.to_string())),
     }
 }

@@ -1,0 +1,147 @@
+//! Trains as tables: the same train as spelt out, and mistakes with row and column.
+
+use std::fs;
+use std::path::Path;
+
+use trainsafe::Train;
+use trainsafe::consist;
+
+const FRONT: &str =
+    "name = \"tabled\"\n[coupler]\nstiffness = \"30 MN/m\"\nrated_load = \"1 MN\"\n[load]\nuniform = \"60 %\"\n";
+
+/// The train whose vehicles are this table.
+fn read(table: &str, rest: &str) -> Result<Train, String> {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("consist.csv"), table).expect("a table");
+    let text = format!("vehicles = \"consist.csv\"\n{FRONT}{rest}");
+    let shown = folder.path().display().to_string();
+    consist::parse(&text, &folder.path().join("train.toml")).map_err(|e| e.to_string().replace(&shown, "HERE"))
+}
+
+fn spelt_out(vehicles: &str) -> Train {
+    consist::parse(&format!("{FRONT}{vehicles}"), Path::new("train.toml")).unwrap_or_else(|e| panic!("{e}"))
+}
+
+#[test]
+fn a_table_is_the_train_spelt_out() {
+    let table = "\u{feff}Wagon no;label;mass [t];length [ft];held;count;stiffness [kN/mm];rated_load [kip];rated_buff [MN]\r\n\
+                 1;locomotive;195;72;yes;;;;\r\n2;\"ore; car\";160;35;;3;;337;1.2\r\n;;;;;;;;\r\n3;caboose;2.5;10;no;1;25;;\r\n";
+    let overrides = "[[coupler_override]]\nat = 2\nrated_load = \"0.9 MN\"\n";
+    let expected = spelt_out(&format!(
+        "[[vehicle]]\nlabel = \"locomotive\"\nmass = \"195 t\"\nlength = \"72 ft\"\nheld = true\n[[vehicle]]\nlabel = \"ore; \
+         car\"\nmass = \"160 t\"\nlength = \"35 ft\"\ncount = 3\n[[vehicle]]\nlabel = \"caboose\"\nmass = \"2.5 \
+         t\"\nlength = \"10 ft\"\n{}[[coupler_override]]\nat = [3, 4]\nrated_load = \"337 kip\"\nrated_buff = \"1.2 \
+         MN\"\n[[coupler_override]]\nat = 2\nrated_buff = \"1.2 MN\"\n",
+        overrides
+    ));
+    assert_eq!(read(table, overrides), Ok(expected));
+}
+
+#[test]
+fn units_may_stand_in_the_cells_and_without_a_label_a_vehicle_has_its_number() {
+    let expected = spelt_out("[[vehicle]]\nmass = \"80 t\"\n[[vehicle]]\nmass = \"90 klb\"\n");
+    assert_eq!(read("mass\n80 t\n90 klb\n", ""), Ok(expected));
+}
+
+#[test]
+fn each_mistake_in_a_table_has_its_row_and_column() {
+    let cases = [
+        (
+            "label,mass [t]\na,80\n\"b, c\",  8O \nd,-3\n",
+            "error: row 3, column mass [t]: \"8O\" has the unknown unit \"O t\"
+ --> HERE/consist.csv:3:10
+  |
+3 | \"b, c\",  8O 
+  |          ^^
+  |
+  = help: a mass is in kg, t, lb, klb or ton_us
+
+error: row 4, column mass [t]: \"-3\" is not more than zero
+ --> HERE/consist.csv:4:3
+  |
+4 | d,-3
+  |   ^^
+  |
+  = help: expected more than zero",
+        ),
+        (
+            "label,mas [t]\na,80\nb,80\n",
+            "error: unknown column \"mas\"
+ --> HERE/consist.csv:1:7
+  |
+1 | label,mas [t]
+  |       ^^^^^^^
+  |
+  = help: did you mean \"mass\"? columns are label, count, held, mass, length, stiffness, rated_load or rated_buff",
+        ),
+        (
+            "mass [MN]\n80\n80\n",
+            "error: the column \"mass [MN]\" has an unknown unit
+ --> HERE/consist.csv:1:1
+  |
+1 | mass [MN]
+  | ^^^^^^^^^
+  |
+  = help: a mass is in kg, t, lb, klb or ton_us",
+        ),
+        (
+            "mass [t],held\n80,\n80,maybe\n80,yes\n,\n80\n",
+            "error: row 3, column held: held is \"maybe\"
+ --> HERE/consist.csv:3:4
+  |
+3 | 80,maybe
+  |    ^^^^^
+  |
+  = help: expected yes or no, or nothing for no
+
+error: row 4, column held: this vehicle cannot be held
+ --> HERE/consist.csv:4:4
+  |
+4 | 80,yes
+  |    ^^^
+  |
+  = help: only the first and the last vehicle of the train can be held, and not both of a train of two",
+        ),
+        (
+            "label,mass [t]\na,80\nb\n",
+            "error: row 3, column mass [t]: there is no mass
+ --> HERE/consist.csv:3:2
+  |
+3 | b
+  |  ^
+  |
+  = help: fill it in",
+        ),
+        (
+            "mass [t]\n80\n",
+            "error: the table has 1 vehicles
+--> HERE/consist.csv
+ = help: give it a row for each vehicle, at least two",
+        ),
+    ];
+    for (table, expected) in cases {
+        assert_eq!(read(table, "").expect_err(table), expected);
+    }
+}
+
+#[test]
+fn a_train_has_its_vehicles_once() {
+    let error = read("mass [t]\n80\n80\n", "[[vehicle]]\nmass = \"80 t\"\n").expect_err("two lists of vehicles");
+    assert!(error.starts_with("error: the train has its vehicles twice"), "{error}");
+}
+
+#[test]
+fn hostile_tables_are_errors() {
+    for table in [
+        "",
+        "\n\n",
+        "\"",
+        "mass [t]\n\"80\n80",
+        "mass [t],mass [t]\n1,1\n",
+        "mass [t],count\n1,99999999\n",
+        "[\n]",
+        "mass [\n1",
+    ] {
+        assert!(read(table, "").is_err(), "{table:?}");
+    }
+}

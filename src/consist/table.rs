@@ -93,7 +93,7 @@ impl Reader<'_> {
             .flexible(true)
             .delimiter(self.delimiter)
             .trim(csv::Trim::All)
-            .from_reader(self.text[bom..].as_bytes())
+            .from_reader(&self.text.as_bytes()[bom..])
             .into_records()
             .enumerate()
             .filter_map(|(i, cells)| {

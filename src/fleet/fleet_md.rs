@@ -161,7 +161,7 @@ fn worst(summary: &Summary) -> Option<Table> {
 
 fn breaks(summary: &Summary) -> Option<Table> {
     let mut found: Vec<_> = summary.breaks.iter().filter(|(_, (_, harmful))| *harmful > 0).collect();
-    found.sort_by(|a, b| b.1.1.cmp(&a.1.1));
+    found.sort_by_key(|(_, (_, harmful))| std::cmp::Reverse(*harmful));
     let share = |(all, harmful): (usize, usize)| without_zeros(&digits(100.0 * harmful as f64 / all as f64, 0.0, 3));
     let row = |&(coupler, &(all, harmful)): &(&usize, &(usize, usize))| {
         vec![coupler.to_string(), harmful.to_string(), all.to_string(), share((all, harmful))]
@@ -175,7 +175,7 @@ fn breaks(summary: &Summary) -> Option<Table> {
 
 fn overloaded(summary: &Summary) -> Option<Table> {
     let mut found: Vec<_> = summary.overloaded.iter().collect();
-    found.sort_by(|a, b| b.1.cmp(a.1));
+    found.sort_by_key(|(_, cases)| std::cmp::Reverse(**cases));
     let mut text = Vec::new();
     more(&mut text, found.len(), COUPLERS, "couplers");
     let rows: Vec<_> = found.iter().take(COUPLERS).map(|(c, n)| vec![c.to_string(), n.to_string()]).collect();

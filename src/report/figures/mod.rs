@@ -37,16 +37,19 @@ struct Figure {
     name: String,
     plots: Vec<Plot>,
     legend: Vec<LegendEntry>,
+    /// Every line drawn, for labels to keep clear of.
+    lines: Vec<Vec<(f64, f64)>>,
 }
 
 impl Figure {
     fn new(name: &str) -> Figure {
-        Figure { name: name.to_owned(), plots: Vec::new(), legend: Vec::new() }
+        Figure { name: name.to_owned(), plots: Vec::new(), legend: Vec::new(), lines: Vec::new() }
     }
 
     /// A line; one without a label has no place in the legend.
     fn line(&mut self, points: Vec<(f64, f64)>, color: &str, width: f64, dash: Option<&str>, label: Option<&str>) {
         let style = dash.map_or(LineStyle::Solid, |d| LineStyle::Custom(d.to_owned()));
+        self.lines.push(points.clone());
         let line = LinePlot::new().with_data(points).with_color(color).with_stroke_width(width).with_line_style(style);
         self.plots.push(line.into());
         self.explain(label, color, LegendShape::Line, dash);
@@ -132,7 +135,7 @@ fn count_couplers(layout: Layout, couplers: usize) -> Layout {
 
 /// Size of a marker that does not hide its neighbours, one a coupler.
 fn marker_size(couplers: usize) -> f64 {
-    (300.0 / couplers as f64).clamp(2.5, 4.5)
+    (300.0 / couplers as f64).clamp(3.2, 4.5)
 }
 
 /// The range of the values, zero included, with some air at both ends.

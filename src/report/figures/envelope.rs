@@ -51,8 +51,8 @@ pub fn envelope(train: &Train, scenario: &ScenarioFindings, name: &str) -> Strin
         let sides = [e.draft.filter(|_| e.over_draft), e.buff.filter(|_| e.over_buff)];
         sides.into_iter().flatten().map(move |f| (i as f64 + 1.0, f / unit.size))
     };
-    let over = all.iter().enumerate().flat_map(over).collect();
-    let size = marker_size(train.couplers.len());
+    let over: Vec<_> = all.iter().enumerate().flat_map(over).collect();
+    let size = marker_size(over.len());
     figure.markers(over, VERMILLION, MarkerShape::Diamond, size, Some("exceeds its rating"));
 
     let x = (0.5, train.couplers.len() as f64 + 0.5);

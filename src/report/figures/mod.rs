@@ -133,9 +133,9 @@ fn count_couplers(layout: Layout, couplers: usize) -> Layout {
     if couplers < 10 { layout.with_x_tick_step(1.0) } else { layout }
 }
 
-/// Size of a marker that does not hide its neighbours, one a coupler.
-fn marker_size(couplers: usize) -> f64 {
-    (300.0 / couplers as f64).clamp(3.2, 4.5)
+/// Size of a marker that does not hide its neighbours when there are so many.
+fn marker_size(count: usize) -> f64 {
+    (300.0 / count.max(1) as f64).clamp(3.2, 4.5)
 }
 
 /// The range of the values, zero included, with some air at both ends.

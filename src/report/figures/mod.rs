@@ -141,7 +141,10 @@ fn marker_size(count: usize) -> f64 {
 /// The range of the values, zero included, with some air at both ends.
 fn range_with_air(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let (low, high) = values.fold((0.0f64, 0.0f64), |(l, h), v| (l.min(v), h.max(v)));
-    let air = if high > low { 0.08 * (high - low) } else { 1.0 };
+    if low == high {
+        return (-1.0, 1.0);
+    }
+    let air = 0.08 * (high - low);
     (if low < 0.0 { low - air } else { low }, if high > 0.0 { high + air } else { high })
 }
 

@@ -8,7 +8,7 @@
 //!
 //! A held mass stays at 0. Extremes are the best of the values at whole steps, as a simulator reports them: a peak between
 //! two steps is missed by up to `h^2 / 8 max |F''|`, whatever the method's own order. Forces at given instants are cubics
-//! through the values and rates at both ends of a step (error of order h^4), or the method's own dense output.
+//! through the values and rates at both ends of a step (error of order h^4); the method that chooses its steps ends one there.
 //!
 //! None of them says how wrong it is.
 

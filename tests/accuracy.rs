@@ -1,7 +1,10 @@
 //! The engineers' methods are what they are called, and the comparison measures what it says.
 
 use trainsafe::accuracy::peers::Peer;
+use trainsafe::accuracy::{self, Options, Origin};
 use trainsafe::chain::{Chain, Scene};
+use trainsafe::consist::{Coupler, Train, Vehicle};
+use trainsafe::scenario::{Event, Scenario};
 
 /// A held head and one vehicle whose coupler's force falls from 1 to a mean of 0.25: `F = 1 - 0.75 (1 - cos omega t)`.
 fn one_live_vehicle() -> Scene {
@@ -93,4 +96,167 @@ fn dormand_prince_keeps_its_tolerance() {
             assert!(error < 100.0 * tolerance, "{tolerance:e}: {error:e}");
         }
     }
+}
+
+/// Thirteen unequal vehicles with a pulse on one of them; the free chain, and held ends.
+fn unequal_trains() -> Vec<Scene> {
+    let mass = |v: i32| 1.0 + 0.6 * (1.7 * f64::from(v * v)).sin();
+    let stiffness = |i: i32| 1.0 + 0.4 * (2.3 * f64::from(i * i)).cos();
+    let chain = Chain {
+        mass: (1..=13).map(mass).collect(),
+        stiffness: (1..=12).map(stiffness).collect(),
+        held_head: false,
+        held_tail: false,
+    };
+    let scene = |held_head: bool, held_tail: bool, source: usize| Scene {
+        chain: Chain { held_head, held_tail, ..chain.clone() },
+        source,
+        force: -0.8,
+        duration: 5.3,
+        initial: vec![0.3; 12],
+        rated_draft: vec![1.0; 12],
+        rated_buff: vec![1.0; 12],
+        horizon: 40.0,
+    };
+    vec![scene(false, false, 0), scene(true, false, 12), scene(false, true, 4), scene(true, true, 7)]
+}
+
+/// Against the modal sums, good to 1e-13 here. Newmark and leapfrog at a phase of 0.02 are off by about a share of
+/// (0.02)^2 / 12 of the fastest mode's 80 radians of phase; Runge-Kutta by (0.02)^4 / 120 of it; 1e-11 a step over some
+/// hundred steps is left to the method that chooses them. Each figure is ten times that.
+#[test]
+fn every_march_follows_unequal_trains_with_any_ends() {
+    for scene in unequal_trains() {
+        let modes = trainsafe::solve::modal::modes(&scene);
+        let times = times(&scene);
+        for (peer, margin) in [
+            (Peer::Newmark { phase: 0.02 }, 2.7e-2),
+            (Peer::Verlet { phase: 0.02 }, 2.7e-2),
+            (Peer::RungeKutta4 { phase: 0.02 }, 1.1e-6),
+            (Peer::DormandPrince8 { tolerance: 1e-11 }, 1e-8),
+        ] {
+            let marched = peer.march(&scene, &times).expect("nothing is stiff here");
+            for spring in 0..scene.initial.len() {
+                let exact = trainsafe::solve::sums::history(&scene, &modes, spring, &times);
+                for (n, f) in exact.iter().enumerate() {
+                    let error = (marched.forces[n][spring] - f).abs();
+                    assert!(error < margin, "{peer:?}, spring {spring}, {n}: {error:e}");
+                    // Between steps h^2 / 8 max |F''| is missed: under 0.05 for the longest steps here.
+                    let [draft, buff] = marched.extremes[spring];
+                    assert!(draft > f - margin - 0.05 && buff > -f - margin - 0.05, "{peer:?}, {spring}");
+                }
+            }
+        }
+    }
+}
+
+/// Equal cars behind a held locomotive; with twelve vehicles, the longer part is that ahead of the coupler near the rear.
+fn train(vehicles: usize) -> Train {
+    let car = |v: usize| Vehicle { label: format!("car {v}"), mass_kg: 1e5, held: v == 0, length_m: None };
+    let coupler = Coupler { stiffness_n_per_m: 2e7, rated_draft_n: 1e6, rated_buff_n: 1.5e6 };
+    let scenario = |name: &str, couplers: Vec<usize>| Scenario {
+        name: name.to_owned(),
+        event: Event::Break { couplers },
+        horizon_s: None,
+    };
+    Train {
+        name: "eleven cars".to_owned(),
+        vehicles: (0..vehicles).map(car).collect(),
+        couplers: vec![coupler; vehicles - 1],
+        initial_force_n: vec![8e5; vehicles - 1],
+        scenarios: vec![
+            scenario("near the rear", vec![4, vehicles.saturating_sub(3)]),
+            scenario("the only one", vec![0]),
+        ],
+    }
+}
+
+fn quick() -> Options {
+    Options { runs: 1, ..Options::default() }
+}
+
+#[test]
+fn compares_the_longest_part_and_this_crates_bounds_hold() {
+    let accuracy = accuracy::run(&train(12), None, &quick()).expect("a plain train");
+    assert_eq!(accuracy.broken_coupler, Some(10));
+    assert_eq!(accuracy.couplers, [1, 9]);
+    assert_eq!(accuracy.rating_n, 1.5e6);
+    let names = ["closed-form", "fronts", "modal", "propagator", "Newmark", "Störmer-Verlet", "Runge-Kutta 4"];
+    for name in names.into_iter().chain(["Dormand-Prince 8(5,3)"]) {
+        assert!(accuracy.rows.iter().any(|row| row.method == name), "{name}");
+    }
+    assert!(accuracy.left_out.is_empty());
+    for row in &accuracy.rows {
+        assert!(row.run_time_s > 0.0);
+        match (row.origin, row.bound_n) {
+            // None of these settings comes closer: smaller, and it was not the march that was measured.
+            (Origin::Peer, None) => assert!(row.force_error_n > 1e-12 * accuracy.rating_n, "{row:?}"),
+            (Origin::Ours(_) | Origin::Planner(_), Some(bound)) => {
+                // A bound of more than the tolerance that is never missed would prove nothing.
+                assert!(bound < 1e-9 * accuracy.rating_n, "{row:?}");
+                assert!(row.peak_error_n <= bound && row.force_error_n <= bound, "{row:?}");
+            }
+            _ => panic!("a bound from a method that has none, or none from one that has: {row:?}"),
+        }
+    }
+}
+
+/// Three and a third times shorter steps: errors smaller by the square of that, or by its fourth power. Half of the
+/// exponent's distance to the next whole number is left for higher orders.
+#[test]
+fn measured_errors_fall_with_the_step_as_the_order_says() {
+    let accuracy = accuracy::run(&train(12), None, &quick()).expect("a plain train");
+    for (name, order) in [("Newmark", 2.0), ("Störmer-Verlet", 2.0), ("Runge-Kutta 4", 4.0)] {
+        let error = |setting: &str| {
+            let row = accuracy.rows.iter().find(|r| r.method == name && r.setting == setting);
+            row.map(|r| r.force_error_n).expect("a row for every setting")
+        };
+        let observed = (error("h ω_max = 0.1") / error("h ω_max = 0.03")).ln() / (0.1f64 / 0.03).ln();
+        assert!((observed - order).abs() < 0.5, "{name}: {observed}");
+    }
+}
+
+#[test]
+fn unknown_scenarios_and_empty_parts_are_errors_in_words() {
+    let error = |train: &Train, name| accuracy::run(train, name, &quick()).map(|_| ()).expect_err("nothing to run");
+    assert_eq!(
+        error(&train(12), Some("no such")).to_string(),
+        r#"no scenario is named "no such"; the train has "near the rear", "the only one""#
+    );
+    let error = error(&train(2), Some("the only one"));
+    assert_eq!(error.to_string(), "the only one: no coupler is left to watch");
+}
+
+#[test]
+fn writes_three_files_and_nothing_else() {
+    let accuracy = accuracy::run(&train(12), None, &quick()).expect("a plain train");
+    let folder = tempfile::tempdir().expect("a folder for the files");
+    let inside = folder.path().join("made on the way");
+    accuracy::write(&accuracy, &inside).expect("the folder can be written");
+    let mut names: Vec<String> = std::fs::read_dir(&inside)
+        .expect("the folder is there")
+        .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    assert_eq!(names, ["accuracy.csv", "accuracy.md", "error-against-time.svg"]);
+    let read = |name: &str| std::fs::read_to_string(inside.join(name)).expect("just written");
+    let mut table = csv::Reader::from_reader(read("accuracy.csv").leak().as_bytes());
+    let records: Vec<_> = table.records().collect::<Result<_, _>>().expect("as many fields in every record");
+    assert_eq!(records.len(), accuracy.rows.len());
+    for (record, row) in records.iter().zip(&accuracy.rows) {
+        assert_eq!(record[8].parse(), Ok(row.peak_error_n));
+        assert_eq!(record[12].is_empty(), row.bound_n.is_none());
+    }
+    assert_eq!(read("accuracy.md").matches("\n| ").count(), accuracy.rows.len() + 2);
+    assert!(read("error-against-time.svg").contains("closed-form"));
+}
+
+#[test]
+fn an_unwritable_folder_is_named() {
+    let accuracy = accuracy::run(&train(12), None, &quick()).expect("a plain train");
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("a file");
+    std::fs::write(&file, "in the way").expect("a file");
+    let error = accuracy::write(&accuracy, &file).expect_err("a file is no folder").to_string();
+    assert!(error.starts_with("cannot write ") && error.contains("a file"), "{error}");
 }

@@ -69,6 +69,8 @@ pub struct Row {
     pub method: &'static str,
     /// Its setting in words.
     pub setting: String,
+    /// The largest and the smallest tolerance, as shares of the largest rating, at which this crate's method does just this.
+    pub tolerances: Option<[f64; 2]>,
     /// Median run time, s.
     pub run_time_s: f64,
     /// Timed runs.
@@ -214,29 +216,49 @@ impl<'a> Bench<'a> {
         Bench { scene, reference, times, force_n, rating_n, options, rows: vec![], left_out: vec![] }
     }
 
-    /// This crate's methods that fit the scene, and the planner's choice.
+    /// This crate's methods that fit the scene, and the planner's choice; what a tolerance does not change is one row.
     fn ours(&mut self) -> Result<(), SolveError> {
         let methods = [Method::ClosedForm, Method::Fronts, Method::Modal, Method::Propagator];
         for method in methods.into_iter().map(Some).chain([None]) {
+            let from = self.rows.len();
             for tolerance in TOLERANCES {
-                let ask = Ask {
-                    tolerance: tolerance * self.rating_n / self.force_n,
-                    method,
-                    verdict_only: false,
-                    all_time_bound: false,
-                };
-                let solution = match (solve(self.scene, &ask), method) {
-                    (Ok(solution), _) => solution,
+                match (self.solution(method, tolerance), method) {
+                    (Ok(solution), _) => self.add(method, tolerance, &solution, from),
                     // A method for equal chains has no row on another.
                     (Err(SolveError::NotEqual(_)), Some(_)) => break,
-                    (Err(error), _) => return Err(error),
-                };
-                let (run_time_s, runs) = self.time(|| drop(solve(self.scene, &ask)));
-                let row = self.our_row(method.is_none(), tolerance, &solution, run_time_s, runs);
-                self.rows.push(row);
+                    (Err(error), Some(method)) => {
+                        self.left_out.push(format!("{}: {error}", method.name()));
+                        break;
+                    }
+                    (Err(error), None) => return Err(error),
+                }
             }
         }
         Ok(())
+    }
+
+    fn solution(&self, method: Option<Method>, tolerance: f64) -> Result<Solution, SolveError> {
+        let tolerance = tolerance * self.rating_n / self.force_n;
+        solve(self.scene, &Ask { tolerance, method, verdict_only: false, all_time_bound: false })
+    }
+
+    /// A row for a solution, or a wider range of tolerances for the same one among the rows from `from` on.
+    fn add(&mut self, method: Option<Method>, tolerance: f64, solution: &Solution, from: usize) {
+        let bound_n = solution.error_bound * self.force_n;
+        let same = |row: &&mut Row| {
+            row.method == solution.method.name()
+                && row.work == Effort::Counted(solution.work)
+                && row.bound_n == Some(bound_n)
+        };
+        if let Some(row) = self.rows[from..].last_mut().filter(same) {
+            let loosest = row.tolerances.map_or(tolerance, |t| t[0]);
+            row.tolerances = Some([loosest, tolerance]);
+            row.setting = format!("tolerance {loosest:e} to {tolerance:e}");
+            return;
+        }
+        let (run_time_s, runs) = self.time(|| drop(self.solution(method, tolerance)));
+        let row = self.our_row(method.is_none(), tolerance, solution, run_time_s, runs);
+        self.rows.push(row);
     }
 
     fn our_row(&self, planner: bool, tolerance: f64, solution: &Solution, run_time_s: f64, runs: usize) -> Row {
@@ -256,6 +278,7 @@ impl<'a> Bench<'a> {
             origin: if planner { Origin::Planner(method) } else { Origin::Ours(method) },
             method: method.name(),
             setting: format!("tolerance {tolerance:e}"),
+            tolerances: Some([tolerance; 2]),
             run_time_s,
             runs,
             work: Effort::Counted(solution.work),
@@ -301,6 +324,7 @@ impl<'a> Bench<'a> {
             origin: Origin::Peer,
             method: peer.name(),
             setting: peer.setting(),
+            tolerances: None,
             run_time_s,
             runs,
             work: Effort::Accelerations(marched.accelerations),

@@ -95,7 +95,9 @@ pub fn csv(accuracy: &Accuracy) -> Result<String, io::Error> {
 /// The comparison as a table of `width` columns for the terminal; errors as shares of the largest rating.
 pub fn terminal(accuracy: &Accuracy, width: Option<u16>) -> String {
     let mut table = Table::new();
-    table.load_style(presets::UTF8_HORIZONTAL_ONLY);
+    let mut style = presets::UTF8_HORIZONTAL_ONLY;
+    style.row_separator = presets::NOTHING.row_separator;
+    table.load_style(style);
     if let Some(width) = width {
         table.set_width(width);
     }

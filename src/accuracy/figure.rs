@@ -20,6 +20,9 @@ const FLOOR: f64 = 1e-17;
 /// The tolerance at which the planner's choice is marked: that of an analysis that asks for none.
 const DEFAULT_TOLERANCE: f64 = 1e-9;
 
+/// One of a row's two errors.
+type Measure = fn(&Row) -> f64;
+
 /// How a series looks.
 struct Look {
     name: String,
@@ -30,7 +33,7 @@ struct Look {
 
 /// The figure as SVG: peak errors on the left, force errors on the right.
 pub fn figure(accuracy: &Accuracy) -> String {
-    let errors: [(fn(&Row) -> f64, &str); 2] = [
+    let errors: [(Measure, &str); 2] = [
         (|row| row.peak_error_n, "Largest error of any coupler's peak"),
         (|row| row.force_error_n, "Largest error of any coupler's force at an instant"),
     ];
@@ -82,7 +85,7 @@ fn place(accuracy: &Accuracy, row: &Row, error_n: f64) -> (f64, f64) {
     (row.run_time_s.log10(), (error_n / accuracy.rating_n).max(FLOOR).log10())
 }
 
-fn panel(accuracy: &Accuracy, error_n: fn(&Row) -> f64) -> Vec<Plot> {
+fn panel(accuracy: &Accuracy, error_n: Measure) -> Vec<Plot> {
     let mut plots = Vec::new();
     for (look, rows) in series(accuracy) {
         let points: Vec<(f64, f64)> = rows.iter().map(|row| place(accuracy, row, error_n(row))).collect();
@@ -118,12 +121,12 @@ fn planned(accuracy: &Accuracy) -> Option<&Row> {
     accuracy.rows.iter().find(|r| matches!(r.origin, Origin::Planner(_)) && r.tolerances.is_some_and(default))
 }
 
-fn layout(accuracy: &Accuracy, plots: &[Plot], error_n: fn(&Row) -> f64, title: &str) -> Layout {
+fn layout(accuracy: &Accuracy, plots: &[Plot], error_n: Measure, title: &str) -> Layout {
     let points: Vec<(f64, f64)> =
         accuracy.rows.iter().map(|r| place(accuracy, r, r.peak_error_n.max(r.force_error_n))).collect();
     let left = points.iter().map(|p| p.0).fold(f64::INFINITY, f64::min).floor();
     let right = points.iter().map(|p| p.0).fold(f64::NEG_INFINITY, f64::max).ceil();
-    let top = points.iter().map(|p| p.1).fold(0.0, f64::max).min(3.0).ceil();
+    let top = points.iter().map(|p| p.1).fold(0.0, f64::max).min(3.0).floor() + 1.0;
     let note = |text: &str, x: f64, y: f64| TextAnnotation::new(text, x, y).with_color("#404040").with_font_size(11);
     let layout = Layout::auto_from_plots(plots)
         .with_title(title)

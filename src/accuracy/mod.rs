@@ -45,7 +45,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Options { runs: 7, row_time: Duration::from_secs(3), most_accelerations: 1e10 }
+        Options { runs: 5, row_time: Duration::from_secs(2), most_accelerations: 3e9 }
     }
 }
 

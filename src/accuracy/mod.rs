@@ -1,1 +1,3 @@
 //! Error against run time: every method of this crate and those that engineers know, against a reference of 30 digits and more.
+
+pub mod reference;

@@ -61,6 +61,11 @@ impl Extreme {
     pub fn error_of(&self, claimed: f64) -> f64 {
         difference(claimed, &self.value)
     }
+
+    /// Whether the value is greater than `level`, compared in long arithmetic.
+    pub fn is_over(&self, level: f64) -> bool {
+        self.value > real::real(level, self.value.precision())
+    }
 }
 
 /// The exact solution of a scene, to 30 digits and more.

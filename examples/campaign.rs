@@ -22,7 +22,10 @@ fn main() -> ExitCode {
         );
     }
     for row in outcome.rows.iter().filter(|r| !r.wrong.is_empty()) {
-        println!("{}: wrong on seeds {:?}; worst seed {}", row.method.name(), row.wrong, row.worst_seed);
+        for (fault, seeds) in &row.wrong {
+            println!("{}: {} wrong on seeds {seeds:?}", row.method.name(), fault.name());
+        }
+        println!("{}: worst seed {}", row.method.name(), row.worst_seed);
     }
     for (seed, why) in &outcome.refused {
         println!("seed {seed}: {why}");

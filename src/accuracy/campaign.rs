@@ -10,7 +10,7 @@ use crate::chain::Scene;
 use crate::solve::watch::SpringPeaks;
 use crate::solve::{Method, closed_form, fronts, modal, propagator, sums};
 pub use draw::{scene, with_ratings};
-pub use judge::{Verdict, judge};
+pub use judge::{Fault, Verdict, judge};
 
 /// Every method, in the order of the table.
 pub const METHODS: [Method; 4] = [Method::ClosedForm, Method::Fronts, Method::Modal, Method::Propagator];
@@ -43,8 +43,8 @@ pub struct Row {
     pub median: f64,
     /// Scenes with no error at all.
     pub exact: usize,
-    /// Verdicts, peak times and first exceedances against the truth; seeds of the scenes concerned.
-    pub wrong: Vec<u64>,
+    /// What is against the truth, with the seeds of the scenes concerned.
+    pub wrong: Vec<(Fault, Vec<u64>)>,
     /// Couplers left undecided.
     pub undecided: usize,
     /// Of those, couplers whose peak is further from the rating than twice the bound.
@@ -120,8 +120,12 @@ fn row(method: Method, all: &[Trial]) -> Option<Row> {
         worst_seed: worst.seed,
         median: slack.get(slack.len() / 2).copied().unwrap_or(f64::NAN),
         exact: trials.len() - slack.len(),
-        wrong: trials.iter().filter(|t| !t.verdict.wrong.is_empty()).map(|t| t.seed).collect(),
+        wrong: Fault::ALL.map(|f| (f, at_fault(&trials, f))).into_iter().filter(|w| !w.1.is_empty()).collect(),
         undecided: trials.iter().map(|t| t.verdict.undecided).sum(),
         needless: trials.iter().map(|t| t.verdict.needless).sum(),
     })
+}
+
+fn at_fault(trials: &[&Trial], fault: Fault) -> Vec<u64> {
+    trials.iter().filter(|t| t.verdict.wrong.iter().any(|w| w.0 == fault)).map(|t| t.seed).collect()
 }

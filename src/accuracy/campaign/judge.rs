@@ -8,6 +8,38 @@ use crate::solve::watch::{Side, SpringPeaks};
 /// Springs of a scene whose times are checked too: each costs several evaluations in long arithmetic.
 const TIMED: usize = 3;
 
+/// A way in which a result can be against the truth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Fault {
+    /// An extreme further from the exact one than the bound.
+    Peak,
+    /// "Exceeds" or "does not exceed", and it is not so.
+    Verdict,
+    /// The same for a coupler that stands at its rating before the event.
+    VerdictAtRest,
+    /// A peak's or first exceedance's time at which the force is another one.
+    Time,
+    /// An exceedance by more than twice the bound before the first one.
+    Earlier,
+}
+
+impl Fault {
+    /// All of them.
+    pub const ALL: [Fault; 5] =
+        [Fault::Peak, Fault::Verdict, Fault::VerdictAtRest, Fault::Time, Fault::Earlier];
+
+    /// In a word, for a table's head.
+    pub fn name(self) -> &'static str {
+        match self {
+            Fault::Peak => "peak",
+            Fault::Verdict => "verdict",
+            Fault::VerdictAtRest => "at rest",
+            Fault::Time => "time",
+            Fault::Earlier => "earlier",
+        }
+    }
+}
+
 /// What the reference says of one method's results on one scene.
 #[derive(Clone, Debug, Default)]
 pub struct Verdict {
@@ -17,8 +49,8 @@ pub struct Verdict {
     pub undecided: usize,
     /// Of those, sides whose peak is further from the rating than twice the bound.
     pub needless: usize,
-    /// What is against the truth, in words: spring, sign, and what was claimed.
-    pub wrong: Vec<String>,
+    /// What is against the truth: spring, sign, and what was claimed.
+    pub wrong: Vec<(Fault, String)>,
 }
 
 /// Judges the extremes that a method found, with the bound that it states.
@@ -36,13 +68,16 @@ pub fn judge(
     let every = (peaks.len() / TIMED).max(1);
     for (spring, (truth, claim)) in extremes.iter().zip(peaks).enumerate() {
         for negative in [false, true] {
+            let rating = if negative { scene.rated_buff[spring] } else { scene.rated_draft[spring] };
+            let initial = scene.initial[spring];
             let judged = Judged {
                 reference,
                 spring,
                 negative,
                 side: claim.side(negative),
                 truth: &truth[usize::from(negative)],
-                rating: if negative { scene.rated_buff[spring] } else { scene.rated_draft[spring] },
+                rating,
+                at_rest: (if negative { -initial } else { initial } - rating).abs() <= bound,
                 bound,
             };
             judged.extreme(&mut verdict);
@@ -63,6 +98,8 @@ struct Judged<'a> {
     side: &'a Side,
     truth: &'a Extreme,
     rating: f64,
+    /// Before the event the force is within the bound of the rating.
+    at_rest: bool,
     bound: f64,
 }
 
@@ -71,8 +108,9 @@ impl Judged<'_> {
         if self.negative { -1.0 } else { 1.0 }
     }
 
-    fn blame(&self, verdict: &mut Verdict, what: String) {
-        verdict.wrong.push(format!("spring {} {}: {what}", self.spring, if self.negative { "buff" } else { "draft" }));
+    fn blame(&self, verdict: &mut Verdict, fault: Fault, what: String) {
+        let what = format!("spring {} {}: {what}", self.spring, if self.negative { "buff" } else { "draft" });
+        verdict.wrong.push((fault, what));
     }
 
     fn extreme(&self, verdict: &mut Verdict) {
@@ -81,7 +119,7 @@ impl Judged<'_> {
         if error > self.bound {
             let Point { at, value } = self.side.best;
             let truth = self.truth.value.to_f64().value();
-            self.blame(verdict, format!("peak {value:e} at {at}, truth {truth:e} at {}, error {error:e}", self.truth.at));
+            self.blame(verdict, Fault::Peak, format!("peak {value:e} at {at}, truth {truth:e} at {}, error {error:e}", self.truth.at));
         }
     }
 
@@ -91,7 +129,8 @@ impl Judged<'_> {
         let over = self.truth.is_over(self.rating);
         match self.side.exceeds() {
             Some(claimed) if claimed != over && from_rating > self.truth.doubt => {
-                self.blame(verdict, format!("exceeds = {claimed}, peak - rating = {}{from_rating:e}", if over { "" } else { "-" }));
+                let fault = if self.at_rest { Fault::VerdictAtRest } else { Fault::Verdict };
+                self.blame(verdict, fault, format!("exceeds = {claimed}, peak - rating = {}{from_rating:e}", if over { "" } else { "-" }));
             }
             Some(_) => {}
             None => {
@@ -104,28 +143,29 @@ impl Judged<'_> {
     /// The force at the reported times is the reported one, and no exceedance came before the first.
     fn times(&self, verdict: &mut Verdict) -> Result<(), ReferenceError> {
         let best = self.side.best;
-        let off = self.off(best.at, best.value);
+        let off = self.off(best.at, best.value, self.bound);
         if off > 0.0 {
-            self.blame(verdict, format!("force at the peak's time {} is off by {off:e} more than it may", best.at));
+            self.blame(verdict, Fault::Time, format!("force at the peak's time {} is off by {off:e} more than it may", best.at));
         }
         let Some(first) = self.side.first_over.filter(|&t| t > 0.0) else { return Ok(()) };
-        let off = self.off(first, self.rating);
+        // An exceedance counts once the computed force is over the rating by the bound, and that force is right to the bound.
+        let off = self.off(first, self.rating, 2.0 * self.bound);
         if off > 0.0 {
-            self.blame(verdict, format!("force at the first exceedance {first} is off by {off:e} more than it may"));
+            self.blame(verdict, Fault::Time, format!("force at the first exceedance {first} is off by {off:e} more than it may"));
         }
         let before = first * (1.0 - 8.0 * f64::EPSILON);
         let earlier = self.reference.largest_until(self.spring, self.negative, before)?;
         let over = earlier.value.to_f64().value() - self.rating;
         if over > 2.0 * self.bound {
-            self.blame(verdict, format!("exceeds by {over:e} at {}, before the first exceedance {first}", earlier.at));
+            self.blame(verdict, Fault::Earlier, format!("exceeds by {over:e} at {}, before the first exceedance {first}", earlier.at));
         }
         Ok(())
     }
 
-    /// By how much the force at `t` differs from `claimed`, beyond the bound and what rounding the time explains.
-    fn off(&self, t: f64, claimed: f64) -> f64 {
+    /// By how much the force at `t` differs from `claimed`, beyond `bound` and what rounding the time explains.
+    fn off(&self, t: f64, claimed: f64, bound: f64) -> f64 {
         let [_, rate] = self.reference.force_and_rate(self.spring, t);
-        let explained = self.bound + 4.0 * f64::EPSILON * t * rate.abs();
+        let explained = bound + 4.0 * f64::EPSILON * t * rate.abs();
         self.reference.error_of(self.spring, t, self.sign() * claimed) - explained
     }
 }

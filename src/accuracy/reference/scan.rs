@@ -198,7 +198,9 @@ impl Search<'_> {
             }
             found.unseen = found.unseen.max(size.tail[slow]);
             let poly = Poly::new(sign, piece.mean[target.spring], &weight[..slow], &now, &self.speed, r);
-            poly.collect(found, size.rounding + size.tail[slow], |x| (center + r * x).clamp(a, b));
+            // The ends exactly: where a force is largest at one, its slope is not 0.
+            let time = |x: f64| if x >= 1.0 { b } else if x <= -1.0 { a } else { center + r * x };
+            poly.collect(found, size.rounding + size.tail[slow], time);
             false
         });
         active

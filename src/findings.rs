@@ -5,8 +5,10 @@ use std::time::Instant;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use crate::chain::Scene;
 use crate::consist::Train;
-use crate::scenario::{self, Event, Scales, Scenario};
+use crate::rod::Rod;
+use crate::scenario::{self, Event, Part, Scales, Scenario};
 use crate::solve::watch::{Side, SpringPeaks};
 use crate::solve::{self, Ask, Method, SolveError, solve};
 
@@ -211,7 +213,8 @@ fn case_findings(
     let mut couplers = Vec::new();
     let (mut method, mut reason, mut largest) = ("none", "no coupler is left to watch".to_owned(), 0);
     let (mut error_bound_n, mut left_out) = (0.0f64, 0);
-    for part in scenario::parts(train, &scenario.event, broken, horizon_s) {
+    let parts = scenario::parts(train, &scenario.event, broken, horizon_s);
+    for part in &parts {
         let solution = solve(&part.scene, &ask)?;
         if part.scene.initial.len() > largest {
             largest = part.scene.initial.len();
@@ -243,7 +246,7 @@ fn case_findings(
         worst,
         couplers,
         left_out,
-        rod: None,
+        rod: rod_findings(&parts),
     })
 }
 
@@ -303,17 +306,56 @@ fn safe_load_factor(event: &Event, couplers: &[CouplerFindings]) -> Option<f64> 
     factors.flatten().reduce(f64::min)
 }
 
+/// What the rod says of every coupler; `None` if a part's vehicles or couplers differ, or none is left.
+fn rod_findings(parts: &[Part]) -> Option<RodFindings> {
+    let mut findings = RodFindings { exceeding: 0, utilisation: 0.0 };
+    for Part { scene, .. } in parts {
+        let rod = Rod::new(scene)?;
+        for (i, (draft, buff)) in scene.rated_draft.iter().zip(&scene.rated_buff).enumerate() {
+            let (high, low) = rod.extremes(i);
+            let utilisation = (high / draft).max(-low / buff);
+            findings.exceeding += usize::from(utilisation > 1.0);
+            findings.utilisation = findings.utilisation.max(utilisation);
+        }
+    }
+    (!parts.is_empty()).then_some(findings)
+}
+
 /// Force in one coupler at given times, N, draft positive: what a figure shows.
 ///
 /// `scenario` is an index into the train's scenarios; `broken` and `coupler` are indices from 0. Right to a line's width.
 pub fn history(train: &Train, scenario: usize, broken: Option<usize>, coupler: usize, times_s: &[f64]) -> Vec<f64> {
+    let forces = in_part(train, scenario, broken, coupler, times_s, |scene, i, t| Some(solve::history(scene, i, t)));
+    forces.unwrap_or_else(|| vec![0.0; times_s.len()])
+}
+
+/// The same in the elastic rod; `None` where the coupler's part has no rod.
+pub fn rod_history(
+    train: &Train,
+    scenario: usize,
+    broken: Option<usize>,
+    coupler: usize,
+    times_s: &[f64],
+) -> Option<Vec<f64>> {
+    in_part(train, scenario, broken, coupler, times_s, |scene, i, t| Some(Rod::new(scene)?.history(i, t)))
+}
+
+/// Asks the part that holds a coupler for forces, in the solvers' units and back; `None` for the broken coupler.
+fn in_part(
+    train: &Train,
+    scenario: usize,
+    broken: Option<usize>,
+    coupler: usize,
+    times_s: &[f64],
+    ask: impl Fn(&Scene, usize, &[f64]) -> Option<Vec<f64>>,
+) -> Option<Vec<f64>> {
     let scenario = &train.scenarios[scenario];
     let horizon_s = scenario::horizon_s(train, scenario, broken);
     let scales = Scales::of(train);
     let parts = scenario::parts(train, &scenario.event, broken, horizon_s);
-    let part = parts.iter().find(|p| (p.first_coupler..p.first_coupler + p.scene.initial.len()).contains(&coupler));
-    let Some(part) = part else { return vec![0.0; times_s.len()] };
+    let holds = |p: &&Part| (p.first_coupler..p.first_coupler + p.scene.initial.len()).contains(&coupler);
+    let part = parts.iter().find(holds)?;
     let times: Vec<f64> = times_s.iter().map(|t| t / scales.time_s).collect();
-    let forces = solve::history(&part.scene, coupler - part.first_coupler, &times);
-    forces.into_iter().map(|f| f * scales.force_n).collect()
+    let forces = ask(&part.scene, coupler - part.first_coupler, &times)?;
+    Some(forces.into_iter().map(|f| f * scales.force_n).collect())
 }

@@ -139,3 +139,28 @@ pub fn horizon_s(train: &Train, scenario: &Scenario, broken: Option<usize>) -> f
         }
     })
 }
+
+/// How fast long waves run through a train.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wave {
+    /// `sqrt(mass / stiffness)`, the model's unit of time, s: the mean over the train's couplers where they differ.
+    pub time_unit_s: f64,
+    /// Vehicles that a wave passes in a second.
+    pub vehicles_per_s: f64,
+    /// m/s, where every vehicle has a length.
+    pub metres_per_s: Option<f64>,
+    /// From one end of the train to the other, s.
+    pub transit_s: f64,
+}
+
+/// The wave scales of a whole train.
+pub fn wave(train: &Train) -> Wave {
+    let scales = Scales::of(train);
+    let couplers = train.couplers.len() as f64;
+    let transit_s = scales.time_s * chain_of(train, 0, train.vehicles.len() - 1, &scales).transit();
+    let time_unit_s = transit_s / couplers;
+    let lengths: Option<Vec<f64>> = train.vehicles.iter().map(|v| v.length_m).collect();
+    // A wave runs from the middle of one vehicle to the middle of the next.
+    let metres = lengths.map(|l| l.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).sum::<f64>());
+    Wave { time_unit_s, vehicles_per_s: 1.0 / time_unit_s, metres_per_s: metres.map(|m| m / transit_s), transit_s }
+}

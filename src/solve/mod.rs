@@ -14,6 +14,7 @@ pub mod grid;
 pub mod local;
 pub mod modal;
 pub mod path;
+pub mod plan;
 pub mod propagator;
 pub mod statics;
 pub mod sums;
@@ -89,37 +90,54 @@ pub struct Solution {
 }
 
 /// Why a scene cannot be solved.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, PartialEq, thiserror::Error)]
 pub enum SolveError {
     /// The method needs equal masses and equal stiffnesses.
-    #[error("the method {0} is for equal masses and stiffnesses; this train's differ (use modal or propagator)")]
+    #[error("the method {0} is for equal masses and stiffnesses, and this train's differ: use modal or propagator")]
     NotEqual(&'static str),
+    /// The method would take too long or too much memory.
+    #[error("the method {method} would take about {seconds:.0} s and {gigabytes:.1} GB here: {advice}")]
+    TooMuch {
+        /// Which.
+        method: &'static str,
+        /// Estimated time.
+        seconds: f64,
+        /// Estimated memory.
+        gigabytes: f64,
+        /// What to do instead.
+        advice: String,
+    },
 }
 
 /// Extremes of every spring of a scene, by the asked method or the cheapest that reaches the tolerance.
 ///
 /// # Errors
-/// [`SolveError::NotEqual`] when a method for equal chains is asked for on another.
+/// [`SolveError::NotEqual`] when a method for equal chains is asked for on another; [`SolveError::TooMuch`] when even the
+/// cheapest method would run for hours or fill the memory.
 pub fn solve(scene: &Scene, ask: &Ask) -> Result<Solution, SolveError> {
-    let modes = match ask.method {
-        Some(Method::Modal) => None,
-        _ => closed_form::modes(scene),
-    };
-    let method = if modes.is_some() { Method::ClosedForm } else { Method::Modal };
-    let modes = modes.unwrap_or_else(|| modal::modes(scene));
-    let (springs, work) = sums::peaks(scene, &modes);
-    Ok(Solution {
-        method,
-        reason: String::new(),
-        error_bound: sums::error_bound(scene, &modes),
-        springs: springs.into_iter().map(Some).collect(),
-        all_time_bounds: ask.all_time_bound.then(|| sums::all_time_bounds(scene, &modes)),
-        work,
-    })
+    if scene.force == 0.0 {
+        return Ok(at_rest(scene, ask));
+    }
+    let plan = plan::choose(scene, ask)?;
+    plan::run(scene, ask, &plan)
+}
+
+/// Nothing happens: every spring keeps its force.
+fn at_rest(scene: &Scene, ask: &Ask) -> Solution {
+    Solution {
+        method: Method::ClosedForm,
+        reason: "the event brings no force: nothing changes".to_owned(),
+        error_bound: 0.0,
+        springs: watch::Watch::new(scene, 0.0).peaks.into_iter().map(Some).collect(),
+        all_time_bounds: ask.all_time_bound.then(|| scene.initial.iter().map(|f| f.abs()).collect()),
+        work: Work::default(),
+    }
 }
 
 /// Forces in one spring at given times.
 pub fn history(scene: &Scene, spring: usize, times: &[f64]) -> Vec<f64> {
-    let modes = closed_form::modes(scene).unwrap_or_else(|| modal::modes(scene));
-    sums::history(scene, &modes, spring, times)
+    if scene.force == 0.0 {
+        return vec![scene.initial[spring]; times.len()];
+    }
+    plan::history(scene, spring, times)
 }

@@ -1,0 +1,201 @@
+//! Which method a scene needs: the cheapest that reaches the tolerance, by counted work.
+//!
+//! Every method's work is counted before it is done; a price per unit of work, measured once on one machine and the same
+//! for everyone, makes the counts comparable. The choice therefore depends on the scene alone, never on the machine's mood.
+
+use super::{Ask, Method, Solution, SolveError, closed_form, fronts, modal, propagator, sums};
+use crate::chain::Scene;
+
+/// Nanoseconds for one product in a sum over modes, value and slope together, as matrix products do it.
+const MODE_SUM: f64 = 0.12;
+/// Nanoseconds for one spring in one exact step.
+const STEP: f64 = 4.0;
+/// Nanoseconds for one spring at one instant of the travelling fronts, per front that is passing.
+const FRONT: f64 = 0.6;
+/// Nanoseconds to find one entry of one vibration mode in double-double.
+const MODE_ENTRY: f64 = 600.0;
+/// Nanoseconds to look into one spring's forces between instants.
+const LOOK: f64 = 3000.0;
+/// The longest that a scene may take, and the memory that its modes may fill.
+const MOST_SECONDS: f64 = 3600.0;
+const MOST_GIGABYTES: f64 = 4.0;
+
+/// What was chosen.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// The method.
+    pub method: Method,
+    /// Why.
+    pub reason: String,
+    /// Largest frequency, for the propagator.
+    omega_max: f64,
+}
+
+/// A method's price and promise for a scene.
+#[derive(Clone, Copy, Debug)]
+struct Offer {
+    method: Method,
+    nanoseconds: f64,
+    /// A bound on its error known beforehand; for sums over modes an estimate of it.
+    bound: f64,
+    gigabytes: f64,
+}
+
+/// The methods that fit the scene.
+fn offers(scene: &Scene, omega_max: f64) -> Vec<Offer> {
+    let springs = scene.initial.len() as f64;
+    let equal = closed_form::equal(&scene.chain).is_some();
+    let instants = (scene.horizon * omega_max / 1.5).ceil() + 1.0;
+    let passing = 1.0 + scene.horizon * omega_max / 2.0 / springs;
+    let look = LOOK * springs;
+    let sums = MODE_SUM * springs * springs * instants + look;
+    let bound_of_sums = f64::EPSILON * scene.force.abs() * (10.0 + springs / 8.0) * (2.0 + springs.ln());
+    let memory_of_modes = |bytes: f64| bytes * springs * springs / 1e9;
+    let mut offers = vec![Offer {
+        method: Method::Propagator,
+        nanoseconds: STEP * springs * propagator::steps(scene, omega_max) + look,
+        bound: propagator::error_bound(scene, omega_max),
+        gigabytes: 0.0,
+    }];
+    if equal {
+        offers.push(Offer {
+            method: Method::ClosedForm,
+            nanoseconds: sums,
+            bound: bound_of_sums,
+            gigabytes: memory_of_modes(16.0),
+        });
+    }
+    if fronts::fits(scene) {
+        offers.push(Offer {
+            method: Method::Fronts,
+            nanoseconds: FRONT * springs * passing * fronts::instants(scene) + look,
+            bound: fronts::error_bound(scene),
+            gigabytes: 0.0,
+        });
+    }
+    offers.push(Offer {
+        method: Method::Modal,
+        nanoseconds: MODE_ENTRY * springs * springs + sums,
+        bound: bound_of_sums,
+        gigabytes: memory_of_modes(64.0),
+    });
+    offers
+}
+
+/// The plan for a scene.
+///
+/// # Errors
+/// See [`super::solve`].
+pub fn choose(scene: &Scene, ask: &Ask) -> Result<Plan, SolveError> {
+    let omega_max = propagator::omega_max(scene);
+    let offers = offers(scene, omega_max);
+    if let Some(method) = ask.method {
+        let offer = offers.iter().find(|o| o.method == method).ok_or(SolveError::NotEqual(method.name()))?;
+        return affordable(offer, &offers).map(|o| Plan {
+            method: o.method,
+            reason: "asked for".to_owned(),
+            omega_max,
+        });
+    }
+    let cheapest =
+        |of: &mut dyn Iterator<Item = &Offer>| of.min_by(|a, b| a.nanoseconds.total_cmp(&b.nanoseconds)).copied();
+    let within = cheapest(&mut offers.iter().filter(|o| o.bound <= ask.tolerance && o.gigabytes <= MOST_GIGABYTES));
+    let best = within.or_else(|| {
+        offers.iter().filter(|o| o.gigabytes <= MOST_GIGABYTES).min_by(|a, b| a.bound.total_cmp(&b.bound)).copied()
+    });
+    let chosen = best.unwrap_or(offers[0]);
+    affordable(&chosen, &offers)?;
+    Ok(Plan { method: chosen.method, reason: reason(&chosen, &offers, ask, within.is_some()), omega_max })
+}
+
+fn affordable<'a>(offer: &'a Offer, offers: &[Offer]) -> Result<&'a Offer, SolveError> {
+    let seconds = offer.nanoseconds * 1e-9;
+    if seconds <= MOST_SECONDS && offer.gigabytes <= MOST_GIGABYTES {
+        return Ok(offer);
+    }
+    let other = offers
+        .iter()
+        .filter(|o| o.method != offer.method && o.gigabytes <= MOST_GIGABYTES)
+        .min_by(|a, b| a.nanoseconds.total_cmp(&b.nanoseconds));
+    let advice = match other {
+        Some(o) if o.nanoseconds < 0.5 * offer.nanoseconds => {
+            format!("{} would take about {:.0} s", o.method.name(), (o.nanoseconds * 1e-9).ceil())
+        }
+        _ => "a shorter horizon takes less, in proportion".to_owned(),
+    };
+    Err(SolveError::TooMuch { method: offer.method.name(), seconds, gigabytes: offer.gigabytes, advice })
+}
+
+fn reason(chosen: &Offer, offers: &[Offer], ask: &Ask, within: bool) -> String {
+    if !within {
+        return format!(
+            "no method's bound is within the tolerance of {:.1e}; this one's is the smallest",
+            ask.tolerance
+        );
+    }
+    let faster = |o: &&Offer| o.nanoseconds < chosen.nanoseconds;
+    let mut others: Vec<String> = offers
+        .iter()
+        .filter(|o| o.method != chosen.method)
+        .map(|o| format!("{} {:.1} times", o.method.name(), o.nanoseconds / chosen.nanoseconds))
+        .collect();
+    let dropped: Vec<&str> = offers.iter().filter(faster).map(|o| o.method.name()).collect();
+    others.sort();
+    let mut text = format!("the least work within the tolerance (counted work of the others: {})", others.join(", "));
+    if !dropped.is_empty() {
+        text += &format!("; cheaper, but not accurate enough here: {}", dropped.join(", "));
+    }
+    text
+}
+
+/// Carries a plan out.
+///
+/// # Errors
+/// None at present beyond those of [`choose`].
+pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Result<Solution, SolveError> {
+    let needs_modes = matches!(plan.method, Method::ClosedForm | Method::Modal) || ask.all_time_bound;
+    let modes = needs_modes.then(|| modes(scene, plan.method));
+    let (springs, work, error_bound) = match (plan.method, &modes) {
+        (Method::ClosedForm | Method::Modal, Some(modes)) => {
+            let (springs, work) = sums::peaks(scene, modes);
+            (springs, work, sums::error_bound(scene, modes))
+        }
+        (Method::Fronts, _) => {
+            let (springs, work) = fronts::peaks(scene);
+            (springs, work, fronts::error_bound(scene))
+        }
+        _ => {
+            let (springs, work) = propagator::peaks(scene, plan.omega_max);
+            (springs, work, propagator::error_bound(scene, plan.omega_max))
+        }
+    };
+    let all_time_bounds = if ask.all_time_bound { modes.map(|m| sums::all_time_bounds(scene, &m)) } else { None };
+    Ok(Solution {
+        method: plan.method,
+        reason: plan.reason.clone(),
+        error_bound,
+        springs: springs.into_iter().map(Some).collect(),
+        all_time_bounds,
+        work,
+    })
+}
+
+/// Modes by the closed form where there is one, unless the general path is asked for.
+fn modes(scene: &Scene, method: Method) -> sums::Modes {
+    let closed = if method == Method::Modal { None } else { closed_form::modes(scene) };
+    closed.unwrap_or_else(|| modal::modes(scene))
+}
+
+/// Forces in one spring at given times, by the cheapest method.
+pub fn history(scene: &Scene, spring: usize, times: &[f64]) -> Vec<f64> {
+    let omega_max = propagator::omega_max(scene);
+    let springs = scene.initial.len() as f64;
+    let step = STEP * springs * propagator::steps(scene, omega_max);
+    let per_mode = 20.0 * springs * times.len() as f64;
+    let equal = closed_form::equal(&scene.chain).is_some();
+    let sums = per_mode + if equal { 20.0 } else { MODE_ENTRY } * springs * springs;
+    if step < sums {
+        return propagator::history(scene, omega_max, spring, times);
+    }
+    sums::history(scene, &modes(scene, Method::ClosedForm), spring, times)
+}

@@ -10,8 +10,10 @@
 //!
 //! Run times are medians and cover the extremes of all couplers, from the scene to the result.
 
+pub mod campaign;
 mod figure;
 pub mod peers;
+pub mod reference;
 mod stand_in;
 mod table;
 

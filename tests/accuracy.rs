@@ -1,6 +1,7 @@
 //! The engineers' methods are what they are called, and the comparison measures what it says.
 
 use trainsafe::accuracy::peers::Peer;
+use trainsafe::accuracy::reference::Reference;
 use trainsafe::accuracy::{self, Options, Origin};
 use trainsafe::chain::{Chain, Scene};
 use trainsafe::consist::{Coupler, Train, Vehicle};
@@ -292,4 +293,28 @@ fn an_unwritable_folder_is_named() {
     std::fs::write(&file, "in the way").expect("a file");
     let error = accuracy::write(&accuracy, &file).expect_err("a file is no folder").to_string();
     assert!(error.starts_with("cannot write ") && error.contains("a file"), "{error}");
+}
+
+/// A double-double holds 106 bits of the reference's force: what is left is under 1e-31 of forces of up to 2.
+#[test]
+fn forces_at_many_instants_are_the_references_own() {
+    for scene in unequal_trains() {
+        let reference = Reference::new(&scene).expect("a plain scene");
+        let (springs, times) = ([0, 5, 11], [0.0, 3.1, 5.3, 17.7]);
+        let forces = reference.forces(&springs, &times);
+        for (row, &t) in forces.iter().zip(&times) {
+            for (force, &spring) in row.iter().zip(&springs) {
+                let rest = reference.error_of(spring, t, force.hi);
+                assert!((rest - force.lo.abs()).abs() < 1e-30, "spring {spring}, t = {t}: {rest:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_coupler_without_load_breaks_without_effect() {
+    let mut train = train(12);
+    train.initial_force_n.fill(0.0);
+    let error = accuracy::run(&train, None, &quick()).map(|_| ()).expect_err("nothing to compare");
+    assert_eq!(error.to_string(), "near the rear: the coupler that breaks carries no force, so nothing happens");
 }

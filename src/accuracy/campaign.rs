@@ -63,7 +63,9 @@ pub struct Campaign {
 /// Extremes by one method and the bound that it states; `None` where the method does not apply.
 pub fn run_method(scene: &Scene, method: Method) -> Option<(Vec<SpringPeaks>, f64)> {
     match method {
-        Method::ClosedForm => closed_form::modes(scene).map(|m| (sums::peaks(scene, &m).0, sums::error_bound(scene, &m))),
+        Method::ClosedForm => {
+            closed_form::modes(scene).map(|m| (sums::peaks(scene, &m).0, sums::error_bound(scene, &m)))
+        }
         Method::Fronts => fronts::fits(scene).then(|| (fronts::peaks(scene).0, fronts::error_bound(scene))),
         Method::Modal => {
             let modes = modal::modes(scene);

@@ -5,34 +5,34 @@
 //!
 //! - *peak*: the largest error in any coupler's largest tension or compression over the horizon, which is what an
 //!   assessment needs. A marching method's peak is the best of its steps, as simulators report it.
-//! - *force*: the largest error in any coupler's force at an instant: for a marching method at [`INSTANTS`] instants
-//!   spread over the horizon, for this crate's at the instants of the extremes that it reports.
+//! - *force*: the largest error in a coupler's force at an instant: for a marching method at [`INSTANTS`] instants spread
+//!   over the horizon, for this crate's at the instants of the extremes that it reports; of all couplers, or of
+//!   [`WATCHED`] spread over a longer part.
 //!
 //! Run times are medians and cover the extremes of all couplers, from the scene to the result.
 
+mod bench;
 pub mod campaign;
 mod figure;
 pub mod peers;
 pub mod reference;
-mod stand_in;
 mod table;
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use crate::chain::Scene;
 use crate::consist::Train;
 use crate::scenario::{self, Event, Part, Scales, Scenario};
-use crate::solve::{Ask, Method, Solution, SolveError, Work, solve};
-use peers::Peer;
-use stand_in::Reference;
+use crate::solve::{Method, SolveError, Work};
+use bench::Bench;
+use reference::ReferenceError;
 
 pub use figure::figure;
 pub use table::{csv, markdown, terminal, write};
 
 /// Instants at which a marching method's forces are compared.
 pub const INSTANTS: usize = 64;
-/// Shares of the largest rating that this crate's methods are asked for.
-const TOLERANCES: [f64; 4] = [1e-3, 1e-6, 1e-9, 1e-12];
+/// Couplers whose forces at instants are compared, at most.
+pub const WATCHED: usize = 128;
 
 /// How much effort a comparison may take.
 #[derive(Clone, Copy, Debug)]
@@ -111,6 +111,8 @@ pub struct Accuracy {
     pub horizon_s: f64,
     /// The largest rating in the train, N: what errors are given as shares of.
     pub rating_n: f64,
+    /// The reference's own peaks could be larger by this at most, N.
+    pub doubt_n: f64,
     /// From coarse to fine, method by method.
     pub rows: Vec<Row>,
     /// What was left out, and why.
@@ -134,9 +136,18 @@ pub enum AccuracyError {
         /// The scenario's name.
         scenario: String,
     },
-    /// A method refused the scene.
+    /// The event changes no force.
+    #[error("{scenario}: the coupler that breaks carries no force, so nothing happens")]
+    NothingHappens {
+        /// The scenario's name.
+        scenario: String,
+    },
+    /// No method could be found for the scene.
     #[error(transparent)]
     Solve(#[from] SolveError),
+    /// There is no reference for the scene.
+    #[error(transparent)]
+    Reference(#[from] ReferenceError),
     /// The results could not be written.
     #[error("cannot write {}: {source}", path.display())]
     Write {
@@ -150,14 +161,18 @@ pub enum AccuracyError {
 /// Compares all methods on a train's scenario, the first one if none is named.
 ///
 /// # Errors
-/// [`AccuracyError`] for an unknown scenario, or one that leaves no coupler.
+/// [`AccuracyError`] for an unknown scenario, one that leaves no coupler or changes no force, and a scene that the reference
+/// refuses.
 pub fn run(train: &Train, scenario: Option<&str>, options: &Options) -> Result<Accuracy, AccuracyError> {
     let chosen = choose(train, scenario)?;
     let Some((broken, part)) = longest_part(train, chosen) else {
         return Err(AccuracyError::NothingToWatch { scenario: chosen.name.clone() });
     };
+    if part.scene.force == 0.0 {
+        return Err(AccuracyError::NothingHappens { scenario: chosen.name.clone() });
+    }
     let scales = Scales::of(train);
-    let mut bench = Bench::new(&part.scene, scales.force_n, largest_rating(train), *options);
+    let mut bench = Bench::new(&part.scene, scales.force_n, largest_rating(train), *options)?;
     bench.ours()?;
     bench.peers();
     let first = part.first_coupler + 1;
@@ -167,7 +182,8 @@ pub fn run(train: &Train, scenario: Option<&str>, options: &Options) -> Result<A
         broken_coupler: broken.map(|b| b + 1),
         couplers: [first, first + part.scene.initial.len() - 1],
         horizon_s: part.scene.horizon * scales.time_s,
-        rating_n: bench.rating_n,
+        rating_n: largest_rating(train),
+        doubt_n: bench.extremes.iter().flatten().map(|e| e.doubt).fold(0.0, f64::max) * scales.force_n,
         rows: bench.rows,
         left_out: bench.left_out,
     })
@@ -196,156 +212,4 @@ fn longest_part(train: &Train, scenario: &Scenario) -> Option<(Option<usize>, Pa
 
 fn largest_rating(train: &Train) -> f64 {
     train.couplers.iter().map(|c| c.rated_draft_n.max(c.rated_buff_n)).fold(0.0, f64::max)
-}
-
-/// One scene on which methods are measured.
-struct Bench<'a> {
-    scene: &'a Scene,
-    reference: Reference<'a>,
-    /// The instants at which a march's forces are compared, and the reference's spring forces there.
-    times: Vec<f64>,
-    force_n: f64,
-    rating_n: f64,
-    options: Options,
-    rows: Vec<Row>,
-    left_out: Vec<String>,
-}
-
-impl<'a> Bench<'a> {
-    fn new(scene: &'a Scene, force_n: f64, rating_n: f64, options: Options) -> Bench<'a> {
-        let times = (1..=INSTANTS).map(|i| scene.horizon * i as f64 / INSTANTS as f64).collect();
-        let reference = Reference::new(scene);
-        Bench { scene, reference, times, force_n, rating_n, options, rows: vec![], left_out: vec![] }
-    }
-
-    /// This crate's methods that fit the scene, and the planner's choice; what a tolerance does not change is one row.
-    fn ours(&mut self) -> Result<(), SolveError> {
-        let methods = [Method::ClosedForm, Method::Fronts, Method::Modal, Method::Propagator];
-        for method in methods.into_iter().map(Some).chain([None]) {
-            let from = self.rows.len();
-            for tolerance in TOLERANCES {
-                match (self.solution(method, tolerance), method) {
-                    (Ok(solution), _) => self.add(method, tolerance, &solution, from),
-                    // A method for equal chains has no row on another.
-                    (Err(SolveError::NotEqual(_)), Some(_)) => break,
-                    (Err(error), Some(method)) => {
-                        self.left_out.push(format!("{}: {error}", method.name()));
-                        break;
-                    }
-                    (Err(error), None) => return Err(error),
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn solution(&self, method: Option<Method>, tolerance: f64) -> Result<Solution, SolveError> {
-        let tolerance = tolerance * self.rating_n / self.force_n;
-        solve(self.scene, &Ask { tolerance, method, verdict_only: false, all_time_bound: false })
-    }
-
-    /// A row for a solution, or a wider range of tolerances for the same one among the rows from `from` on.
-    fn add(&mut self, method: Option<Method>, tolerance: f64, solution: &Solution, from: usize) {
-        let bound_n = solution.error_bound * self.force_n;
-        let same = |row: &&mut Row| {
-            row.method == solution.method.name()
-                && row.work == Effort::Counted(solution.work)
-                && row.bound_n == Some(bound_n)
-        };
-        if let Some(row) = self.rows[from..].last_mut().filter(same) {
-            let loosest = row.tolerances.map_or(tolerance, |t| t[0]);
-            row.tolerances = Some([loosest, tolerance]);
-            row.setting = format!("tolerance {loosest:e} to {tolerance:e}");
-            return;
-        }
-        let (run_time_s, runs) = self.time(|| drop(self.solution(method, tolerance)));
-        let row = self.our_row(method.is_none(), tolerance, solution, run_time_s, runs);
-        self.rows.push(row);
-    }
-
-    fn our_row(&self, planner: bool, tolerance: f64, solution: &Solution, run_time_s: f64, runs: usize) -> Row {
-        let method = solution.method;
-        let [mut peak, mut force] = [0.0f64; 2];
-        for (i, exact) in self.reference.extremes().iter().enumerate() {
-            for (negative, sign) in [(false, 1.0), (true, -1.0)] {
-                if let Some(found) = solution.springs[i] {
-                    let best = found.side(negative).best;
-                    let at_peak = self.reference.error_of(i, exact[usize::from(negative)].at, sign * best.value);
-                    peak = peak.max(at_peak.abs());
-                    force = force.max(self.reference.error_of(i, best.at, sign * best.value).abs());
-                }
-            }
-        }
-        Row {
-            origin: if planner { Origin::Planner(method) } else { Origin::Ours(method) },
-            method: method.name(),
-            setting: format!("tolerance {tolerance:e}"),
-            tolerances: Some([tolerance; 2]),
-            run_time_s,
-            runs,
-            work: Effort::Counted(solution.work),
-            peak_error_n: peak * self.force_n,
-            force_error_n: force * self.force_n,
-            bound_n: Some(solution.error_bound * self.force_n),
-        }
-    }
-
-    /// The marching methods.
-    fn peers(&mut self) {
-        for peer in Peer::all() {
-            let name = format!("{}, {}", peer.name(), peer.setting());
-            let expected = peer.estimated_accelerations(self.scene);
-            if expected > self.options.most_accelerations {
-                self.left_out.push(format!("{name}: it would compute some {expected:.0e} accelerations"));
-                continue;
-            }
-            let marched = match peer.march(self.scene, &self.times) {
-                Ok(marched) => marched,
-                Err(error) => {
-                    self.left_out.push(format!("{name}: {error}"));
-                    continue;
-                }
-            };
-            let (run_time_s, runs) = self.time(|| drop(peer.march(self.scene, &[])));
-            let row = self.peer_row(peer, &marched, run_time_s, runs);
-            self.rows.push(row);
-        }
-    }
-
-    fn peer_row(&self, peer: Peer, marched: &peers::Marched, run_time_s: f64, runs: usize) -> Row {
-        let extremes = self.reference.extremes().iter().zip(&marched.extremes).enumerate();
-        let peaks = extremes.flat_map(|(i, (exact, found))| {
-            [self.reference.error_of(i, exact[0].at, found[0]), self.reference.error_of(i, exact[1].at, -found[1])]
-        });
-        let instants =
-            self.times.iter().zip(&marched.forces).flat_map(|(&t, forces)| {
-                forces.iter().enumerate().map(move |(i, &f)| self.reference.error_of(i, t, f))
-            });
-        let largest = |errors: &mut dyn Iterator<Item = f64>| errors.map(f64::abs).fold(0.0, f64::max);
-        Row {
-            origin: Origin::Peer,
-            method: peer.name(),
-            setting: peer.setting(),
-            tolerances: None,
-            run_time_s,
-            runs,
-            work: Effort::Accelerations(marched.accelerations),
-            peak_error_n: largest(&mut peaks.into_iter()) * self.force_n,
-            force_error_n: largest(&mut instants.into_iter()) * self.force_n,
-            bound_n: None,
-        }
-    }
-
-    /// Median run time, s, and the number of runs.
-    fn time(&self, run: impl Fn()) -> (f64, usize) {
-        let begin = Instant::now();
-        let mut seconds = Vec::with_capacity(self.options.runs);
-        while seconds.is_empty() || seconds.len() < self.options.runs && begin.elapsed() < self.options.row_time {
-            let start = Instant::now();
-            run();
-            seconds.push(start.elapsed().as_secs_f64());
-        }
-        seconds.sort_by(f64::total_cmp);
-        (seconds[seconds.len() / 2], seconds.len())
-    }
 }

@@ -12,6 +12,7 @@
 //! Extremes are located by a search of its own in `f64` that drops a stretch of time only when a bound says that it
 //! cannot hold the largest value (module `scan`); what is left is settled in the long arithmetic.
 
+mod forces;
 mod modes;
 mod real;
 mod scan;
@@ -156,8 +157,8 @@ impl Reference {
     fn largest(&self, targets: &[Target], until: f64) -> Result<Vec<Extreme>, ReferenceError> {
         let omega: Vec<Dd> = self.modes.omega.iter().map(dd).collect();
         let start: Vec<f64> = targets.iter().map(|t| t.sign() * self.scene.initial[t.spring]).collect();
-        let found = scan::find(&self.pieces(&omega, until), &omega, targets, &start)
-            .map_err(ReferenceError::TooLong)?;
+        let found =
+            scan::find(&self.pieces(&omega, until), &omega, targets, &start).map_err(ReferenceError::TooLong)?;
         Ok(targets.par_iter().zip(found).map(|(target, found)| self.settle(target, found, until)).collect())
     }
 
@@ -291,7 +292,9 @@ fn check(scene: &Scene) -> Result<(), ReferenceError> {
     let Scene { chain, source, .. } = scene;
     let n = chain.mass.len();
     if n < 2 || chain.stiffness.len() + 1 != n || scene.initial.len() + 1 != n {
-        return Err(ReferenceError::Scene("it needs two masses, a spring between each two, and a force for each spring"));
+        return Err(ReferenceError::Scene(
+            "it needs two masses, a spring between each two, and a force for each spring",
+        ));
     }
     if *source >= n || !chain.live(*source) {
         return Err(ReferenceError::Scene("the force acts on no live mass"));

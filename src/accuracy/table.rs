@@ -5,7 +5,7 @@ use std::path::Path;
 
 use comfy_table::{CellAlignment, Table, presets};
 
-use super::{Accuracy, AccuracyError, Effort, INSTANTS, Row, figure};
+use super::{Accuracy, AccuracyError, Effort, INSTANTS, Row, WATCHED, figure};
 
 /// The comparison as a Markdown page that shows `error-against-time.svg` beside it.
 pub fn markdown(accuracy: &Accuracy) -> String {
@@ -36,17 +36,23 @@ pub fn markdown(accuracy: &Accuracy) -> String {
         page += "\nLeft out:\n\n";
         accuracy.left_out.iter().for_each(|line| page += &format!("- {line}\n"));
     }
-    page + &notes()
+    page + &notes(accuracy)
 }
 
 /// How the columns were measured.
-fn notes() -> String {
+fn notes(accuracy: &Accuracy) -> String {
+    let doubt = match accuracy.doubt_n {
+        0.0 => String::new(),
+        n => format!(" Some of its peaks are known no better than to {n:.0e} N."),
+    };
     format!(
-        "\n- Run time: median of several runs, from the scene to the extremes of all couplers.\n\
+        "\n- The reference carries 30 digits and more.{doubt}\n\
+         - Run time: median of several runs, from the scene to the extremes of all couplers.\n\
          - Peak error: the largest error in any coupler's largest tension or compression over the horizon. A marching \
          method's peak is the best of its steps, as simulators report it.\n\
-         - Force error: the largest error in any coupler's force, for a marching method at {INSTANTS} instants spread over \
-         the horizon, for this crate's methods at the instants of the extremes that they report.\n\
+         - Force error: the largest error in a coupler's force, for a marching method at {INSTANTS} instants spread over \
+         the horizon, for this crate's methods at the instants of the extremes that they report; of all couplers, or of \
+         {WATCHED} spread over a longer part.\n\
          - Claimed bound: what the method itself says its peaks are off by at most. Marching methods say nothing.\n\
          - h ω_max: the step against the train's fastest oscillation. Störmer-Verlet is stable up to 2, Runge-Kutta 4 up \
          to 2.83, Newmark always.\n"

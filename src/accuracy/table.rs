@@ -17,15 +17,15 @@ pub fn markdown(accuracy: &Accuracy) -> String {
          ![Error against run time](error-against-time.svg)\n\n\
          Errors are shares of the largest rating, {rating_n:.6e} N, and newtons in brackets.\n\n"
     );
-    page += "| method | setting | run time, s | work | peak error | force error | claimed bound |\n";
+    page += "| method | setting | run time | work | peak error | force error | claimed bound |\n";
     page += "| --- | --- | ---: | ---: | ---: | ---: | ---: |\n";
     for row in &accuracy.rows {
         let cell = |n: f64| format!("{:.1e} ({n:.1e} N)", n / rating_n);
         page += &format!(
-            "| {} | {} | {:.2e} | {} | {} | {} | {} |\n",
+            "| {} | {} | {} | {} | {} | {} | {} |\n",
             name(row),
             row.setting,
-            row.run_time_s,
+            seconds(row.run_time_s),
             effort(row.work),
             cell(row.peak_error_n),
             cell(row.force_error_n),
@@ -43,7 +43,9 @@ pub fn markdown(accuracy: &Accuracy) -> String {
 fn notes(accuracy: &Accuracy) -> String {
     let doubt = match accuracy.doubt_n {
         0.0 => String::new(),
-        n => format!(" Some of its peaks are known no better than to {n:.0e} N."),
+        n => format!(
+            " Where a force stays at its largest value, as ahead of the wave, that value itself is known to {n:.0e} N."
+        ),
     };
     format!(
         "\n- The reference carries 30 digits and more.{doubt}\n\
@@ -145,7 +147,11 @@ pub fn write(accuracy: &Accuracy, folder: &Path) -> Result<(), AccuracyError> {
     ];
     for (path, text) in texts {
         let beside = path.with_extension(format!("partial-{}", std::process::id()));
-        std::fs::write(&beside, text).and_then(|()| std::fs::rename(&beside, &path)).map_err(fail(&path))?;
+        if let Err(source) = std::fs::write(&beside, text).and_then(|()| std::fs::rename(&beside, &path)) {
+            // Nothing is lost if this fails too: the first error is the one to tell.
+            std::fs::remove_file(&beside).unwrap_or_default();
+            return Err(fail(&path)(source));
+        }
     }
     Ok(())
 }

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::reference::{Reference, ReferenceError};
 use crate::chain::Scene;
 use crate::solve::watch::SpringPeaks;
-use crate::solve::{Method, closed_form, fronts, modal, propagator, sums};
+use crate::solve::{Ask, Method, fronts, solve};
 pub use draw::{scene, with_ratings};
 pub use judge::{Fault, Verdict, judge};
 
@@ -62,20 +62,12 @@ pub struct Campaign {
 
 /// Extremes by one method and the bound that it states; `None` where the method does not apply.
 pub fn run_method(scene: &Scene, method: Method) -> Option<(Vec<SpringPeaks>, f64)> {
-    match method {
-        Method::ClosedForm => {
-            closed_form::modes(scene).map(|m| (sums::peaks(scene, &m).0, sums::error_bound(scene, &m)))
-        }
-        Method::Fronts => fronts::fits(scene).then(|| (fronts::peaks(scene).0, fronts::error_bound(scene))),
-        Method::Modal => {
-            let modes = modal::modes(scene);
-            Some((sums::peaks(scene, &modes).0, sums::error_bound(scene, &modes)))
-        }
-        Method::Propagator => {
-            let omega = propagator::omega_max(scene);
-            Some((propagator::peaks(scene, omega).0, propagator::error_bound(scene, omega)))
-        }
+    if method == Method::Fronts && !fronts::fits(scene) {
+        return None;
     }
+    let ask = Ask { tolerance: 1e-300, method: Some(method), verdict_only: false, all_time_bound: false };
+    let solution = solve(scene, &ask).ok()?;
+    Some((solution.springs.into_iter().flatten().collect(), solution.error_bound))
 }
 
 /// All methods on the scene of one seed.

@@ -2,3 +2,4 @@
 
 pub mod campaign;
 pub mod reference;
+pub mod stress;

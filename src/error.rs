@@ -1,1 +1,200 @@
 //! What can be wrong with an input, and where: a message with file, line, column and the text underlined.
+
+use std::fmt;
+use std::ops::Range;
+use std::path::Path;
+
+use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
+
+/// More problems than this in one file are counted, not shown.
+const SHOWN: usize = 20;
+/// More problems than this in one file are counted, not kept: a hostile file has one in every few bytes.
+const KEPT: usize = 1000;
+/// So many bytes of a line are kept; a place beyond them is told by its numbers alone.
+const LINE: usize = 20_000;
+/// Quoted text longer than this is cut.
+const QUOTED: usize = 60;
+
+/// A train file that cannot be used, with every problem found in it; `Display` is [`InputError::render`] without colour.
+#[derive(Clone, Debug)]
+pub struct InputError {
+    path: String,
+    shown: Vec<Shown>,
+    /// How many more there are.
+    more: usize,
+}
+
+/// What is wrong with a text so far.
+#[derive(Default)]
+pub(crate) struct Problems {
+    kept: Vec<Problem>,
+    beyond: usize,
+}
+
+/// One thing that is wrong, with its place in bytes of the text, if it has one, and another place that bears on it.
+pub(crate) struct Problem {
+    title: String,
+    help: Option<String>,
+    place: Option<Range<usize>>,
+    other: Option<(Range<usize>, &'static str)>,
+}
+
+/// A problem with the lines that it concerns, so that the text is needed no more.
+#[derive(Clone, Debug)]
+struct Shown {
+    title: String,
+    help: Option<String>,
+    places: Vec<Place>,
+}
+
+/// A line of the file with a part of it marked; the problem's own place has no label, for the title is its label.
+#[derive(Clone, Debug)]
+struct Place {
+    line_number: usize,
+    column: usize,
+    line: String,
+    in_view: bool,
+    marked: Range<usize>,
+    label: Option<&'static str>,
+}
+
+impl Problem {
+    /// A problem with the file as a whole.
+    pub(crate) fn of_file(title: impl Into<String>, help: impl Into<String>) -> Self {
+        Problem { title: title.into(), help: Some(help.into()), place: None, other: None }
+    }
+
+    /// A problem at a place in the text.
+    pub(crate) fn at(place: Range<usize>, title: impl Into<String>, help: Option<String>) -> Self {
+        Problem { title: title.into(), help, place: Some(place), other: None }
+    }
+
+    /// The same with another place that bears on it.
+    pub(crate) fn and(self, place: Range<usize>, label: &'static str) -> Self {
+        Problem { other: Some((place, label)), ..self }
+    }
+
+    fn shown(&self, text: &str) -> Shown {
+        let own = self.place.iter().map(|span| Place::new(text, span, None));
+        let other = self.other.iter().map(|(span, label)| Place::new(text, span, Some(label)));
+        let help = self.help.as_deref().map(printable);
+        Shown { title: printable(&self.title), help, places: own.chain(other).collect() }
+    }
+}
+
+impl Problems {
+    pub(crate) fn note(&mut self, problem: Problem) {
+        if self.kept.len() < KEPT {
+            self.kept.push(problem);
+        } else {
+            self.beyond += 1;
+        }
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.kept.is_empty()
+    }
+}
+
+impl Place {
+    /// Keeps the line where the span starts, up to a limit; what the span has beyond that is not marked.
+    fn new(text: &str, span: &Range<usize>, label: Option<&'static str>) -> Self {
+        let (start, end) = (floor(text, span.start), floor(text, span.end));
+        let line_start = text[..start].rfind('\n').map_or(0, |i| i + 1);
+        let line_end = start + text[start..].find('\n').unwrap_or(text.len() - start);
+        let line = text[line_start..floor(text, line_end.min(line_start + LINE))].trim_end_matches('\r');
+        let mark = |at: usize| (at - line_start).min(line.len());
+        Place {
+            line_number: 1 + text[..line_start].bytes().filter(|&b| b == b'\n').count(),
+            column: 1 + text[line_start..start].chars().count(),
+            in_view: start <= line_start + line.len(),
+            line: line.to_owned(),
+            marked: mark(start)..mark(end.max(start)),
+            label,
+        }
+    }
+}
+
+/// The start of the character that byte `at` of the text belongs to.
+fn floor(text: &str, at: usize) -> usize {
+    (0..=at.min(text.len())).rev().find(|&i| text.is_char_boundary(i)).unwrap_or(0)
+}
+
+impl InputError {
+    /// Problems of one text, put in its order.
+    pub(crate) fn new(path: &Path, text: &str, mut problems: Problems) -> Self {
+        problems.kept.sort_by_key(|p| p.place.as_ref().map(|span| span.start));
+        let shown: Vec<Shown> = problems.kept.iter().take(SHOWN).map(|p| p.shown(text)).collect();
+        let more = problems.kept.len() - shown.len() + problems.beyond;
+        InputError { path: printable(&path.to_string_lossy()), shown, more }
+    }
+
+    /// One problem of a text.
+    pub(crate) fn one(path: &Path, text: &str, problem: Problem) -> Self {
+        InputError::new(path, text, Problems { kept: vec![problem], beyond: 0 })
+    }
+
+    /// A problem with the file as a whole.
+    pub(crate) fn of_file(path: &Path, title: impl Into<String>, help: impl Into<String>) -> Self {
+        InputError::one(path, "", Problem::of_file(title, help))
+    }
+
+    /// The full diagnostic, with ANSI colours or plain.
+    pub fn render(&self, color: bool) -> String {
+        let renderer = if color { Renderer::styled() } else { Renderer::plain() };
+        let shown = self.shown.iter().map(|problem| renderer.render(&[self.group(problem)]));
+        let more = (self.more > 0).then(|| format!("and {} more problems", self.more));
+        shown.chain(more).collect::<Vec<_>>().join("\n\n")
+    }
+
+    fn group<'a>(&'a self, problem: &'a Shown) -> Group<'a> {
+        let mut group = Group::with_title(Level::ERROR.primary_title(problem.title.as_str()));
+        if problem.places.is_empty() {
+            group = group.element(Origin::path(self.path.as_str()));
+        }
+        for same_line in problem.places.chunk_by(|a, b| a.line_number == b.line_number) {
+            let Place { line, line_number, column, .. } = &same_line[0];
+            if same_line.iter().any(|place| !place.in_view) {
+                group = group.element(Origin::path(self.path.as_str()).line(*line_number).char_column(*column));
+                continue;
+            }
+            let marks = same_line.iter().map(|place| {
+                let kind = if place.label.is_none() { AnnotationKind::Primary } else { AnnotationKind::Context };
+                kind.span(place.marked.clone()).label(place.label)
+            });
+            let snippet = Snippet::source(line.as_str()).line_start(*line_number).path(self.path.as_str());
+            group = group.element(snippet.annotations(marks));
+        }
+        match &problem.help {
+            Some(help) => group.element(Level::HELP.message(help.as_str())),
+            None => group,
+        }
+    }
+}
+
+impl fmt::Display for InputError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.render(false))
+    }
+}
+
+impl std::error::Error for InputError {}
+
+/// The text in double quotes, cut if long.
+pub(crate) fn quoted(text: &str) -> String {
+    let cut: String = text.chars().take(QUOTED).collect();
+    let dots = if cut.len() < text.len() { "..." } else { "" };
+    format!("\"{cut}{dots}\"")
+}
+
+/// The text with control and invisible characters escaped, which a terminal could obey.
+pub(crate) fn printable(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '\'' | '"' | '\\' => out.push(c),
+            _ => out.extend(c.escape_debug()),
+        }
+    }
+    out
+}

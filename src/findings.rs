@@ -12,6 +12,9 @@ use crate::scenario::{self, Event, Part, Scales, Scenario};
 use crate::solve::watch::{Side, SpringPeaks};
 use crate::solve::{self, Ask, Method, SolveError, solve};
 
+/// The longest that an analysis may take by its estimate, s.
+const MOST_SECONDS: f64 = 3600.0;
+
 /// How an analysis is to be done.
 #[derive(Clone, Debug)]
 pub struct Options {
@@ -147,6 +150,12 @@ pub enum AnalyzeError {
         /// The names there are, quoted.
         known: Vec<String>,
     },
+    /// All cases together would take too long.
+    #[error("this would take about {:.1} hours: name fewer couplers or a shorter horizon", seconds / 3600.0)]
+    TooLong {
+        /// The estimate.
+        seconds: f64,
+    },
     /// A case that the chosen method, or any method, cannot do.
     #[error("{scenario}: {source}")]
     Solve {
@@ -164,30 +173,72 @@ pub enum AnalyzeError {
 /// # Errors
 /// [`AnalyzeError`] for an unknown scenario, or a method that does not fit the train.
 pub fn analyze(train: &Train, options: &Options) -> Result<Analysis, AnalyzeError> {
-    let chosen: Vec<&Scenario> =
-        train.scenarios.iter().filter(|s| options.scenario.as_ref().is_none_or(|name| *name == s.name)).collect();
-    if let (Some(asked), true) = (&options.scenario, chosen.is_empty()) {
-        let known = train.scenarios.iter().map(|s| format!("{:?}", s.name)).collect();
-        return Err(AnalyzeError::UnknownScenario { asked: asked.clone(), known });
+    let scenarios = chosen(train, options)?.into_iter().map(|s| scenario_findings(train, s, options));
+    let (vehicles, couplers) = (train.vehicles.len(), train.couplers.len());
+    Ok(Analysis { train: train.name.clone(), vehicles, couplers, scenarios: scenarios.collect::<Result<_, _>>()? })
+}
+
+/// Estimated time of [`analyze`] on one core, s, from the count of its work.
+///
+/// # Errors
+/// As for [`analyze`]; [`AnalyzeError::TooLong`] where all cases together would take over an hour.
+pub fn estimate_s(train: &Train, options: &Options) -> Result<f64, AnalyzeError> {
+    let mut total = 0.0;
+    for scenario in chosen(train, options)? {
+        let cases = cases(&scenario.event);
+        let seconds: Result<f64, _> = cases.par_iter().map(|&b| case_estimate_s(train, scenario, b, options)).sum();
+        total += seconds.map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
     }
-    let scenarios = chosen.into_iter().map(|s| scenario_findings(train, s, options)).collect::<Result<_, _>>()?;
-    Ok(Analysis {
-        train: train.name.clone(),
-        vehicles: train.vehicles.len(),
-        couplers: train.couplers.len(),
-        scenarios,
-    })
+    if total > MOST_SECONDS { Err(AnalyzeError::TooLong { seconds: total }) } else { Ok(total) }
+}
+
+fn case_estimate_s(
+    train: &Train,
+    scenario: &Scenario,
+    broken: Option<usize>,
+    options: &Options,
+) -> Result<f64, SolveError> {
+    let horizon_s = scenario::horizon_s(train, scenario, broken);
+    let ask = ask(train, options);
+    scenario::parts(train, &scenario.event, broken, horizon_s).iter().map(|p| solve::estimate_s(&p.scene, &ask)).sum()
+}
+
+/// The scenarios to run.
+fn chosen<'a>(train: &'a Train, options: &Options) -> Result<Vec<&'a Scenario>, AnalyzeError> {
+    let wanted = |s: &&Scenario| options.scenario.as_ref().is_none_or(|name| *name == s.name);
+    let chosen: Vec<&Scenario> = train.scenarios.iter().filter(wanted).collect();
+    match &options.scenario {
+        Some(asked) if chosen.is_empty() => {
+            let known = train.scenarios.iter().map(|s| format!("{:?}", s.name)).collect();
+            Err(AnalyzeError::UnknownScenario { asked: asked.clone(), known })
+        }
+        _ => Ok(chosen),
+    }
+}
+
+/// The couplers that break, each in a case of its own; `None` for a pulse.
+fn cases(event: &Event) -> Vec<Option<usize>> {
+    match event {
+        Event::Break { couplers } => couplers.iter().map(|&b| Some(b)).collect(),
+        Event::Pulse { .. } => vec![None],
+    }
+}
+
+/// What the options ask of the solvers, in their units.
+fn ask(train: &Train, options: &Options) -> Ask {
+    let rating = train.couplers.iter().map(|c| c.rated_draft_n.max(c.rated_buff_n)).fold(0.0, f64::max);
+    Ask {
+        tolerance: options.tolerance * rating / Scales::of(train).force_n,
+        method: options.method,
+        verdict_only: options.verdict_only,
+        all_time_bound: options.all_time_bound,
+    }
 }
 
 fn scenario_findings(train: &Train, scenario: &Scenario, options: &Options) -> Result<ScenarioFindings, AnalyzeError> {
-    let broken: Vec<Option<usize>> = match &scenario.event {
-        Event::Break { couplers } => couplers.iter().map(|&b| Some(b)).collect(),
-        Event::Pulse { .. } => vec![None],
-    };
-    let case = |&b: &Option<usize>| case_findings(train, scenario, b, options);
-    let cases = broken
+    let cases = cases(&scenario.event)
         .par_iter()
-        .map(case)
+        .map(|&b| case_findings(train, scenario, b, options))
         .collect::<Result<Vec<_>, _>>()
         .map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
     Ok(ScenarioFindings { name: scenario.name.clone(), kind: scenario.event.kind(), cases })
@@ -202,14 +253,7 @@ fn case_findings(
     let start = Instant::now();
     let horizon_s = scenario::horizon_s(train, scenario, broken);
     let scales = Scales::of(train);
-    let rating = train.couplers.iter().map(|c| c.rated_draft_n.max(c.rated_buff_n)).fold(0.0, f64::max);
-    let tolerance_n = options.tolerance * rating;
-    let ask = Ask {
-        tolerance: tolerance_n / scales.force_n,
-        method: options.method,
-        verdict_only: options.verdict_only,
-        all_time_bound: options.all_time_bound,
-    };
+    let ask = ask(train, options);
     let mut couplers = Vec::new();
     let (mut method, mut reason, mut largest) = ("none", "no coupler is left to watch".to_owned(), 0);
     let (mut error_bound_n, mut left_out) = (0.0f64, 0);
@@ -238,7 +282,7 @@ fn case_findings(
         method_reason: reason,
         horizon_s,
         error_bound_n,
-        tolerance_n,
+        tolerance_n: ask.tolerance * scales.force_n,
         run_time_s: start.elapsed().as_secs_f64(),
         exceeding: couplers.iter().filter(|c| c.exceeds == Some(true)).count(),
         undecided: couplers.iter().filter(|c| c.exceeds.is_none()).count(),

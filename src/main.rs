@@ -1,2 +1,106 @@
-//! trainsafe
-fn main() {}
+//! The command line: parse, call the library, set the exit status.
+
+mod cli;
+
+use std::fmt::Display;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Parser;
+use trainsafe::solve::Method;
+use trainsafe::{Analysis, Options, Train, consist, findings, report};
+
+use cli::{Cli, Command};
+
+/// Analyses that are announced before they start take at least this long, s.
+const LONG_S: f64 = 5.0;
+
+/// Exit statuses besides success.
+#[derive(Clone, Copy)]
+enum Failure {
+    Exceeds = 1,
+    Input = 2,
+    Output = 4,
+}
+
+fn main() -> ExitCode {
+    let done = match Cli::parse().command {
+        Command::Analyze(args) => analyze(&args),
+        Command::Check { train } => read(&train).and_then(|t| print(&consist::describe(&t))),
+        Command::New => print(consist::TEMPLATE),
+    };
+    done.map_or_else(|failure| ExitCode::from(failure as u8), |()| ExitCode::SUCCESS)
+}
+
+fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
+    let train = read(&args.train)?;
+    let options = options(args.solver.method.as_deref(), args);
+    let seconds = findings::estimate_s(&train, &options).map_err(|e| complain(&args.train, &e))?;
+    if seconds > LONG_S {
+        say(&format!("this will take about {seconds:.0} s"));
+    }
+    let analysis = findings::analyze(&train, &options).map_err(|e| complain(&args.train, &e))?;
+    if args.json {
+        let json = report::json(&analysis).map_err(|e| output_failed(&e))?;
+        print(&(json + "\n"))?;
+    } else {
+        let dir = args.out.clone().unwrap_or_else(|| default_dir(&args.train));
+        let written = report::write(&train, &analysis, &dir).map_err(|e| output_failed(&e))?;
+        print(&report::terminal(&analysis, written.last().map(PathBuf::as_path)))?;
+    }
+    if args.fail_on_exceed && exceeds(&analysis) { Err(Failure::Exceeds) } else { Ok(()) }
+}
+
+fn options(method: Option<&str>, args: &cli::Analyze) -> Options {
+    Options {
+        tolerance: args.solver.tolerance,
+        method: method.and_then(Method::from_name),
+        scenario: args.scenario.clone(),
+        verdict_only: args.solver.verdict_only,
+        all_time_bound: args.solver.all_time_bound,
+    }
+}
+
+/// Some coupler exceeds, or lies so near its rating that it cannot be told.
+fn exceeds(analysis: &Analysis) -> bool {
+    analysis.scenarios.iter().flat_map(|s| &s.cases).any(|c| c.exceeding + c.undecided > 0)
+}
+
+fn default_dir(train: &Path) -> PathBuf {
+    Path::new("reports").join(train.file_stem().unwrap_or_default())
+}
+
+/// The train, or its problems on standard error.
+fn read(path: &Path) -> Result<Train, Failure> {
+    consist::read(path).map_err(|e| {
+        say(&e.render(true));
+        Failure::Input
+    })
+}
+
+fn complain(path: &Path, error: &dyn Display) -> Failure {
+    say(&format!("error: {}: {error}", path.display()));
+    Failure::Input
+}
+
+fn output_failed(error: &dyn Display) -> Failure {
+    say(&format!("error: {error}"));
+    Failure::Output
+}
+
+/// A line on standard error, with colours only where they are wanted. Nobody is left to hear of it if that fails.
+fn say(text: &str) {
+    let _ = writeln!(anstream::stderr(), "{}", text.trim_end());
+}
+
+/// Text on standard output. A reader that has seen enough and closed the pipe is no failure.
+fn print(text: &str) -> Result<(), Failure> {
+    let mut out = io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {
+            Err(output_failed(&format!("cannot write to standard output: {e}")))
+        }
+        _ => Ok(()),
+    }
+}

@@ -4,12 +4,33 @@
 //! coupler `i` joins vehicle `i` and vehicle `i + 1`. Forces are positive in tension (draft), negative in compression
 //! (buff).
 
+mod describe;
+mod file;
+mod scenarios;
+mod tree;
+
+use std::fs::{self, File};
+use std::io::Read as _;
+use std::path::Path;
+
+use toml::de::DeTable;
+
+use crate::error::{InputError, Problem};
 use crate::scenario::Scenario;
+
+pub use describe::{describe, warnings};
+
+/// A commented train file to start from, with every key explained; it runs as it is.
+pub const TEMPLATE: &str = include_str!("template.toml");
+
+/// Larger files are refused unread.
+const LARGEST_FILE: u64 = 16 << 20;
 
 /// A vehicle: a rigid mass between couplers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Vehicle {
-    /// What a report calls it: the file's `label`, numbered where the group has more than one (`"ore car 7"`).
+    /// What a report calls it: the file's `label`, numbered where the train has it more than once (`"ore car 7"`), or
+    /// `"vehicle 12"` by its place.
     pub label: String,
     /// Mass, kg; finite and > 0.
     pub mass_kg: f64,
@@ -43,4 +64,82 @@ pub struct Train {
     pub initial_force_n: Vec<f64>,
     /// At least one.
     pub scenarios: Vec<Scenario>,
+}
+
+/// Reads a train file.
+///
+/// # Errors
+/// A file that cannot be read, is no text or is over 16 MiB, and all that [`parse`] refuses.
+pub fn read(path: &Path) -> Result<Train, InputError> {
+    parse(&text_of(path)?, path)
+}
+
+/// Reads the text of a train file; `path` is what messages call it.
+///
+/// # Errors
+/// Every problem in the text that can be seen at once, with its place and what would be right.
+pub fn parse(text: &str, path: &Path) -> Result<Train, InputError> {
+    let syntax = |e: toml::de::Error| {
+        let at = e.span().unwrap_or(0..0);
+        let title = format!("not TOML: {}", e.message());
+        InputError::one(path, text, Problem::at(at.clone(), title, unquoted(text, at.start)))
+    };
+    if text.trim().is_empty() {
+        let help = "`trainsafe new` prints one to start from";
+        return Err(InputError::of_file(path, "the train file is empty", help));
+    }
+    let root = DeTable::parse(text).map_err(syntax)?;
+    let found = tree::Found::default();
+    let train = file::train(&found, &tree::Table::root(&found, root.get_ref(), &file::KEYS), path);
+    let problems = found.into_problems();
+    match train {
+        Ok(train) if problems.is_empty() => Ok(train),
+        _ => Err(InputError::new(path, text, problems)),
+    }
+}
+
+/// The commonest slip of syntax, a quantity without quotes, put right.
+fn unquoted(text: &str, at: usize) -> Option<String> {
+    let before = text.get(..at)?;
+    let line = text.get(before.rfind('\n').map_or(0, |i| i + 1)..)?.lines().next()?;
+    let (key, value) = line.split_once('=')?;
+    let value = value.split('#').next()?.trim();
+    let number_first = value.trim_start_matches(['+', '-', '.']).starts_with(|c: char| c.is_ascii_digit());
+    let short = value.chars().count() < 40 && !value.contains('"');
+    let plain = key.trim().bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_');
+    (number_first && short && plain).then(|| format!("a quantity is a string: write {} = \"{value}\"", key.trim()))
+}
+
+/// The file's text, its size looked at before anything is read.
+fn text_of(path: &Path) -> Result<String, InputError> {
+    let refuse = |title: String, help: &str| InputError::of_file(path, title, help);
+    let unreadable = |e: std::io::Error| match e.kind() {
+        std::io::ErrorKind::NotFound => refuse(
+            "there is no such file".into(),
+            "give the path of a train file; `trainsafe new` prints one to start from",
+        ),
+        _ => refuse(format!("the file cannot be read: {e}"), "give a train file that may be read"),
+    };
+    let about = fs::metadata(path).map_err(unreadable)?;
+    if about.is_dir() {
+        return Err(refuse("this is a folder".into(), "give the path of a train file in it"));
+    }
+    let too_large = |size: String| {
+        let title = format!("the file has {size}, and a train file has at most {} MiB", LARGEST_FILE >> 20);
+        refuse(title, "give a train file; `count` in it groups vehicles that are alike")
+    };
+    if about.len() > LARGEST_FILE {
+        return Err(too_large(format!("{} MB", about.len() / 1_000_000)));
+    }
+    let mut bytes = Vec::new();
+    // A device or pipe has no size to look at beforehand.
+    File::open(path).and_then(|f| f.take(LARGEST_FILE + 1).read_to_end(&mut bytes)).map_err(unreadable)?;
+    if bytes.len() as u64 > LARGEST_FILE {
+        return Err(too_large("no end in sight".to_owned()));
+    }
+    String::from_utf8(bytes).map_err(|e| {
+        let valid = &e.as_bytes()[..e.utf8_error().valid_up_to()];
+        let line = 1 + valid.iter().filter(|&&b| b == b'\n').count();
+        refuse(format!("the file is not UTF-8 text: line {line} has a byte that no text has"), "save it as UTF-8")
+    })
 }

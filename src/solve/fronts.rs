@@ -18,17 +18,17 @@
 //! spring, and nothing is kept.
 
 use super::Work;
+use super::between::{BLOCK, Motion, PHASE, Search, Step, local_norms};
 use super::closed_form::equal;
-use super::grid::{Motion, Step};
-use super::watch::{SpringPeaks, Watch};
+use super::watch::SpringPeaks;
 use crate::chain::Scene;
 
 /// Instants computed side by side.
 const LANES: usize = 16;
 /// Instants of a block, and the one before it.
 const INSTANTS: usize = LANES + 1;
-/// Longest step, in units of sqrt(mass / stiffness): a phase of 2 for the fastest mode.
-const STEP: f64 = 1.0;
+/// Longest step, in units of sqrt(mass / stiffness), of which the fastest mode's frequency is 2.
+const STEP: f64 = 0.5 * PHASE;
 
 /// The scene as images of a unit force, times in units of sqrt(mass / stiffness).
 struct Images {
@@ -113,86 +113,83 @@ fn step_of(scene: &Scene) -> f64 {
 pub fn peaks(scene: &Scene) -> (Vec<SpringPeaks>, Work) {
     let unit = equal(&scene.chain).map_or(1.0, |(m, k)| (m / k).sqrt());
     let bound = error_bound(scene);
-    let mut front = Fronts::new(scaled(scene), bound);
-    pulp::Arch::new().dispatch(March(&mut front));
-    let mut peaks = front.watch.peaks;
-    for spring in &mut peaks {
-        spring.scale_time(unit);
-    }
-    (peaks, front.work)
+    let scene = scaled(scene);
+    let motion = Motion::new(&scene);
+    let mut search = Search::new(&scene, &motion, bound);
+    let mut fronts = Fronts::new(&scene, &motion);
+    pulp::Arch::new().dispatch(March { fronts: &mut fronts, search: &mut search });
+    let mut work = fronts.work;
+    let (watch, looked) = search.finish();
+    work.refinements = looked;
+    let mut peaks = watch.peaks;
+    peaks.iter_mut().for_each(|spring| spring.scale_time(unit));
+    (peaks, work)
 }
 
-struct March<'a>(&'a mut Fronts);
+struct March<'s, 'a> {
+    fronts: &'s mut Fronts<'a>,
+    search: &'s mut Search<'a>,
+}
 
-impl pulp::WithSimd for March<'_> {
+impl pulp::WithSimd for March<'_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
-        self.0.march();
+        self.fronts.march(self.search);
     }
 }
 
-struct Fronts {
-    scene: Scene,
-    motion: Motion,
+struct Fronts<'a> {
+    scene: &'a Scene,
+    motion: &'a Motion,
     images: Images,
-    watch: Watch,
     work: Work,
     width: f64,
     /// Steps until the pulse is over.
     pulse: usize,
+    remainders: [Vec<f64>; 2],
     table: Table,
-    /// G and dG/dt of each spring at the instant before a block and at the block's.
+    /// G of each spring at the instant before a block and at the block's.
     force: Vec<[f64; INSTANTS]>,
-    rate: Vec<[f64; INSTANTS]>,
+    /// Per step of a block of instants and block of springs: a bound on the norm of `h^2 G''` around it.
+    norms: [Vec<f64>; LANES],
 }
 
-impl Fronts {
-    fn new(scene: Scene, bound: f64) -> Fronts {
-        let springs = scene.initial.len();
-        let width = step_of(&scene);
+impl<'a> Fronts<'a> {
+    fn new(scene: &'a Scene, motion: &'a Motion) -> Fronts<'a> {
+        let width = step_of(scene);
         let reach = orders(scene.horizon + LANES as f64 * width) as i64;
         let pulse = if scene.duration < scene.horizon { (scene.duration / width).round() as usize } else { usize::MAX };
         Fronts {
-            motion: Motion::new(&scene),
-            images: Images::new(&scene, reach),
-            watch: Watch::new(&scene, bound),
+            scene,
+            motion,
+            images: Images::new(scene, reach),
             work: Work::default(),
             width,
             pulse,
+            remainders: motion.remainders(width),
             table: Table::default(),
-            force: vec![[0.0; INSTANTS]; springs],
-            rate: vec![[0.0; INSTANTS]; springs],
-            scene,
+            force: vec![[0.0; INSTANTS]; scene.initial.len()],
+            norms: std::array::from_fn(|_| Vec::new()),
         }
     }
 
     #[inline(always)]
-    fn march(&mut self) {
+    fn march(&mut self, search: &mut Search) {
         let count = (self.scene.horizon / self.width - 1e-9).ceil().max(1.0) as usize;
-        let slack: Vec<f64> = self.motion.fourth.iter().map(|f| self.slack(*f)).collect();
         let mut first = 1;
         while first <= count {
-            for spring in 0..self.force.len() {
-                let (f, r) = (self.force[spring][LANES], self.rate[spring][LANES]);
-                self.force[spring] = [0.0; INSTANTS];
-                self.rate[spring] = [0.0; INSTANTS];
-                (self.force[spring][0], self.rate[spring][0]) = (f, r);
+            for force in &mut self.force {
+                *force = std::array::from_fn(|l| if l == 0 { force[LANES] } else { 0.0 });
             }
             self.add(first, self.scene.force);
             if first + LANES > self.pulse {
                 self.add_after_pulse(first);
             }
-            self.scan(first, count, &slack);
+            self.scan(first, count, search);
             first += LANES;
         }
-    }
-
-    /// `h^4 / 384 max |G''''|`; after a pulse the motion's derivative is that of two steps.
-    fn slack(&self, fourth: f64) -> f64 {
-        let steps = if self.pulse == usize::MAX { 1.0 } else { 2.0 };
-        steps * fourth * self.motion.jolt * self.scene.force.abs() * self.width.powi(4) / 384.0
     }
 
     /// Adds `factor` times the step response at the block's instants.
@@ -236,56 +233,98 @@ impl Fronts {
 
     #[inline(always)]
     fn deposit(&mut self, spring: usize, m: usize, scale: &[f64; LANES]) {
-        let (value, slope) = (&self.table.value[m], &self.table.slope[m]);
-        let (force, rate) = (&mut self.force[spring], &mut self.rate[spring]);
+        let value = &self.table.value[m];
+        let force = &mut self.force[spring];
         for l in 0..LANES {
             force[l + 1] += scale[l] * value[l];
-            rate[l + 1] += scale[l] * slope[l];
         }
     }
 
+    /// Outside force on the source during the step that ends at instant `n`.
+    fn outside(&self, n: usize) -> f64 {
+        if n <= self.pulse { self.scene.force } else { 0.0 }
+    }
+
     #[inline(always)]
-    fn scan(&mut self, first: usize, count: usize, slack: &[f64]) {
+    fn scan(&mut self, first: usize, count: usize, search: &mut Search) {
         let last_lane = LANES.min(count + 1 - first);
-        let slope = self.width * (4.0 / 27.0);
         let source = self.scene.source as f64;
         let latest = (first + LANES) as f64 * self.width;
         self.work.marched += (self.force.len() * last_lane) as u64;
+        self.find_norms(first);
         for spring in 0..self.force.len() {
             let distance = (spring as f64 + 0.5 - source).abs() + 0.5;
             // Before this the front has not come: its Bessel functions are under 1e-16.
             if latest + 8.0 * latest.cbrt() + 8.0 < distance {
                 continue;
             }
-            let (f, d) = (&self.force[spring], &self.rate[spring]);
-            let [high, low] = self.watch.levels()[spring];
-            let mut open = [0.0; LANES];
-            for l in 0..LANES {
-                let up = f[l].max(f[l + 1]) + slope * (d[l].max(0.0) - d[l + 1].min(0.0));
-                let down = f[l].min(f[l + 1]) + slope * (d[l].min(0.0) - d[l + 1].max(0.0));
-                open[l] = (up + slack[spring] - high).max(slack[spring] - down - low);
-            }
+            let open = self.open(spring, first, search);
             if open.iter().fold(0.0f64, |a, &b| a.max(b)) <= 0.0 {
                 continue;
             }
             for (l, _) in open.iter().enumerate().take(last_lane).filter(|(_, o)| **o > 0.0) {
-                self.show(spring, first + l, l, slack[spring], first + l == count);
+                let n = first + l;
+                let from = (n - 1) as f64 * self.width;
+                let step = Step { number: n as u64, from, width: self.width, force: self.outside(n) };
+                let at = |end: usize, s: usize| self.force[s][l + end];
+                search.departures_of(spring, &self.force[spring][..=l]);
+                search.consider(&step, spring, self.remainders[1][spring], self.norms[l][spring / BLOCK], at);
             }
+        }
+        for l in 0..last_lane {
+            search.departures(|s| self.force[s][l + 1]);
         }
     }
 
-    /// The step that ends at instant `n`, lane `l` of the block.
-    fn show(&mut self, spring: usize, n: usize, l: usize, slack: f64, last: bool) {
-        let step = Step {
-            from: (n - 1) as f64 * self.width,
-            width: self.width,
-            until: self.scene.horizon,
-            force: if n <= self.pulse { self.scene.force } else { 0.0 },
-            motion: &self.motion,
-            initial: &self.scene.initial,
-        };
-        let at = |end: usize, s: usize| [self.force[s][l + end], self.rate[s][l + end]];
-        self.work.refinements += u64::from(step.show(&mut self.watch, spring, slack, last, at));
+    /// `q = -h^2 G''` of a spring at both ends of each of the block's steps.
+    #[inline(always)]
+    fn bend(&self, spring: usize, first: usize) -> [[f64; LANES]; 2] {
+        let square = self.width * self.width;
+        let zero = [0.0; INSTANTS];
+        let row = |s: Option<usize>| s.and_then(|s| self.force.get(s)).unwrap_or(&zero);
+        let (before, here, after) = (row(spring.checked_sub(1)), row(Some(spring)), row(Some(spring + 1)));
+        let (ahead, behind) = (square * self.motion.ahead[spring], square * self.motion.behind[spring]);
+        let bend: [f64; INSTANTS] =
+            std::array::from_fn(|l| ahead * (here[l] - before[l]) + behind * (here[l] - after[l]));
+        let mut drive = [0.0; LANES];
+        if self.motion.drive[spring] != 0.0 {
+            drive = std::array::from_fn(|l| square * self.motion.drive[spring] * self.outside(first + l));
+        }
+        [std::array::from_fn(|l| bend[l] - drive[l]), std::array::from_fn(|l| bend[l + 1] - drive[l])]
+    }
+
+    #[inline(always)]
+    fn find_norms(&mut self, first: usize) {
+        let springs = self.force.len();
+        let blocks = springs.div_ceil(BLOCK);
+        let mut energy = vec![[[0.0; LANES]; 2]; blocks];
+        for spring in 0..springs {
+            let bend = self.bend(spring, first);
+            for (sum, q) in energy[spring / BLOCK].iter_mut().zip(bend) {
+                sum.iter_mut().zip(q).for_each(|(s, q)| *s += q * q);
+            }
+        }
+        let mut ends = [vec![0.0; blocks], vec![0.0; blocks]];
+        for (l, norms) in self.norms.iter_mut().enumerate() {
+            for (e, end) in ends.iter_mut().enumerate() {
+                end.iter_mut().zip(&energy).for_each(|(sum, block)| *sum = block[e][l]);
+            }
+            local_norms([&ends[0], &ends[1]], norms);
+        }
+    }
+
+    /// How far the spring's quick bound over each of the block's steps passes the level that matters, in either sign.
+    #[inline(always)]
+    fn open(&self, spring: usize, first: usize, search: &Search) -> [f64; LANES] {
+        let here = &self.force[spring];
+        let [q0, q1] = self.bend(spring, first);
+        let remainder = self.remainders[0][spring];
+        let (high, low) = (search.levels[0][spring], search.levels[1][spring]);
+        std::array::from_fn(|l| {
+            let up = here[l].max(here[l + 1]) + 0.125 * q0[l].max(q1[l]).max(0.0);
+            let down = here[l].min(here[l + 1]) + 0.125 * q0[l].min(q1[l]).min(0.0);
+            (up - high).max(-down - low) + remainder * self.norms[l][spring / BLOCK]
+        })
     }
 }
 
@@ -294,11 +333,10 @@ fn orders(t: f64) -> usize {
     (t + 6.0 * (2.0 * t).cbrt() + 14.0) as usize
 }
 
-/// `E_m` (or `E_m + E_{m+1}`) and its slope at 16 instants, up to a factor per instant, for m = 1..=orders.
+/// `E_m` (or `E_m + E_{m+1}`) at 16 instants, up to a factor per instant, for m = 1..=orders.
 #[derive(Default)]
 struct Table {
     value: Vec<[f64; LANES]>,
-    slope: Vec<[f64; LANES]>,
     scale: [f64; LANES],
     orders: usize,
 }
@@ -310,7 +348,6 @@ impl Table {
         self.orders = orders(latest);
         let zero = [0.0; LANES];
         self.value.resize(self.orders + 2, zero);
-        self.slope.resize(self.orders + 2, zero);
         if times[0] < 16.0 {
             for (l, &t) in times.iter().enumerate() {
                 self.fill_lane(l, t, paired);
@@ -329,14 +366,13 @@ impl Table {
         let mut sum = [0.0; LANES];
         for m in (1..self.orders + 2).rev() {
             let (even, odd) = ((2 * m) as f64, (2 * m - 1) as f64);
-            let (value, slope) = (&mut self.value[m], &mut self.slope[m]);
+            let value = &mut self.value[m];
             for l in 0..LANES {
                 // here = J_2m, above = J_{2m+1}
                 let tail = sum[l];
                 sum[l] += here[l];
                 value[l] = if paired { sum[l] + tail } else { sum[l] };
                 let below = (even * inverse[l]).mul_add(here[l], -above[l]);
-                slope[l] = if paired { below + above[l] } else { below };
                 let next = (odd * inverse[l]).mul_add(below, -here[l]);
                 (above[l], here[l]) = (below, next);
             }
@@ -349,7 +385,7 @@ impl Table {
     /// The same for one early instant, where orders differ so much in size that the recurrence is rescaled as it goes.
     fn fill_lane(&mut self, lane: usize, t: f64, paired: bool) {
         for m in 1..self.orders + 2 {
-            (self.value[m][lane], self.slope[m][lane]) = (0.0, 0.0);
+            self.value[m][lane] = 0.0;
         }
         self.scale[lane] = 1.0;
         if t <= 0.0 {
@@ -362,12 +398,10 @@ impl Table {
             sum += here;
             self.value[m][lane] = if paired { sum + tail } else { sum };
             let below = (2 * m) as f64 / t * here - above;
-            self.slope[m][lane] = if paired { below + above } else { below };
             (above, here) = (below, (2 * m - 1) as f64 / t * below - here);
             if here.abs() > 1e200 {
                 for n in m..=top {
                     self.value[n][lane] *= 1e-200;
-                    self.slope[n][lane] *= 1e-200;
                 }
                 (above, here, sum) = (above * 1e-200, here * 1e-200, sum * 1e-200);
             }

@@ -7,10 +7,11 @@
 //! | [`Method::Modal`] | sums over modes found numerically | no | the same as the closed form, and the modes |
 //! | [`Method::Propagator`] | steps that are exact in time | no | springs behind the front x steps |
 
+pub mod between;
 pub mod closed_form;
 pub mod dd;
 pub mod fronts;
-pub mod grid;
+
 pub mod local;
 pub mod modal;
 pub mod path;
@@ -37,6 +38,14 @@ pub enum Method {
 }
 
 impl Method {
+    /// All of them.
+    pub const ALL: [Method; 4] = [Method::ClosedForm, Method::Fronts, Method::Modal, Method::Propagator];
+
+    /// The method of that name, if there is one.
+    pub fn from_name(name: &str) -> Option<Method> {
+        Method::ALL.into_iter().find(|m| m.name() == name)
+    }
+
     /// The name on the command line and in results.
     pub fn name(self) -> &'static str {
         match self {
@@ -120,6 +129,17 @@ pub fn solve(scene: &Scene, ask: &Ask) -> Result<Solution, SolveError> {
     }
     let plan = plan::choose(scene, ask)?;
     plan::run(scene, ask, &plan)
+}
+
+/// Estimated time of [`solve`], s, from the count of its work.
+///
+/// # Errors
+/// As for [`solve`].
+pub fn estimate_s(scene: &Scene, ask: &Ask) -> Result<f64, SolveError> {
+    if scene.force == 0.0 {
+        return Ok(0.0);
+    }
+    Ok(plan::choose(scene, ask)?.seconds)
 }
 
 /// Nothing happens: every spring keeps its force.

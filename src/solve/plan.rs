@@ -27,6 +27,8 @@ pub struct Plan {
     pub method: Method,
     /// Why.
     pub reason: String,
+    /// Estimated time, s.
+    pub seconds: f64,
     /// Largest frequency, for the propagator.
     omega_max: f64,
 }
@@ -91,11 +93,9 @@ pub fn choose(scene: &Scene, ask: &Ask) -> Result<Plan, SolveError> {
     let offers = offers(scene, omega_max);
     if let Some(method) = ask.method {
         let offer = offers.iter().find(|o| o.method == method).ok_or(SolveError::NotEqual(method.name()))?;
-        return affordable(offer, &offers).map(|o| Plan {
-            method: o.method,
-            reason: "asked for".to_owned(),
-            omega_max,
-        });
+        let o = affordable(offer, &offers)?;
+        let seconds = 1e-9 * o.nanoseconds;
+        return Ok(Plan { method: o.method, reason: "asked for".to_owned(), seconds, omega_max });
     }
     let cheapest =
         |of: &mut dyn Iterator<Item = &Offer>| of.min_by(|a, b| a.nanoseconds.total_cmp(&b.nanoseconds)).copied();
@@ -105,7 +105,8 @@ pub fn choose(scene: &Scene, ask: &Ask) -> Result<Plan, SolveError> {
     });
     let chosen = best.unwrap_or(offers[0]);
     affordable(&chosen, &offers)?;
-    Ok(Plan { method: chosen.method, reason: reason(&chosen, &offers, ask, within.is_some()), omega_max })
+    let reason = reason(&chosen, &offers, ask, within.is_some());
+    Ok(Plan { method: chosen.method, reason, seconds: 1e-9 * chosen.nanoseconds, omega_max })
 }
 
 fn affordable<'a>(offer: &'a Offer, offers: &[Offer]) -> Result<&'a Offer, SolveError> {

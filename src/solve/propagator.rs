@@ -1,38 +1,40 @@
-//! Steps that are exact in time, for any chain: leapfrog with its kick and drift replaced by functions of A.
+//! Steps that are exact in time, for any chain: leapfrog with its kick replaced by a function of A.
 //!
-//! Over a step h a mode of frequency omega turns by theta = omega h. A rotation is three shears (kick, drift, kick):
+//! Over a step h a mode of frequency omega turns by theta = omega h. Kick and drift
 //!
 //! ```text
-//! kick    v <- v + (h / 2) [tan(theta/2) / (theta/2)] dv/dt
-//! drift   G <- G + h [sin(theta) / theta] dG/dt
-//! kick    as above; two kicks in a row are one of twice the size
+//! kick    v <- v + (h / m) [R_{v-1} - R_v + p_v],   R = G + P(X) q,   q = X G - h^2 drive = -h^2 G''
+//! drift   G <- G + h k (v_i - v_{i+1})
 //! ```
 //!
-//! With theta^2 = h^2 A both brackets are power series in A, summed by Horner's rule: each term couples a spring to its two
-//! neighbours only, so a step costs O(n), and nothing but the present state is stored. At h omega_max = 2 the tangent
-//! needs 19 terms and the sine 9 for 1e-17. (Taking 1 for both brackets gives Störmer-Verlet.) Velocity at whole steps is
-//! the mean of the velocities before and after the kick.
+//! with X = h^2 A and `1 + x P(x) = 4 sin^2(sqrt(x) / 2) / x` give G at every whole step exactly: it is the recurrence
+//! `G(t + h) = 2 cos(h sqrt A) G(t) - G(t - h)` written with its differences as unknowns (v is a velocity up to a factor near
+//! 1). P is a short power series, summed by Horner's rule: each term couples a spring to its two neighbours only, so a step
+//! costs O(n), and nothing but the present state is stored. P = 0 would be Störmer-Verlet.
 //!
-//! The rotation is orthogonal in the energy norm, so rounding errors add up and are never magnified; the bound below is
-//! their sum over all steps. What no wave has reached is exactly zero and is not touched.
+//! Rounding: every increment is a difference of neighbours, and the running sums G and v carry their own rounding along
+//! (compensated summation, W. Kahan, *Comm. ACM* 8 (1965) 40). So a step's error is a few units of the *increments*, whose norm
+//! is bounded by the conserved energy of the motion's derivative, not of the state, which grows with the train. What no wave
+//! has reached is exactly zero and is not touched.
 
 use std::sync::OnceLock;
 
 use super::Work;
+use super::between::{BLOCK, Motion, PHASE, Search, Step, local_norms, polynomial, sine_over_root};
 use super::dd::Dd;
-use super::grid::{Motion, Step, energy_radius};
 use super::path::Path;
-use super::watch::{SpringPeaks, Watch};
+use super::watch::SpringPeaks;
 use crate::chain::Scene;
 
-/// Largest phase of a step, h omega_max.
-const PHASE: f64 = 2.0;
-const KICK_TERMS: usize = 19;
-const DRIFT_TERMS: usize = 9;
+/// Terms of the series for P, for 1e-17 over the largest phase, and of those that bring velocities across a change of step.
+const KICK_TERMS: usize = 7;
+const SWITCH_TERMS: usize = 14;
 /// Below this share of the force, motion ahead of the front is taken for none.
 const SILENCE: f64 = 1e-22;
-/// Springs that a step at the largest phase cannot carry more than 1e-16 of a motion across: 2^24 / 24!.
+/// Springs that a step at the largest phase cannot carry more than 1e-16 of a motion across: 1.5^24 / 24!.
 const CARRY: usize = 12;
+/// Springs that a step can move.
+const REACH: usize = KICK_TERMS + 3;
 
 /// Steps within the horizon at the largest phase.
 pub fn steps(scene: &Scene, omega: f64) -> f64 {
@@ -46,309 +48,386 @@ pub fn omega_max(scene: &Scene) -> f64 {
 
 /// Bound on the error of every force up to the horizon.
 ///
-/// A step's rounding is at most 36 units (18 and 22 of the two halves of the state from Horner's rule with the terms'
-/// sizes at the largest phase, 6 of A's own rounding) of the state's energy norm, which is at most twice that of the
-/// static share plus the momentum that the force gives a free chain.
+/// A step's rounding, in the energy norm and in units of the increments' norm, which is at most h times that of the motion's
+/// derivative: 7 from the forces on the masses, 4 from the series, 2 from the kick, 6 from the drift, 19 together. An error made at
+/// one step grows at most by `theta / sin(theta) < 1.51` on the way to another and by `1 / cos(theta / 2) < 1.37` on the way
+/// between two: 40. A pulse's end starts a second motion like the first.
 pub fn error_bound(scene: &Scene, omega: f64) -> f64 {
     let roundoff = f64::EPSILON / 2.0;
     let force = scene.force.abs();
-    let total: f64 = scene.chain.mass.iter().sum();
-    let free = !scene.chain.held_head && !scene.chain.held_tail;
-    let acting = scene.horizon.min(scene.duration);
-    let rigid = if free { acting / total.sqrt() } else { 0.0 };
     let pulses = if scene.duration < scene.horizon { 2.0 } else { 1.0 };
-    let energy = force * (2.0 * pulses * energy_radius(scene) + rigid);
     let stiffest = scene.chain.stiffness.iter().fold(0.0f64, |a, &k| a.max(k)).sqrt();
-    let marching = stiffest * energy * (36.0 * steps(scene, omega) + 40.0) * roundoff;
-    let local = 2e-14 * 2.0 * pulses * force;
+    let jolt = Motion::new(scene).jolt * force * pulses;
+    let width = (PHASE / omega).min(scene.horizon);
+    let marching = 40.0 * (scene.horizon + 20.0 * width) * jolt * stiffest * roundoff;
+    // Rounding of the state's and the polynomial's own numbers, and the series' last terms.
+    let size = scene.initial.iter().fold(0.0f64, |a, f| a.max(f.abs())) + 4.0 * pulses * force;
     let dropped = steps(scene, omega) * SILENCE * force * 100.0;
-    let initial = scene.initial.iter().fold(0.0f64, |a, f| a.max(f.abs())) * 4.0 * roundoff;
-    marching + local + dropped + initial
+    marching + 8.0 * size * roundoff + dropped
 }
 
 /// Extremes of every spring's force in a scene.
 pub fn peaks(scene: &Scene, omega: f64) -> (Vec<SpringPeaks>, Work) {
-    let mut watch = Watch::new(scene, error_bound(scene, omega));
-    let mut work = Work::default();
-    let quiet = 0.01 * watch.grain();
-    march(scene, omega, quiet, |step, slack, last, rows, range| {
-        let at = |end: usize, s: usize| [rows[end].force[s + 1], rows[end].rate[s + 1]];
-        work.marched += range.len() as u64;
-        let mut open = [0.0; SIFT];
-        let mut from = range.start;
-        while from < range.end {
-            let to = (from + SIFT).min(range.end);
-            sift(step, &watch, slack, rows, from..to, &mut open);
-            for s in from..to {
-                if open[s - from] > 0.0 {
-                    work.refinements += u64::from(step.show(&mut watch, s, slack[s], last, at));
-                }
-            }
-            from = to;
-        }
-    });
+    let motion = Motion::new(scene);
+    let mut search = Search::new(scene, &motion, error_bound(scene, omega));
+    let quiet = search.quiet();
+    let mut sieve = Sieve { search: &mut search, work: Work::default() };
+    march(scene, &motion, omega, quiet, &mut sieve);
+    let mut work = sieve.work;
+    let (watch, looked) = search.finish();
+    work.refinements = looked;
     (watch.peaks, work)
 }
 
-const SIFT: usize = 64;
+/// Forces of one spring at given times, ascending.
+pub fn history(scene: &Scene, omega: f64, spring: usize, times: &[f64]) -> Vec<f64> {
+    let motion = Motion::new(scene);
+    let search = Search::new(scene, &motion, 0.0);
+    let mut record = Record { search, spring, times, values: vec![scene.initial[spring]; times.len()], next: 0 };
+    march(scene, &motion, omega, 0.0, &mut record);
+    record.values
+}
 
-/// How far each spring's quick bound over the step passes the level that matters, in either sign.
-#[inline(always)]
-fn sift(
-    step: &Step,
-    watch: &Watch,
-    slack: &[f64],
-    rows: &[Row; 2],
-    range: std::ops::Range<usize>,
-    open: &mut [f64; SIFT],
-) {
-    let slope = step.width * (4.0 / 27.0);
-    let count = range.len();
-    let padded = range.start + 1..range.end + 1;
-    let (f0, f1) = (&rows[0].force[padded.clone()], &rows[1].force[padded.clone()]);
-    let (d0, d1) = (&rows[0].rate[padded.clone()], &rows[1].rate[padded]);
-    let (slack, levels) = (&slack[range.clone()], &watch.levels()[range]);
-    for l in 0..count {
-        let up = f0[l].max(f1[l]) + slope * (d0[l].max(0.0) - d1[l].min(0.0));
-        let down = f0[l].min(f1[l]) + slope * (d0[l].min(0.0) - d1[l].max(0.0));
-        open[l] = (up + slack[l] - levels[l][0]).max(slack[l] - down - levels[l][1]);
+/// What is done with the steps of a march, compiled together with it.
+trait See {
+    fn see(&mut self, view: &View);
+}
+
+/// Passes on to the search what may matter.
+struct Sieve<'s, 'a> {
+    search: &'s mut Search<'a>,
+    work: Work,
+}
+
+impl See for Sieve<'_, '_> {
+    #[inline(always)]
+    fn see(&mut self, view: &View) {
+        self.work.marched += view.range.len() as u64;
+        for block in view.range.start / BLOCK..view.range.end.div_ceil(BLOCK) {
+            let norm = view.norms[block];
+            let from = block * BLOCK;
+            let open = sift(view, &self.search.levels, from, norm);
+            if open.iter().fold(0.0f64, |a, &b| if a > b { a } else { b }) > 0.0 {
+                let at = |end: usize, s: usize| view.force[end][s + 1];
+                for s in (from..from + BLOCK).filter(|s| open[s - from] > 0.0) {
+                    self.search.consider(&view.step, s, view.remainders[1][s], norm, at);
+                }
+            }
+        }
+        self.search.departures(|s| view.force[1][s + 1]);
     }
 }
 
-/// Forces of one spring at given times, by cubics between the steps.
-pub fn history(scene: &Scene, omega: f64, spring: usize, times: &[f64]) -> Vec<f64> {
-    let mut out = vec![scene.initial[spring]; times.len()];
-    march(scene, omega, 0.0, |step, _, _, rows, range| {
-        if !range.contains(&spring) {
-            return;
-        }
-        let ends = [0, 1].map(|e| [rows[e].force[spring + 1], step.width * rows[e].rate[spring + 1]]);
-        for (t, f) in times.iter().zip(&mut out) {
-            let x = (t - step.from) / step.width;
-            if (0.0..=1.0).contains(&x) {
-                let [[f0, d0], [f1, d1]] = ends;
-                let rise = f1 - f0;
-                let cubic = f0 + x * (d0 + x * (3.0 * rise - 2.0 * d0 - d1 + x * (d0 + d1 - 2.0 * rise)));
-                *f = scene.initial[spring] + cubic;
-            }
-        }
-    });
+/// How far the quick bounds of a block's springs over the step pass the levels that matter, in either sign.
+#[inline(always)]
+fn sift(view: &View, levels: &[Vec<f64>; 2], from: usize, norm: f64) -> [f64; BLOCK] {
+    let (f0, f1) = (block(view.force[0], from + 1), block(view.force[1], from + 1));
+    let (q0, q1) = (block(view.bend[0], from + 1), block(view.bend[1], from + 1));
+    let remainder = block(&view.remainders[0], from);
+    let (high, low) = (block(&levels[0], from), block(&levels[1], from));
+    let more = |a: f64, b: f64| if a > b { a } else { b };
+    let less = |a: f64, b: f64| if a < b { a } else { b };
+    let mut open = [0.0; BLOCK];
+    for l in 0..BLOCK {
+        let up = more(f0[l], f1[l]) + 0.125 * more(more(q0[l], q1[l]), 0.0);
+        let down = less(f0[l], f1[l]) + 0.125 * less(less(q0[l], q1[l]), 0.0);
+        open[l] = more(up - high[l], -down - low[l]) + norm * remainder[l];
+    }
+    open
+}
+
+/// `BLOCK` numbers of a row from a place on.
+#[inline(always)]
+fn block(row: &[f64], from: usize) -> [f64; BLOCK] {
+    let mut out = [0.0; BLOCK];
+    out.copy_from_slice(&row[from..from + BLOCK]);
     out
 }
 
-/// Forces since the event, and their rates, at one instant; spring i at i + 1, and a zero at either end.
-#[derive(Clone)]
-struct Row {
-    force: Vec<f64>,
-    rate: Vec<f64>,
+/// Keeps one spring's force at given times.
+struct Record<'a> {
+    search: Search<'a>,
+    spring: usize,
+    times: &'a [f64],
+    values: Vec<f64>,
+    next: usize,
 }
 
-/// Runs through the horizon and shows `see` every step: its slack per spring, whether it is the last, the two rows, and
-/// the springs that a wave has reached.
-fn march(
-    scene: &Scene,
-    omega: f64,
-    quiet: f64,
-    mut see: impl FnMut(&Step, &[f64], bool, &[Row; 2], std::ops::Range<usize>),
-) {
-    let mut state = State::new(scene, quiet);
-    let ends = if scene.duration < scene.horizon {
+impl See for Record<'_> {
+    fn see(&mut self, view: &View) {
+        let from = self.next;
+        let until = view.step.from + view.step.width;
+        self.next += self.times[from..].iter().take_while(|t| **t <= until).count();
+        if self.next > from && view.range.contains(&self.spring) {
+            let at = |end: usize, s: usize| view.force[end][s + 1];
+            let values = self.search.values(&view.step, self.spring, &self.times[from..self.next], at);
+            self.values[from..self.next].iter_mut().zip(values).for_each(|(f, g)| *f += g);
+        }
+    }
+}
+
+/// What a march shows of a step. Spring i stands at i + 1, with a zero at either end.
+struct View<'a> {
+    step: Step,
+    /// G at both ends.
+    force: [&'a [f64]; 2],
+    /// `q = -h^2 G''` at both ends.
+    bend: [&'a [f64]; 2],
+    remainders: &'a [Vec<f64>; 2],
+    /// Per block of springs, a bound on the norm of `h^2 G''` around it.
+    norms: &'a [f64],
+    /// Springs that a wave has reached.
+    range: std::ops::Range<usize>,
+}
+
+/// Runs through the horizon and shows `see` every step.
+fn march(scene: &Scene, motion: &Motion, omega: f64, quiet: f64, see: &mut impl See) {
+    let mut state = State::new(scene, motion, quiet);
+    let stretches = if scene.duration < scene.horizon {
         vec![(0.0, scene.duration, scene.force), (scene.duration, scene.horizon, 0.0)]
     } else {
         vec![(0.0, scene.horizon, scene.force)]
     };
-    for (k, &(from, to, force)) in ends.iter().enumerate() {
-        let count = ((to - from) * omega / PHASE).ceil().max(1.0);
-        let width = (to - from) / count;
-        let last_stretch = k + 1 == ends.len();
-        let count = count as u64;
-        pulp::Arch::new().dispatch(Stretch {
-            state: &mut state,
-            from,
-            width,
-            count,
-            force,
-            last_stretch,
-            see: &mut see,
-        });
+    let mut number = 0;
+    for (from, to, force) in stretches {
+        let count = ((to - from) * omega / PHASE).ceil().max(1.0) as u64;
+        let step = Step { number, from, width: (to - from) / count as f64, force };
+        number += count;
+        pulp::Arch::new().dispatch(Stretch { state: &mut state, step, count, see });
     }
 }
 
 /// Steps of equal width under constant force, compiled for the widest vector unit at hand.
 struct Stretch<'s, 'a, F> {
     state: &'s mut State<'a>,
-    from: f64,
-    width: f64,
+    step: Step,
     count: u64,
-    force: f64,
-    last_stretch: bool,
     see: &'s mut F,
 }
 
-impl<F: FnMut(&Step, &[f64], bool, &[Row; 2], std::ops::Range<usize>)> pulp::WithSimd for Stretch<'_, '_, F> {
+impl<F: See> pulp::WithSimd for Stretch<'_, '_, F> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
-        self.state.stretch(self.from, self.width, self.count, self.force, self.last_stretch, self.see);
+        self.state.stretch(self.step, self.count, self.see);
     }
 }
 
+/// The present state. Springs stand at i + 1, masses at v + 1, so that spring i lies between masses i + 1 and i + 2.
 struct State<'a> {
     scene: &'a Scene,
-    motion: Motion,
-    /// `k`, `1 / m` (0 where held), padded as the rows are.
+    motion: &'a Motion,
     stiffness: Vec<f64>,
+    compliance: Vec<f64>,
     inverse_mass: Vec<f64>,
-    rows: [Row; 2],
-    /// Velocity of mass v at v + 1, so that spring i lies between i + 1 and i + 2.
+    /// G at the beginning and the end of a step, and what its rounding left.
+    force: [Vec<f64>; 2],
+    force_rest: Vec<f64>,
+    /// Velocities, half a step ahead (at rest between stretches), and what their rounding left.
     velocity: Vec<f64>,
-    kick: Vec<f64>,
-    scratch: [Vec<f64>; 3],
-    /// A change of force too small to look at: a hundredth of what the watch would take note of.
+    velocity_rest: Vec<f64>,
+    /// `(h / m) (G_{v-1} - G_v + p_v)`
+    pull: Vec<f64>,
+    bend: [Vec<f64>; 2],
+    /// `sum q_i^2 / k_i` over blocks of springs, at the beginning and the end of a step, and the norms from it.
+    energy: [Vec<f64>; 2],
+    norms: Vec<f64>,
+    scratch: [Vec<f64>; 2],
+    /// A change of force too small to look at.
     quiet: f64,
     /// Springs that may differ from their initial force.
     reached: std::ops::Range<usize>,
 }
 
+/// What a stretch's width makes of the chain.
+struct Coefficients {
+    ahead: Vec<f64>,
+    behind: Vec<f64>,
+    /// `h / m` and `h k`
+    kick: Vec<f64>,
+    drift: Vec<f64>,
+}
+
 impl<'a> State<'a> {
-    fn new(scene: &'a Scene, quiet: f64) -> State<'a> {
+    fn new(scene: &'a Scene, motion: &'a Motion, quiet: f64) -> State<'a> {
         let springs = scene.initial.len();
-        let zero = vec![0.0; springs + 2];
-        let row = Row { force: zero.clone(), rate: zero.clone() };
-        let source = scene.source;
+        let zero = vec![0.0; springs.next_multiple_of(BLOCK) + 3];
         let mut stiffness = zero.clone();
         stiffness[1..=springs].copy_from_slice(&scene.chain.stiffness);
-        let inverse = |v: usize| if scene.chain.live(v) { 1.0 / scene.chain.mass[v] } else { 0.0 };
+        let mut inverse_mass = zero.clone();
+        for v in (0..=springs).filter(|&v| scene.chain.live(v)) {
+            inverse_mass[v + 1] = 1.0 / scene.chain.mass[v];
+        }
+        let source = scene.source;
+        let two = || [zero.clone(), zero.clone()];
         State {
             scene,
-            motion: Motion::new(scene),
+            motion,
+            compliance: stiffness.iter().map(|&k| if k > 0.0 { 1.0 / k } else { 0.0 }).collect(),
             stiffness,
-            inverse_mass: std::iter::once(0.0).chain((0..=springs).map(inverse)).collect(),
-            rows: [row.clone(), row],
+            inverse_mass,
+            force: two(),
+            force_rest: zero.clone(),
             velocity: zero.clone(),
-            kick: zero.clone(),
-            scratch: [zero.clone(), zero.clone(), zero],
+            velocity_rest: zero.clone(),
+            pull: zero.clone(),
+            bend: two(),
+            energy: [0, 1].map(|_| vec![0.0; springs.div_ceil(BLOCK)]),
+            norms: Vec::new(),
+            scratch: two(),
             quiet,
             reached: source.saturating_sub(1)..(source + 1).min(springs),
         }
     }
 
+    fn coefficients(&self, width: f64) -> Coefficients {
+        let padded = |x: &[f64]| {
+            let mut row = vec![0.0; self.stiffness.len()];
+            row[1..=x.len()].iter_mut().zip(x).for_each(|(r, c)| *r = c * width * width);
+            row
+        };
+        Coefficients {
+            ahead: padded(&self.motion.ahead),
+            behind: padded(&self.motion.behind),
+            kick: self.inverse_mass.iter().map(|m| width * m).collect(),
+            drift: self.stiffness.iter().map(|k| width * k).collect(),
+        }
+    }
+
     #[inline(always)]
-    fn stretch(
-        &mut self,
-        from: f64,
-        width: f64,
-        count: u64,
-        force: f64,
-        last_stretch: bool,
-        see: &mut impl FnMut(&Step, &[f64], bool, &[Row; 2], std::ops::Range<usize>),
-    ) {
-        let series = Series::new(width, &self.motion);
-        let jolt = self.jolt(force);
-        let slack: Vec<f64> = self.motion.fourth.iter().map(|f| f * jolt * width.powi(4) / 384.0).collect();
-        self.find_kick(&series, force);
+    fn stretch(&mut self, first: Step, count: u64, see: &mut impl See) {
+        let Step { width, force, .. } = first;
+        let c = self.coefficients(width);
+        let remainders = self.motion.remainders(width);
+        self.turn_velocity(&c, sine_over_root);
+        self.find_bend(&c, force);
+        let mut share = 0.5;
         for n in 0..count {
-            self.half_kick();
-            self.rows.swap(0, 1);
-            self.drift(&series);
-            self.find_kick(&series, force);
-            // At the whole step the velocity is that between two half kicks.
-            self.half_kick();
-            self.find_rates();
+            self.kick(&c, share);
+            share = 1.0;
+            self.force.swap(0, 1);
+            self.bend.swap(0, 1);
+            self.energy.swap(0, 1);
+            self.drift(&c);
+            self.find_bend(&c, force);
             self.trim();
-            let step = Step {
-                from: from + n as f64 * width,
-                width,
-                until: self.scene.horizon,
-                force,
-                motion: &self.motion,
-                initial: &self.scene.initial,
-            };
-            see(&step, &slack, last_stretch && n + 1 == count, &self.rows, self.loud());
+            local_norms([&self.energy[0], &self.energy[1]], &mut self.norms);
+            let step = Step { number: first.number + n, from: first.from + n as f64 * width, width, force };
+            see.see(&View {
+                step,
+                force: [&self.force[0], &self.force[1]],
+                bend: [&self.bend[0], &self.bend[1]],
+                remainders: &remainders,
+                norms: &self.norms,
+                range: self.loud(),
+            });
+        }
+        if first.number == 0 {
+            self.kick(&c, 0.5);
+            self.turn_velocity(&c, |x| Dd::ONE / sine_over_root(x));
         }
     }
 
-    /// Norm of the state's own derivative, which the motion conserves while the outside force is constant.
-    fn jolt(&self, force: f64) -> f64 {
-        let row = &self.rows[1];
+    /// Between the velocity at a whole step and the mean of those half a step before and after: `sin(theta) / theta`.
+    ///
+    /// On springs' rates of extension rather than on masses, where X is at hand; masses follow as their sums.
+    fn turn_velocity(&mut self, c: &Coefficients, factor: impl Fn(Dd) -> Dd) {
+        if self.velocity.iter().all(|v| *v == 0.0) {
+            return;
+        }
         let springs = self.scene.initial.len();
-        let stretching: f64 = (1..=springs).map(|i| row.rate[i].powi(2) / self.stiffness[i]).sum();
-        let accelerating = (0..=springs).map(|v| {
-            let outside = if v == self.scene.source { force } else { 0.0 };
-            (row.force[v] - row.force[v + 1] + outside).powi(2) * self.inverse_mass[v + 1]
-        });
-        (stretching + accelerating.sum::<f64>()).sqrt() * (1.0 + 1e-9)
+        let series = polynomial(SWITCH_TERMS, |x| if x.hi == 0.0 { Dd::ZERO } else { (factor(x) - Dd::ONE) / x });
+        // Y = X applied to masses: (h / m) (h k (v_{i-1} - v_i) ...), from velocities to velocities.
+        let times = |v: &[f64]| {
+            let stretch: Vec<f64> = (0..=springs + 1)
+                .map(|i| if i == 0 || i > springs { 0.0 } else { c.drift[i] * (v[i] - v[i + 1]) })
+                .collect();
+            let mut out = vec![0.0; v.len()];
+            for v in 1..=springs + 1 {
+                out[v] = c.kick[v] * (stretch[v] - stretch[v - 1]);
+            }
+            out
+        };
+        let base = times(&self.velocity);
+        let mut sum = vec![0.0; base.len()];
+        for coefficient in series.iter().rev() {
+            sum = times(&sum);
+            sum.iter_mut().zip(&base).for_each(|(s, b)| *s += coefficient * b);
+        }
+        self.velocity.iter_mut().zip(&sum).for_each(|(v, s)| *v += s);
+        self.reached = 0..springs;
     }
 
-    /// Springs that a step can move: each term of a series reaches one further.
+    /// Springs that a step can move.
     fn reach(&self) -> std::ops::Range<usize> {
-        let margin = KICK_TERMS + DRIFT_TERMS + 2;
-        let springs = self.scene.initial.len();
-        self.reached.start.saturating_sub(margin)..(self.reached.end + margin).min(springs)
+        self.reached.start.saturating_sub(REACH)..(self.reached.end + REACH).min(self.scene.initial.len())
     }
 
-    /// `(h / m_v) [R_{v-1} - R_v + p_v]` with `R = G + (T(X) - 1)(G - G_static)`, X = h^2 A.
+    /// Pulls on the masses, and from them `q = h k (pull_{i+1} - pull_i)`.
     #[inline(always)]
-    fn find_kick(&mut self, series: &Series, force: f64) {
+    fn find_bend(&mut self, c: &Coefficients, force: f64) {
         let range = self.reach();
-        let [q, r, spare] = &mut self.scratch;
-        let g = &self.rows[1].force;
-        series.apply(range.clone(), g, 0.0, g, q);
-        for i in self.scene.source.saturating_sub(1)..(self.scene.source + 1).min(self.scene.initial.len()) {
-            q[i + 1] -= series.width * series.width * force * self.motion.drive[i];
+        let (from, count) = (range.start + 1, range.len());
+        let (g, rest) = (&self.force[1][from - 1..from + count + 1], &self.force_rest[from - 1..from + count + 1]);
+        {
+            let (pull, kick) = (&mut self.pull[from..=from + count], &c.kick[from..=from + count]);
+            for l in 0..=count {
+                pull[l] = kick[l] * ((g[l] - g[l + 1]) + (rest[l] - rest[l + 1]));
+            }
         }
-        series.sum(range.clone(), &KICK_SERIES.get_or_init(kick_series)[1..], q, r, spare);
-        for i in range.start + 1..range.end + 1 {
-            r[i] += g[i];
+        let source = self.scene.source + 1;
+        let outside = (g_at(&self.force[1], source) + g_at(&self.force_rest, source)) + force;
+        self.pull[source] = c.kick[source] * outside;
+        let (bend, drift) = (&mut self.bend[1][from..from + count], &c.drift[from..from + count]);
+        let pull = &self.pull[from..=from + count];
+        for l in 0..count {
+            bend[l] = drift[l] * (pull[l + 1] - pull[l]);
         }
-        // Masses before, between and behind these springs.
-        for v in range.start..range.end + 1 {
-            self.kick[v + 1] = series.width * self.inverse_mass[v + 1] * (r[v] - r[v + 1]);
-        }
-        let source = self.scene.source;
-        self.kick[source + 1] += series.width * self.inverse_mass[source + 1] * force;
-    }
-
-    #[inline(always)]
-    fn half_kick(&mut self) {
-        let range = self.reach();
-        for (v, k) in self.velocity[range.start + 1..range.end + 2].iter_mut().zip(&self.kick[range.start + 1..]) {
-            *v += 0.5 * k;
+        for block in range.start / BLOCK..range.end.div_ceil(BLOCK) {
+            let (q, compliance) =
+                (self::block(&self.bend[1], block * BLOCK + 1), self::block(&self.compliance, block * BLOCK + 1));
+            self.energy[1][block] = q.iter().zip(compliance).map(|(q, c)| q * q * c).sum();
         }
     }
 
-    /// `G <- G + h S(X) k (v_i - v_{i+1})`
+    /// `v <- v + share (pull + (h / m) (r_{v-1} - r_v))`, `r = P(X) q`.
     #[inline(always)]
-    fn drift(&mut self, series: &Series) {
+    fn kick(&mut self, c: &Coefficients, share: f64) {
         let range = self.reach();
-        let [q, r, spare] = &mut self.scratch;
-        q[range.start] = 0.0;
-        q[range.end + 1] = 0.0;
-        for i in range.start + 1..range.end + 1 {
-            q[i] = series.width * self.stiffness[i] * (self.velocity[i] - self.velocity[i + 1]);
+        let [r, spare] = &mut self.scratch;
+        horner(c, range.clone(), KICK_SERIES.get_or_init(kick_series), &self.bend[1], r, spare);
+        let (from, count) = (range.start + 1, range.len());
+        let (v, rest) = (&mut self.velocity[from..=from + count], &mut self.velocity_rest[from..=from + count]);
+        let (pull, kick, r) =
+            (&self.pull[from..=from + count], &c.kick[from..=from + count], &r[from - 1..=from + count]);
+        for l in 0..=count {
+            let change = share * kick[l].mul_add(r[l] - r[l + 1], pull[l]);
+            (v[l], rest[l]) = add(v[l], rest[l] + change);
         }
-        series.sum(range.clone(), DRIFT_SERIES.get_or_init(drift_series), q, r, spare);
-        let [before, after] = &mut self.rows;
-        for i in range.start + 1..range.end + 1 {
-            after.force[i] = before.force[i] + r[i];
+    }
+
+    /// `G <- G + h k (v_i - v_{i+1})`
+    #[inline(always)]
+    fn drift(&mut self, c: &Coefficients) {
+        let range = self.reach();
+        let (from, count) = (range.start + 1, range.len());
+        let (v, v_rest) = (&self.velocity[from..=from + count], &self.velocity_rest[from..=from + count]);
+        let [before, after] = &mut self.force;
+        let (before, after) = (&before[from..from + count], &mut after[from..from + count]);
+        let (rest, drift) = (&mut self.force_rest[from..from + count], &c.drift[from..from + count]);
+        for l in 0..count {
+            let change = drift[l] * ((v[l] - v[l + 1]) + (v_rest[l] - v_rest[l + 1]));
+            (after[l], rest[l]) = add(before[l], rest[l] + change);
         }
         self.reached = range;
-    }
-
-    #[inline(always)]
-    fn find_rates(&mut self) {
-        let range = self.reach();
-        let rate = &mut self.rows[1].rate;
-        for i in range.start + 1..range.end + 1 {
-            rate[i] = self.stiffness[i] * (self.velocity[i] - self.velocity[i + 1]);
-        }
     }
 
     /// Springs whose force may have changed during the step by more than `quiet`.
     fn loud(&self) -> std::ops::Range<usize> {
         let loud = |i: &usize| {
-            self.rows.iter().any(|row| row.force[i + 1].abs() > self.quiet || row.rate[i + 1].abs() > self.quiet)
+            let rows = self.force.iter().zip(&self.bend);
+            rows.into_iter().any(|(f, q)| f[i + 1].abs() > self.quiet || q[i + 1].abs() > self.quiet)
         };
         let first = self.reached.clone().find(loud).unwrap_or(self.reached.end);
         let last = self.reached.clone().rev().find(loud).map_or(first, |l| l + 1);
@@ -358,8 +437,8 @@ impl<'a> State<'a> {
     /// Takes back what lies ahead of the front and is nothing.
     fn trim(&mut self) {
         let silence = SILENCE * self.scene.force.abs();
-        let row = &self.rows[1];
-        let silent = |i: usize| row.force[i + 1].abs() <= silence && row.rate[i + 1].abs() <= silence;
+        let (force, bend) = (&self.force[1], &self.bend[1]);
+        let silent = |i: usize| force[i + 1].abs() <= silence && bend[i + 1].abs() <= silence;
         let mut range = self.reached.clone();
         while range.end > self.scene.source + 1 && silent(range.end - 1) {
             range.end -= 1;
@@ -367,135 +446,96 @@ impl<'a> State<'a> {
         while range.start + 1 < self.scene.source && silent(range.start) {
             range.start += 1;
         }
-        for i in (self.reached.start..range.start).chain(range.end..self.reached.end) {
-            for row in &mut self.rows {
-                row.force[i + 1] = 0.0;
-                row.rate[i + 1] = 0.0;
-            }
+        let wide = self.reach();
+        for i in (wide.start..range.start).chain(range.end..wide.end) {
+            self.force.iter_mut().chain(&mut self.bend).chain([&mut self.force_rest]).for_each(|row| row[i + 1] = 0.0);
         }
-        for v in (self.reach().start..range.start).chain(range.end + 1..self.reach().end + 1) {
-            self.velocity[v + 1] = 0.0;
+        for v in (wide.start..range.start).chain(range.end + 1..wide.end + 1) {
+            [&mut self.velocity, &mut self.velocity_rest, &mut self.pull].into_iter().for_each(|row| row[v + 1] = 0.0);
         }
         self.reached = range;
     }
 }
 
-/// A step's `h^2 A`, and sums of its powers.
-struct Series {
-    width: f64,
-    ahead: Vec<f64>,
-    behind: Vec<f64>,
+/// `G_{v-1} - G_v` at mass position v.
+fn g_at(g: &[f64], v: usize) -> f64 {
+    g[v - 1] - g[v]
 }
 
-impl Series {
-    fn new(width: f64, motion: &Motion) -> Series {
-        let padded = |x: &[f64]| {
-            let inner = x.iter().map(|c| c * width * width);
-            std::iter::once(0.0).chain(inner).chain([0.0]).collect()
-        };
-        Series { width, ahead: padded(&motion.ahead), behind: padded(&motion.behind) }
-    }
+/// The sum and what its rounding leaves (Knuth).
+#[inline(always)]
+fn add(a: f64, b: f64) -> (f64, f64) {
+    let s = a + b;
+    let t = s - a;
+    (s, (a - (s - t)) + (b - t))
+}
 
-    /// `out = c q + X r` over springs of `range`; what lies outside is zero.
-    #[inline(always)]
-    fn apply(&self, range: std::ops::Range<usize>, r: &[f64], c: f64, q: &[f64], out: &mut [f64]) {
-        out[range.start] = 0.0;
-        out[range.end + 1] = 0.0;
-        let count = range.len();
-        let from = range.start + 1;
-        let here = &r[from..from + count];
-        let (left, right) = (&r[from - 1..from - 1 + count], &r[from + 1..from + 1 + count]);
-        let (ahead, behind) = (&self.ahead[from..from + count], &self.behind[from..from + count]);
-        let (q, out) = (&q[from..from + count], &mut out[from..from + count]);
-        for i in 0..count {
-            let pull = ahead[i] * (here[i] - left[i]);
-            out[i] = c.mul_add(q[i], behind[i].mul_add(here[i] - right[i], pull));
-        }
+/// `out = sum_k coefficient[k] X^k q` over the springs of `range`; what lies outside is zero.
+#[inline(always)]
+fn horner(
+    c: &Coefficients,
+    range: std::ops::Range<usize>,
+    coefficient: &[f64],
+    q: &[f64],
+    out: &mut Vec<f64>,
+    spare: &mut Vec<f64>,
+) {
+    let (from, count) = (range.start + 1, range.len());
+    let (first, rest) = coefficient.split_last().unwrap_or((&0.0, &[]));
+    for row in [&mut *out, &mut *spare] {
+        row[from - 1] = 0.0;
+        row[from + count] = 0.0;
     }
-
-    /// `out = sum_k coefficient[k] X^k q` by Horner's rule.
-    #[inline(always)]
-    fn sum(
-        &self,
-        range: std::ops::Range<usize>,
-        coefficient: &[f64],
-        q: &[f64],
-        out: &mut Vec<f64>,
-        spare: &mut Vec<f64>,
-    ) {
-        let (first, rest) = coefficient.split_last().unwrap_or((&0.0, &[]));
-        for i in range.start..range.end + 2 {
-            out[i] = first * q[i];
+    let q = &q[from..from + count];
+    out[from..from + count].iter_mut().zip(q).for_each(|(o, q)| *o = first * q);
+    let (ahead, behind) = (&c.ahead[from..from + count], &c.behind[from..from + count]);
+    for &factor in rest.iter().rev() {
+        let r = &out[from - 1..=from + count];
+        let next = &mut spare[from..from + count];
+        for l in 0..count {
+            let here = r[l + 1];
+            next[l] = factor.mul_add(q[l], behind[l].mul_add(here - r[l + 2], ahead[l] * (here - r[l])));
         }
-        for &c in rest.iter().rev() {
-            self.apply(range.clone(), out, c, q, spare);
-            std::mem::swap(out, spare);
-        }
+        std::mem::swap(out, spare);
     }
 }
 
 static KICK_SERIES: OnceLock<Vec<f64>> = OnceLock::new();
-static DRIFT_SERIES: OnceLock<Vec<f64>> = OnceLock::new();
 
-/// `tan(theta/2) / (theta/2)` as a polynomial in theta^2.
+/// `(4 sin^2(theta / 2) / theta^2 - 1) / theta^2` as a polynomial in theta^2: `2 sum_k (-1)^(k+1) x^k / (2k + 4)!`.
 fn kick_series() -> Vec<f64> {
-    let quarter = Dd::from(0.25);
-    polynomial(KICK_TERMS, |x| sine_over_root(x * quarter) / cosine_of_root(x * quarter))
-}
-
-/// `sin(theta) / theta` as a polynomial in theta^2.
-fn drift_series() -> Vec<f64> {
-    polynomial(DRIFT_TERMS, sine_over_root)
-}
-
-/// `cos(sqrt x)`
-fn cosine_of_root(x: Dd) -> Dd {
-    (0..24).rev().fold(Dd::ONE, |sum, k| Dd::ONE - x * sum / Dd::from(f64::from((2 * k + 1) * (2 * k + 2))))
-}
-
-/// `sin(sqrt x) / sqrt x`
-fn sine_over_root(x: Dd) -> Dd {
-    (0..24).rev().fold(Dd::ONE, |sum, k| Dd::ONE - x * sum / Dd::from(f64::from((2 * k + 2) * (2 * k + 3))))
-}
-
-/// The polynomial of `terms` terms through `f` at the Chebyshev points of 0 <= x <= PHASE^2, in powers of x.
-fn polynomial(terms: usize, f: impl Fn(Dd) -> Dd) -> Vec<f64> {
-    let top = PHASE * PHASE;
-    let point = |k: usize| {
-        let angle = std::f64::consts::PI * (2 * k + 1) as f64 / (2 * terms) as f64;
-        Dd::from(0.5 * top * (1.0 + angle.cos()))
-    };
-    let x: Vec<Dd> = (0..terms).map(point).collect();
-    let mut difference: Vec<Dd> = x.iter().map(|&x| f(x)).collect();
-    for order in 1..terms {
-        for k in (order..terms).rev() {
-            difference[k] = (difference[k] - difference[k - 1]) / (x[k] - x[k - order]);
-        }
-    }
-    // Newton's form to powers of x.
-    let mut power = vec![Dd::ZERO; terms];
-    for k in (0..terms).rev() {
-        for m in (0..terms).rev() {
-            let lower = if m > 0 { power[m - 1] } else { difference[k] };
-            power[m] = lower - x[k] * power[m];
-        }
-    }
-    power.into_iter().map(Dd::to_f64).collect()
+    polynomial(KICK_TERMS, |x| {
+        let terms = (0..16).rev().fold(Dd::ZERO, |sum, k| {
+            let over = Dd::from(f64::from((2 * k + 5) * (2 * k + 6)));
+            Dd::ONE - x * sum / over
+        });
+        -(terms / Dd::from(12.0))
+    })
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::between::cosine_of_root;
     use super::*;
 
-    /// Both series to rounding over the whole range of phases.
+    /// The kick's factor to rounding over the whole range of phases.
     #[test]
-    fn series_are_exact_to_rounding() {
-        let (kick, drift) = (kick_series(), drift_series());
+    fn kick_is_exact_to_rounding() {
+        let series = kick_series();
         for n in 1..=200 {
             let theta = PHASE * f64::from(n) / 200.0;
-            let sum = |c: &[f64]| c.iter().rev().fold(0.0, |s, &c| s * theta * theta + c);
-            assert!((sum(&kick) - (theta / 2.0).tan() / (theta / 2.0)).abs() < 4e-16);
-            assert!((sum(&drift) - theta.sin() / theta).abs() < 3e-16);
+            let x = theta * theta;
+            let sum = series.iter().rev().fold(0.0, |s, &c| s * x + c);
+            let exact = 4.0 * (0.5 * theta).sin().powi(2) / x;
+            assert!((1.0 + x * sum - exact).abs() < 4e-16, "{theta}");
         }
+    }
+
+    /// cos^2 + sin^2 = 1 for the two series that the switch of steps is made of, to double-double rounding.
+    #[test]
+    fn series_of_cosine_and_sine_agree() {
+        let x = Dd::from(2.0);
+        let (c, s) = (cosine_of_root(x), sine_over_root(x));
+        assert!((c * c + x * s * s - Dd::ONE).abs().hi < 1e-30);
     }
 }

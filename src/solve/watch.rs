@@ -19,9 +19,9 @@ pub struct Side {
 }
 
 impl Side {
-    fn at_rest(value: f64, rating: f64) -> Side {
+    fn at_rest(value: f64, rating: f64, bound: f64) -> Side {
         let first_over = (value > rating).then_some(0.0);
-        Side { best: Point { at: 0.0, value }, first_over, near: false, departed: false }
+        Side { best: Point { at: 0.0, value }, first_over, near: false, departed: value < rating - 4.0 * bound }
     }
 
     /// Over its rating, not over it, or not decided (`None`): the rating lies within the error bound of the peak.
@@ -70,9 +70,6 @@ pub struct Watch {
     /// What has been seen.
     pub peaks: Vec<SpringPeaks>,
     ratings: Vec<[f64; 2]>,
-    initial: Vec<f64>,
-    /// [`Watch::level`] of either sign less the initial force: what the force since the event has to reach.
-    levels: Vec<[f64; 2]>,
     /// No force shown is further than this from the truth.
     bound: f64,
 }
@@ -82,19 +79,40 @@ impl Watch {
     pub fn new(scene: &Scene, bound: f64) -> Watch {
         let ratings: Vec<[f64; 2]> =
             (0..scene.initial.len()).map(|i| [scene.rated_draft[i], scene.rated_buff[i]]).collect();
-        let at_rest =
-            |(&f, r): (&f64, &[f64; 2])| SpringPeaks { draft: Side::at_rest(f, r[0]), buff: Side::at_rest(-f, r[1]) };
+        let at_rest = |(&f, r): (&f64, &[f64; 2])| SpringPeaks {
+            draft: Side::at_rest(f, r[0], bound),
+            buff: Side::at_rest(-f, r[1], bound),
+        };
         let peaks = scene.initial.iter().zip(&ratings).map(at_rest).collect();
-        let levels = vec![[0.0; 2]; ratings.len()];
-        let mut watch = Watch { peaks, ratings, initial: scene.initial.clone(), levels, bound };
-        (0..scene.initial.len()).for_each(|i| watch.set_levels(i));
-        watch
+        Watch { peaks, ratings, bound }
     }
 
     /// The rating in one sign.
     #[inline]
     pub fn rating(&self, spring: usize, negative: bool) -> f64 {
         self.ratings[spring][usize::from(negative)]
+    }
+
+    /// No force shown is further than this from the truth.
+    #[inline]
+    pub fn bound(&self) -> f64 {
+        self.bound
+    }
+
+    /// Whether a side stood at its rating before the event, as near as can be told, and has not left it.
+    #[inline]
+    pub fn at_rating(&self, spring: usize, negative: bool) -> bool {
+        !self.peaks[spring].side(negative).departed
+    }
+
+    /// Takes note of a force well under the rating; whether it is.
+    pub fn departs(&mut self, spring: usize, negative: bool, value: f64) -> bool {
+        let departed = value < self.rating(spring, negative) - 4.0 * self.bound;
+        if departed {
+            let peaks = &mut self.peaks[spring];
+            if negative { &mut peaks.buff } else { &mut peaks.draft }.departed = true;
+        }
+        departed
     }
 
     /// Below this a force is certainly not over the rating.
@@ -123,22 +141,11 @@ impl Watch {
         let best = side.best.value + self.grain();
         if side.first_over.is_some() {
             best
-        } else if side.near || (side.best.at == 0.0 && !side.departed) {
+        } else if side.near || !side.departed {
             best.min(rating + self.bound)
         } else {
             best.min(rating - self.bound)
         }
-    }
-
-    /// Of every spring, [`Watch::level`] for G = F - F(0) and for -G.
-    #[inline]
-    pub fn levels(&self) -> &[[f64; 2]] {
-        &self.levels
-    }
-
-    fn set_levels(&mut self, spring: usize) {
-        let initial = self.initial[spring];
-        self.levels[spring] = [self.level(spring, false) - initial, self.level(spring, true) + initial];
     }
 
     /// Takes note of a force over -1 <= x <= `end`, whose polynomial is right to well within the bound.
@@ -159,7 +166,6 @@ impl Watch {
         let was_departed = side.departed;
         side.departed |= local.value_and_slope(end).0 < rating - 4.0 * bound;
         let Some(top) = local.largest(-1.0, end, level) else {
-            self.set_levels(spring);
             return;
         };
         let t = time(top.at).max(0.0);
@@ -177,6 +183,5 @@ impl Watch {
             side.near |= value > rating - bound;
         }
         side.near |= was_departed && value > rating - bound;
-        self.set_levels(spring);
     }
 }

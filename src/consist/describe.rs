@@ -1,0 +1,201 @@
+//! A train, and what will be run on it, in words.
+
+use std::fmt::Write as _;
+
+use super::{Coupler, Train, Vehicle};
+use crate::scenario::{self, Event, Scenario};
+use crate::units::{Dimension, shown};
+
+/// Longer lists of vehicles are told by kind, and longer lists of kinds are cut.
+const LISTED: usize = 12;
+
+/// The train, what will be run on it, and what an engineer should know before, as lines of plain text.
+pub fn describe(train: &Train) -> String {
+    let mut text = format!("{}\n{}\n", train.name, size(train));
+    for line in vehicles(train) {
+        let _ = writeln!(text, "  {line}");
+    }
+    let _ = writeln!(text, "{}\n{}\nto be run:", couplers(train), load(train));
+    for scenario in &train.scenarios {
+        let _ = writeln!(text, "  {}: {}", scenario.name, scenario_line(train, scenario));
+    }
+    for warning in warnings(train) {
+        let _ = writeln!(text, "warning: {warning}");
+    }
+    text
+}
+
+fn size(train: &Train) -> String {
+    let free = train.vehicles.iter().filter(|v| !v.held);
+    let mass = shown(free.map(|v| v.mass_kg).sum(), Dimension::Mass);
+    let held = if train.vehicles.iter().any(|v| v.held) { " without what is held" } else { "" };
+    let length: Option<f64> = train.vehicles.iter().map(|v| v.length_m).sum();
+    let length = length.map_or(String::new(), |l| format!(", {} long", shown(l, Dimension::Length)));
+    let [vehicles, couplers] = [count(train.vehicles.len(), "vehicle"), count(train.couplers.len(), "coupler")];
+    format!("{vehicles}, {couplers}, {mass}{held}{length}")
+}
+
+/// A number of things, in English.
+fn count(number: usize, thing: &str) -> String {
+    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
+}
+
+/// Neighbours alike, from the head; in a train of many such groups, its kinds of vehicle.
+fn vehicles(train: &Train) -> Vec<String> {
+    let mut groups: Vec<(usize, &Vehicle)> = vec![];
+    for vehicle in &train.vehicles {
+        match groups.last_mut() {
+            Some((count, first)) if alike(first, vehicle) => *count += 1,
+            _ => groups.push((1, vehicle)),
+        }
+    }
+    if groups.len() <= LISTED {
+        return groups.into_iter().map(group_line).collect();
+    }
+    let in_groups = format!("in {} groups from the head, of these kinds:", groups.len());
+    let mut kinds: Vec<(usize, &Vehicle)> = vec![];
+    let mut other = 0;
+    for (count, vehicle) in groups {
+        match kinds.iter().position(|(_, first)| alike(first, vehicle)) {
+            Some(known) => kinds[known].0 += count,
+            None if kinds.len() < LISTED => kinds.push((count, vehicle)),
+            None => other += count,
+        }
+    }
+    let rest = (other > 0).then(|| format!("{} of other kinds", count(other, "vehicle")));
+    std::iter::once(in_groups).chain(kinds.into_iter().map(group_line)).chain(rest).collect()
+}
+
+fn alike(a: &Vehicle, b: &Vehicle) -> bool {
+    (a.mass_kg, a.held, a.length_m) == (b.mass_kg, b.held, b.length_m) && unnumbered(&a.label) == unnumbered(&b.label)
+}
+
+/// A label without the number that sets it apart from others alike.
+fn unnumbered(label: &str) -> &str {
+    label.rsplit_once(' ').filter(|(_, n)| n.bytes().all(|b| b.is_ascii_digit())).map_or(label, |(name, _)| name)
+}
+
+fn group_line((count, vehicle): (usize, &Vehicle)) -> String {
+    let held = if vehicle.held { " (held)" } else { "" };
+    let length = vehicle.length_m.map_or(String::new(), |l| format!(", {}", shown(l, Dimension::Length)));
+    let label = if count == 1 { &*vehicle.label } else { unnumbered(&vehicle.label) };
+    format!("{count} x {label}{held} of {}{length}", shown(vehicle.mass_kg, Dimension::Mass))
+}
+
+fn couplers(train: &Train) -> String {
+    let range = |values: Vec<f64>, dimension: Dimension| {
+        let low = shown(values.iter().copied().fold(f64::INFINITY, f64::min), dimension);
+        let high = shown(values.iter().copied().fold(0.0, f64::max), dimension);
+        if low == high { low } else { format!("{low} to {high}") }
+    };
+    let stiffness = range(train.couplers.iter().map(|c| c.stiffness_n_per_m).collect(), Dimension::Stiffness);
+    let draft = range(train.couplers.iter().map(|c| c.rated_draft_n).collect(), Dimension::Force);
+    let buff = range(train.couplers.iter().map(|c| c.rated_buff_n).collect(), Dimension::Force);
+    format!("couplers: stiffness {stiffness}; rated {draft} in draft, {buff} in buff")
+}
+
+fn load(train: &Train) -> String {
+    let low = train.initial_force_n.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = train.initial_force_n.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let force = |n: f64| match n {
+        0.0 => "none".to_owned(),
+        n if n > 0.0 => format!("{} in draft", shown(n, Dimension::Force)),
+        n => format!("{} in buff", shown(-n, Dimension::Force)),
+    };
+    let range = if low == high { force(low) } else { format!("{} to {}", force(low), force(high)) };
+    format!("load before the event: {range}")
+}
+
+fn scenario_line(train: &Train, scenario: &Scenario) -> String {
+    let (event, cases) = match &scenario.event {
+        Event::Break { couplers } => match couplers.as_slice() {
+            [b] => {
+                let [ahead, behind] = [&train.vehicles[*b].label, &train.vehicles[*b + 1].label];
+                (format!("coupler {} between {ahead} and {behind} breaks", b + 1), 1)
+            }
+            many => (format!("{} of {} couplers break, each alone", many.len(), train.couplers.len()), many.len()),
+        },
+        Event::Pulse { vehicle, force_n, duration_s } => {
+            let direction = if *force_n > 0.0 { "forward" } else { "backward" };
+            let force = shown(force_n.abs(), Dimension::Force);
+            let label = &train.vehicles[*vehicle].label;
+            (format!("{force} {direction} on {label} for {}", shown(*duration_s, Dimension::Time)), 1)
+        }
+    };
+    let [from, to] = [shortest_s(train, scenario), longest_s(train, scenario)].map(|t| shown(t, Dimension::Time));
+    let horizon = if from == to { to } else { format!("{from} to {to}") };
+    format!("{event}; {}, horizon {horizon}", count(cases, "case"))
+}
+
+/// Shortest horizon of a scenario's cases, s.
+///
+/// From the head to the tail the front part grows and the rear part shrinks, so that the longest part's transit first
+/// falls, then rises. Its smallest value is found by halving.
+fn shortest_s(train: &Train, scenario: &Scenario) -> f64 {
+    let Event::Break { couplers } = &scenario.event else { return scenario::horizon_s(train, scenario, None) };
+    let mut couplers = couplers.clone();
+    couplers.sort_unstable();
+    let at = |i: usize| scenario::horizon_s(train, scenario, couplers.get(i).copied());
+    let (mut low, mut high) = (0, couplers.len().saturating_sub(1));
+    while low < high {
+        let middle = (low + high) / 2;
+        if at(middle + 1) < at(middle) { low = middle + 1 } else { high = middle }
+    }
+    at(low)
+}
+
+/// Longest horizon of a scenario's cases, s: that of a break nearest to an end.
+fn longest_s(train: &Train, scenario: &Scenario) -> f64 {
+    let Event::Break { couplers } = &scenario.event else { return scenario::horizon_s(train, scenario, None) };
+    let ends = [couplers.iter().min(), couplers.iter().max()];
+    ends.into_iter().map(|b| scenario::horizon_s(train, scenario, b.copied())).fold(0.0, f64::max)
+}
+
+/// What is likely not meant, one sentence each; nothing here stops a run.
+pub fn warnings(train: &Train) -> Vec<String> {
+    let mut found: Vec<String> = overloaded(train).into_iter().collect();
+    let live = train.vehicles.iter().filter(|v| !v.held);
+    let (with, without) = live.partition::<Vec<_>, _>(|v| v.length_m.is_some());
+    if !with.is_empty() && !without.is_empty() {
+        let what = count(without.len(), "vehicle");
+        found.push(format!(
+            "no length is given for {what}, so there are no speeds in m/s and no places along the train"
+        ));
+    }
+    for scenario in &train.scenarios {
+        found.extend(doubts(train, scenario).into_iter().map(|doubt| format!("{}: {doubt}", scenario.name)));
+    }
+    found
+}
+
+fn overloaded(train: &Train) -> Option<String> {
+    let over = |(force, c): &(&f64, &Coupler)| **force > c.rated_draft_n || -**force > c.rated_buff_n;
+    let over = train.initial_force_n.iter().zip(&train.couplers).filter(over).count();
+    let couplers = count(train.couplers.len(), "coupler");
+    (over > 0).then(|| format!("the load is over the rating of {over} of {couplers} before anything happens"))
+}
+
+fn doubts(train: &Train, scenario: &Scenario) -> Vec<String> {
+    let mut doubts = vec![];
+    let default = Scenario { horizon_s: None, ..scenario.clone() };
+    let transit_s = longest_s(train, &default) / 4.0;
+    let horizon_s = longest_s(train, scenario);
+    match &scenario.event {
+        Event::Break { .. } if train.couplers.len() == 1 => {
+            doubts.push("once its only coupler is broken the train has none left to look at".to_owned());
+        }
+        Event::Break { couplers } if couplers.iter().any(|&b| train.initial_force_n[b] == 0.0) => {
+            doubts.push("a coupler without load breaks and nothing changes; give [load] a uniform force".to_owned());
+        }
+        Event::Pulse { duration_s, .. } if *duration_s > horizon_s => {
+            doubts.push("the pulse outlasts the horizon, so what its end does is not seen".to_owned());
+        }
+        _ => {}
+    }
+    if horizon_s < transit_s {
+        let [horizon, transit] = [horizon_s, transit_s].map(|t| shown(t, Dimension::Time));
+        let what = if scenario.event.kind() == "break" { "the longest part" } else { "the train" };
+        doubts.push(format!("the horizon of {horizon} ends before a wave has crossed {what}, {transit}"));
+    }
+    doubts
+}

@@ -1,0 +1,257 @@
+//! A train file's tables into a train.
+
+use std::collections::HashMap;
+use std::ops::Range;
+use std::path::Path;
+
+use super::scenarios;
+use super::tree::{Found, Read, Sign, Table, Value};
+use super::{Coupler, Train, Vehicle};
+use crate::error::{Problem, printable};
+use crate::units::{Amount, Dimension};
+
+/// More vehicles than this are refused.
+const MOST_VEHICLES: usize = 1_000_000;
+
+/// Keys of the whole file.
+pub(super) const KEYS: [&str; 6] = ["name", "coupler", "vehicle", "coupler_override", "load", "scenario"];
+const COUPLER_KEYS: [&str; 3] = ["stiffness", "rated_load", "rated_buff"];
+const OVERRIDE_KEYS: [&str; 4] = ["at", "stiffness", "rated_load", "rated_buff"];
+const VEHICLE_KEYS: [&str; 5] = ["label", "count", "mass", "held", "length"];
+
+/// Reads the whole train, going on after a problem as far as what follows can be judged without it.
+///
+/// A value that was wrong is replaced by some right one so that the rest is still looked at. The train is good only if no
+/// problem has been noted.
+pub(super) fn train(found: &Found, root: &Table, path: &Path) -> Read<Train> {
+    let name = root.get("name").map_or_else(|| Ok(stem(path)), |v| v.name().map(str::to_owned));
+    let base = base_coupler(root);
+    let vehicles = vehicles(found, root)?;
+    let couplers = couplers(root, &base.unwrap_or(PLACEHOLDER), vehicles.len() - 1);
+    let weakest_n = couplers.iter().map(|c| c.rated_draft_n).fold(f64::INFINITY, f64::min);
+    let load_n = load(root, weakest_n);
+    let scenarios = scenarios::read(root, &vehicles, weakest_n)?;
+    Ok(Train { name: name?, initial_force_n: vec![load_n?; couplers.len()], vehicles, couplers, scenarios })
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().map_or_else(|| "train".to_owned(), |s| printable(&s.to_string_lossy()))
+}
+
+/// Some of a coupler's keys.
+struct CouplerKeys<'s> {
+    stiffness: Option<Value<'s>>,
+    draft: Option<Value<'s>>,
+    buff: Option<Value<'s>>,
+}
+
+impl<'s> CouplerKeys<'s> {
+    fn of(table: &Table<'s>) -> Self {
+        let [stiffness, draft, buff] = COUPLER_KEYS.map(|key| table.get(key));
+        CouplerKeys { stiffness, draft, buff }
+    }
+}
+
+/// The ratings that hold unless overridden; a share in `buff` is of whichever draft rating the coupler has.
+#[derive(Clone, Copy)]
+struct Ratings {
+    stiffness_n_per_m: f64,
+    draft_n: f64,
+    buff: Amount,
+}
+
+/// Stands in for a `[coupler]` that was wrong, so that what refers to it can still be looked at.
+const PLACEHOLDER: Ratings = Ratings { stiffness_n_per_m: 1.0, draft_n: 1.0, buff: Amount::Share(1.0) };
+
+impl Ratings {
+    fn coupler(&self) -> Coupler {
+        let rated_buff_n = match self.buff {
+            Amount::Si(value) => value,
+            Amount::Share(share) => share * self.draft_n,
+        };
+        Coupler { stiffness_n_per_m: self.stiffness_n_per_m, rated_draft_n: self.draft_n, rated_buff_n }
+    }
+}
+
+fn base_coupler(root: &Table) -> Read<Ratings> {
+    let value = root.require("coupler", "add a [coupler] table with stiffness and rated_load")?;
+    let table = value.table("[coupler]", &COUPLER_KEYS)?;
+    let keys = CouplerKeys::of(&table);
+    let stiffness = table
+        .require("stiffness", "add stiffness = \"30 MN/m\", that of the whole connection between two vehicles")
+        .and_then(|v| v.quantity(Dimension::Stiffness, Sign::Positive));
+    let draft = table
+        .require("rated_load", "add rated_load = \"1.5 MN\", the capacity in draft")
+        .and_then(|v| v.quantity(Dimension::Force, Sign::Positive));
+    let buff = keys.buff.map_or(Ok(Amount::Share(1.0)), |v| v.amount(Dimension::Force, Sign::Positive));
+    Ok(Ratings { stiffness_n_per_m: stiffness?, draft_n: draft?, buff: buff? })
+}
+
+fn couplers(root: &Table, base: &Ratings, count: usize) -> Vec<Coupler> {
+    let mut ratings = vec![*base; count];
+    let overrides = root.get("coupler_override").and_then(|v| v.tables("[[coupler_override]]", &OVERRIDE_KEYS).ok());
+    let mut seen = HashMap::new();
+    for table in overrides.into_iter().flatten() {
+        // A problem in it has been noted: the other overrides can be read all the same.
+        let _ = apply_override(&table, base, &mut ratings, &mut seen);
+    }
+    ratings.iter().map(Ratings::coupler).collect()
+}
+
+/// Where each key of each coupler was overridden.
+type Seen = HashMap<(usize, &'static str), Range<usize>>;
+
+fn apply_override(table: &Table, base: &Ratings, ratings: &mut [Ratings], seen: &mut Seen) -> Read<()> {
+    let keys = CouplerKeys::of(table);
+    if COUPLER_KEYS.iter().all(|key| table.get(key).is_none()) {
+        table.wrong("[[coupler_override]] overrides nothing", "give it stiffness, rated_load or rated_buff");
+    }
+    let stiffness = keys.stiffness.map(|v| v.quantity(Dimension::Stiffness, Sign::Positive)).transpose();
+    let draft = keys.draft.map(|v| v.amount(Dimension::Force, Sign::Positive)).transpose();
+    let buff = keys.buff.map(|v| v.amount(Dimension::Force, Sign::Positive)).transpose();
+    let right = format!("expected a coupler's number from 1 to {}, or a list of them", ratings.len());
+    let at = table.require("at", &right).and_then(|v| coupler_list(&v, ratings.len(), &right));
+    let (at, stiffness, draft, buff) = (at?, stiffness?, draft?, buff?);
+    for i in at {
+        for key in COUPLER_KEYS {
+            let Some(span) = table.key_span(key) else { continue };
+            if let Some(earlier) = seen.insert((i, key), span.clone()) {
+                let title = format!("coupler {} has its {key} overridden twice", i + 1);
+                return Err(table.note_because(span, title, "keep one of the two", earlier, "overridden here before"));
+            }
+        }
+        let coupler = &mut ratings[i];
+        coupler.stiffness_n_per_m = stiffness.unwrap_or(coupler.stiffness_n_per_m);
+        coupler.buff = buff.unwrap_or(coupler.buff);
+        coupler.draft_n = match draft {
+            Some(Amount::Si(value)) => value,
+            Some(Amount::Share(share)) => share * base.draft_n,
+            None => coupler.draft_n,
+        };
+    }
+    Ok(())
+}
+
+/// Coupler numbers, one or a list, each once; as indices from 0.
+pub(super) fn coupler_list(value: &Value, count: usize, right: &str) -> Read<Vec<usize>> {
+    let mut seen: HashMap<usize, Range<usize>> = HashMap::new();
+    let mut numbers = vec![];
+    for item in value.items() {
+        let number = item.number(count, |n| format!("the train has no coupler {n}"), right)?;
+        if let Some(earlier) = seen.insert(number, item.span()) {
+            let title = format!("coupler {number} is listed twice");
+            return Err(item.wrong_because(title, "list it once", earlier, "listed here before"));
+        }
+        numbers.push(number - 1);
+    }
+    if numbers.is_empty() {
+        return Err(value.wrong("the list of couplers is empty", right));
+    }
+    Ok(numbers)
+}
+
+/// One `[[vehicle]]` table.
+struct Group<'s> {
+    label: Option<&'s str>,
+    count: usize,
+    mass_kg: f64,
+    held: Option<Value<'s>>,
+    length_m: Option<f64>,
+}
+
+fn vehicles(found: &Found, root: &Table) -> Read<Vec<Vehicle>> {
+    let right = "add a [[vehicle]] table for each vehicle or group alike, from the head: at least two vehicles";
+    let Some(value) = root.get("vehicle") else {
+        return Err(found.note(Problem::of_file("the train has no vehicles", right)));
+    };
+    let tables = value.tables("[[vehicle]]", &VEHICLE_KEYS)?;
+    let groups = tables.iter().map(group).collect::<Vec<_>>().into_iter().collect::<Read<Vec<Group>>>()?;
+    let mut total = 0usize;
+    for (group, table) in groups.iter().zip(&tables) {
+        total = total.saturating_add(group.count);
+        if total > MOST_VEHICLES {
+            let title = format!("the train has more than {MOST_VEHICLES} vehicles up to here");
+            return Err(table.wrong(title, "a train has at most that many"));
+        }
+    }
+    for (i, group) in groups.iter().enumerate() {
+        check_held(group, i == 0 || i + 1 == groups.len());
+    }
+    match (total, groups.as_slice()) {
+        (0, _) => Err(value.wrong("the train has no vehicles", right)),
+        (1, _) => Err(tables[0].wrong("the train has one vehicle, so no coupler", right)),
+        (2, [Group { held: Some(_), .. }, Group { held: Some(tail), .. }]) => {
+            Err(tail.wrong("both vehicles of the train are held, so nothing in it moves", "hold one of them, or none"))
+        }
+        _ => Ok(numbered(&groups)),
+    }
+}
+
+fn group<'s>(table: &Table<'s>) -> Read<Group<'s>> {
+    let label = table.get("label").map(|v| v.name()).transpose();
+    let right = format!("expected a whole number from 1 to {MOST_VEHICLES}, how many of them follow each other");
+    let count = table.get("count").map_or(Ok(1), |v| v.number(MOST_VEHICLES, |n| format!("count is {n}"), &right));
+    let mass = table.require("mass", "add mass = \"160 t\", that of each vehicle of the group");
+    let mass = mass.and_then(|v| v.quantity(Dimension::Mass, Sign::Positive));
+    let length = table.get("length").map(|v| v.quantity(Dimension::Length, Sign::Positive)).transpose();
+    let held = table.get("held").map_or(Ok(None), |v| v.flag().map(|held| held.then_some(v)));
+    let count = count?;
+    Ok(Group {
+        label: label.unwrap_or(None),
+        count,
+        mass_kg: mass.unwrap_or(1.0),
+        held: held.unwrap_or(None),
+        length_m: length.unwrap_or(None),
+    })
+}
+
+fn check_held(group: &Group, at_an_end: bool) {
+    let Some(held) = &group.held else { return };
+    let right = "only the first and the last vehicle of the train can be held";
+    if !at_an_end {
+        held.wrong("a vehicle in the middle of the train is held", right);
+    } else if group.count > 1 {
+        let right = format!("{right}: give it a [[vehicle]] of its own, without count");
+        held.wrong(format!("a group of {} vehicles is held", group.count), right);
+    }
+}
+
+/// The groups spelt out, with numbers after a label that more than one vehicle has.
+fn numbered(groups: &[Group]) -> Vec<Vehicle> {
+    let mut totals: HashMap<&str, usize> = HashMap::new();
+    for group in groups {
+        *totals.entry(group.label.unwrap_or_default()).or_default() += group.count;
+    }
+    let mut used: HashMap<&str, usize> = HashMap::new();
+    let mut vehicles = Vec::new();
+    for group in groups {
+        for _ in 0..group.count {
+            let label = match group.label {
+                None => format!("vehicle {}", vehicles.len() + 1),
+                Some(label) if totals.get(label) == Some(&1) => label.to_owned(),
+                Some(label) => {
+                    let number = used.entry(label).or_default();
+                    *number += 1;
+                    format!("{label} {number}")
+                }
+            };
+            vehicles.push(Vehicle {
+                label,
+                mass_kg: group.mass_kg,
+                held: group.held.is_some(),
+                length_m: group.length_m,
+            });
+        }
+    }
+    vehicles
+}
+
+fn load(root: &Table, weakest_n: f64) -> Read<f64> {
+    let Some(value) = root.get("load") else { return Ok(0.0) };
+    let table = value.table("[load]", &["uniform"])?;
+    let uniform = table.require("uniform", "add uniform = \"0.6 MN\", the force in every coupler, draft positive")?;
+    Ok(match uniform.amount(Dimension::Force, Sign::Any)? {
+        Amount::Si(value) => value,
+        Amount::Share(share) => share * weakest_n,
+    })
+}

@@ -1,0 +1,297 @@
+//! Reading a spanned TOML tree: every getter knows where its value stands and what would be right there.
+
+use std::cell::RefCell;
+use std::ops::Range;
+
+use toml::de::{DeTable, DeValue};
+
+use crate::error::{Problem, Problems, quoted};
+use crate::units::{self, Amount, Dimension, one_of};
+
+/// What was found wrong with a text so far.
+#[derive(Default)]
+pub(super) struct Found {
+    problems: RefCell<Problems>,
+}
+
+/// Proof that a problem has been noted: whoever holds one need not note it again.
+#[derive(Debug)]
+pub(super) struct Reported(());
+
+/// A value, or a problem that has been noted.
+pub(super) type Read<T> = Result<T, Reported>;
+
+impl Found {
+    pub(super) fn note(&self, problem: Problem) -> Reported {
+        self.problems.borrow_mut().note(problem);
+        Reported(())
+    }
+
+    pub(super) fn into_problems(self) -> Problems {
+        self.problems.into_inner()
+    }
+}
+
+/// Which signs a quantity may have.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Sign {
+    Positive,
+    NonZero,
+    Any,
+}
+
+/// A table with its name as it is written, such as `[coupler]`, and the place of its header.
+#[derive(Clone)]
+pub(super) struct Table<'s> {
+    found: &'s Found,
+    name: &'static str,
+    keys: &'static [&'static str],
+    table: &'s DeTable<'s>,
+    span: Range<usize>,
+}
+
+impl<'s> Table<'s> {
+    /// The whole file.
+    pub(super) fn root(found: &'s Found, table: &'s DeTable<'s>, keys: &'static [&'static str]) -> Self {
+        Table { found, name: "the train file", keys, table, span: 0..0 }.checked()
+    }
+
+    /// The same, with every key noted that it cannot have.
+    fn checked(self) -> Self {
+        for key in self.table.keys().filter(|key| !self.keys.contains(&key.get_ref().as_ref())) {
+            let title = format!("unknown key {} in {}", quoted(key.get_ref()), self.name);
+            let all = format!("the keys of {} are {}", self.name, self.keys.join(", "));
+            let help =
+                self.nearest(key.get_ref()).map_or(all.clone(), |near| format!("did you mean \"{near}\"? {all}"));
+            self.note_at(key.span(), title, help);
+        }
+        self
+    }
+
+    /// The key that was probably meant.
+    fn nearest(&self, key: &str) -> Option<&'static str> {
+        // Nothing long is near, and a table of very many keys is no slip of the hand: a hint is not worth the time there.
+        if key.len() > 40 || self.table.len() > 100 {
+            return None;
+        }
+        let distance = |known: &str| strsim::damerau_levenshtein(&key.to_lowercase(), known);
+        let near = self.keys.iter().min_by_key(|known| distance(known)).copied();
+        near.filter(|known| distance(known) <= (known.len() / 3).max(1))
+    }
+
+    /// The value of a key, if it is there.
+    pub(super) fn get(&self, key: &'static str) -> Option<Value<'s>> {
+        let (_, value) = self.table.get_key_value(key)?;
+        Some(Value { found: self.found, key, value: value.get_ref(), span: value.span() })
+    }
+
+    /// The place of a key, if it is there.
+    pub(super) fn key_span(&self, key: &str) -> Option<Range<usize>> {
+        self.table.get_key_value(key).map(|(k, _)| k.span())
+    }
+
+    /// The value of a key that must be there.
+    pub(super) fn require(&self, key: &'static str, right: &str) -> Read<Value<'s>> {
+        let misspelt = || self.table.keys().any(|k| *k.get_ref() != key && self.nearest(k.get_ref()) == Some(key));
+        match self.get(key) {
+            Some(value) => Ok(value),
+            None if misspelt() => Err(Reported(())),
+            None => Err(self.wrong(format!("{} has no {key}", self.name), right)),
+        }
+    }
+
+    /// Notes a problem with this table as a whole.
+    pub(super) fn wrong(&self, title: impl Into<String>, help: impl Into<String>) -> Reported {
+        if self.span.is_empty() {
+            return self.found.note(Problem::of_file(title, help));
+        }
+        self.note_at(self.span.clone(), title, help)
+    }
+
+    /// Notes a problem at a place within it.
+    pub(super) fn note_at(&self, span: Range<usize>, title: impl Into<String>, help: impl Into<String>) -> Reported {
+        self.found.note(Problem::at(span, title, Some(help.into())))
+    }
+
+    /// Notes a problem at a place within it that another place has a part in.
+    pub(super) fn note_because(
+        &self,
+        span: Range<usize>,
+        title: impl Into<String>,
+        help: impl Into<String>,
+        other: Range<usize>,
+        label: &'static str,
+    ) -> Reported {
+        let problem = Problem::at(span, title, Some(help.into()));
+        self.found.note(problem.and(other, label))
+    }
+}
+
+/// A value with its key and place.
+#[derive(Clone)]
+pub(super) struct Value<'s> {
+    found: &'s Found,
+    key: &'static str,
+    value: &'s DeValue<'s>,
+    span: Range<usize>,
+}
+
+impl<'s> Value<'s> {
+    /// Notes that this value is wrong.
+    pub(super) fn wrong(&self, title: impl Into<String>, help: impl Into<String>) -> Reported {
+        self.found.note(Problem::at(self.span.clone(), title, Some(help.into())))
+    }
+
+    /// Notes that this value is wrong because of another place.
+    pub(super) fn wrong_because(
+        &self,
+        title: impl Into<String>,
+        help: impl Into<String>,
+        other: Range<usize>,
+        label: &'static str,
+    ) -> Reported {
+        let problem = Problem::at(self.span.clone(), title, Some(help.into()));
+        self.found.note(problem.and(other, label))
+    }
+
+    fn wrong_type(&self, right: impl Into<String>) -> Reported {
+        self.wrong(format!("{} is {}", self.key, type_name(self.value)), right)
+    }
+
+    /// Notes that this is a word that has no meaning here.
+    pub(super) fn wrong_word(&self, text: &str, right: impl Into<String>) -> Reported {
+        self.wrong(format!("{} is {}", self.key, quoted(text)), right)
+    }
+
+    pub(super) fn span(&self) -> Range<usize> {
+        self.span.clone()
+    }
+
+    /// The string itself, if it is one.
+    pub(super) fn as_text(&self) -> Option<&'s str> {
+        self.value.as_str()
+    }
+
+    /// One of several fixed words.
+    pub(super) fn word(&self, words: &[&'static str]) -> Read<&'static str> {
+        let right = || format!("expected {}", one_of(words.iter().map(|w| format!("\"{w}\""))));
+        let text = self.as_text().ok_or_else(|| self.wrong_type(right()))?;
+        let known = words.iter().find(|w| **w == text).copied();
+        known.ok_or_else(|| self.wrong_word(text, right()))
+    }
+
+    /// A string to show: neither empty nor longer than 200 characters, and of one line.
+    pub(super) fn name(&self) -> Read<&'s str> {
+        const LONGEST: usize = 200;
+        let right = format!("expected a string of 1 to {LONGEST} characters");
+        let text = self.as_text().ok_or_else(|| self.wrong_type(&*right))?;
+        if text.trim().is_empty() {
+            return Err(self.wrong(format!("{} is empty", self.key), right));
+        }
+        let length = text.chars().count();
+        if length > LONGEST {
+            return Err(self.wrong(format!("{} has {length} characters", self.key), right));
+        }
+        if text.chars().any(char::is_control) {
+            return Err(
+                self.wrong(format!("{} has a control character: {}", self.key, quoted(text)), "expected plain text")
+            );
+        }
+        Ok(text)
+    }
+
+    pub(super) fn flag(&self) -> Read<bool> {
+        self.value.as_bool().ok_or_else(|| self.wrong_type("expected true or false, without quotes"))
+    }
+
+    /// A whole number from 1 to `largest`; `title` says what is wrong with another, `right` what is expected.
+    pub(super) fn number(&self, largest: usize, title: impl Fn(&str) -> String, right: &str) -> Read<usize> {
+        let integer = self.value.as_integer().ok_or_else(|| self.wrong_type(right))?;
+        let number = usize::from_str_radix(integer.as_str(), integer.radix()).ok();
+        let number = number.filter(|n| (1..=largest).contains(n));
+        number.ok_or_else(|| self.wrong(title(&integer.to_string().chars().take(40).collect::<String>()), right))
+    }
+
+    /// A quantity in SI units.
+    pub(super) fn quantity(&self, dimension: Dimension, sign: Sign) -> Read<f64> {
+        match self.read_amount(dimension, sign, false)? {
+            Amount::Si(value) | Amount::Share(value) => Ok(value),
+        }
+    }
+
+    /// A quantity in SI units or a share in %.
+    pub(super) fn amount(&self, dimension: Dimension, sign: Sign) -> Read<Amount> {
+        self.read_amount(dimension, sign, true)
+    }
+
+    fn read_amount(&self, dimension: Dimension, sign: Sign, share: bool) -> Read<Amount> {
+        let right = || {
+            let share = if share { ", or a share in %" } else { "" };
+            format!("expected a string with a number and its unit: {}{share}", dimension.choices())
+        };
+        let bare = match self.value {
+            DeValue::Integer(number) => Some(number.to_string()),
+            DeValue::Float(number) => Some(number.to_string()),
+            _ => None,
+        };
+        let text = match (&bare, self.as_text()) {
+            (Some(number), _) => number.as_str(),
+            (None, Some(text)) => text,
+            (None, None) => return Err(self.wrong_type(right())),
+        };
+        let amount = units::parse(text, dimension, share)
+            .map_err(|bad| self.wrong(format!("{} {}", self.key, bad.found), bad.right))?;
+        let (Amount::Si(value) | Amount::Share(value)) = amount;
+        let found = match sign {
+            Sign::Positive if value < 0.0 => "is negative",
+            Sign::Positive | Sign::NonZero if value == 0.0 => "is zero",
+            _ => return Ok(amount),
+        };
+        let right = if sign == Sign::Positive { "expected more than zero" } else { "expected a force other than zero" };
+        Err(self.wrong(format!("{} {found}", self.key), right))
+    }
+
+    /// The items of a list, or the value itself as the only one.
+    pub(super) fn items(&self) -> impl Iterator<Item = Value<'s>> {
+        let (list, alone) = match self.value {
+            DeValue::Array(items) => (Some(items), None),
+            _ => (None, Some(self.clone())),
+        };
+        list.into_iter().flat_map(|items| items.iter()).map(|item| self.item(item)).chain(alone)
+    }
+
+    fn item(&self, item: &'s toml::Spanned<DeValue<'s>>) -> Value<'s> {
+        Value { found: self.found, key: self.key, value: item.get_ref(), span: item.span() }
+    }
+
+    /// A table, called `name`, that may have these keys.
+    pub(super) fn table(&self, name: &'static str, keys: &'static [&'static str]) -> Read<Table<'s>> {
+        match self.value {
+            DeValue::Table(table) => {
+                Ok(Table { found: self.found, name, keys, table, span: self.span.clone() }.checked())
+            }
+            _ => Err(self.wrong_type(format!("expected {name}, a table with keys of its own"))),
+        }
+    }
+
+    /// A list of tables, each called `name`, that may have these keys.
+    pub(super) fn tables(&self, name: &'static str, keys: &'static [&'static str]) -> Read<Vec<Table<'s>>> {
+        match self.value {
+            DeValue::Array(items) => items.iter().map(|item| self.item(item).table(name, keys)).collect(),
+            _ => Err(self.wrong_type(format!("write {name}, with two brackets on each side, above each of them"))),
+        }
+    }
+}
+
+fn type_name(value: &DeValue) -> &'static str {
+    match value {
+        DeValue::String(_) => "a string",
+        DeValue::Integer(_) => "a number",
+        DeValue::Float(_) => "a number with a decimal point",
+        DeValue::Boolean(true) => "true",
+        DeValue::Boolean(false) => "false",
+        DeValue::Datetime(_) => "a date",
+        DeValue::Array(_) => "a list",
+        DeValue::Table(_) => "a table",
+    }
+}

@@ -1,0 +1,86 @@
+//! `couplers.csv`: one row per scenario, broken coupler and coupler.
+
+use std::io::Write;
+
+use crate::findings::{Analysis, CaseFindings, CouplerFindings, ScenarioFindings};
+
+const COLUMNS: [&str; 18] = [
+    "scenario",
+    "broken_coupler",
+    "coupler",
+    "between_front",
+    "between_rear",
+    "rated_draft_n",
+    "rated_buff_n",
+    "initial_force_n",
+    "peak_force_n",
+    "peak_time_s",
+    "utilisation",
+    "peak_draft_n",
+    "peak_draft_time_s",
+    "peak_buff_n",
+    "peak_buff_time_s",
+    "exceeds",
+    "first_exceeds_s",
+    "all_time_bound_n",
+];
+
+/// Writes every coupler of every case, in the units and with the names of `result.json`.
+///
+/// A cell is empty where there is no value; numbers read back to the same bits. The last column, `all_time_bound_n`, is
+/// there only if the bounds were asked for. A text that a spreadsheet would take for a formula (it begins with `=`, `+`,
+/// `-`, `@`, or a control character) gets an apostrophe before it, which spreadsheets show as plain text.
+///
+/// # Errors
+/// Whatever the writer reports.
+pub fn csv(analysis: &Analysis, writer: impl Write) -> Result<(), csv::Error> {
+    let cases = || analysis.scenarios.iter().flat_map(|s| s.cases.iter().map(move |c| (s, c)));
+    let bounds = cases().any(|(_, case)| case.couplers.iter().any(|c| c.all_time_bound_n.is_some()));
+    let columns = COLUMNS.len() - usize::from(!bounds);
+    let mut out = csv::Writer::from_writer(writer);
+    out.write_record(&COLUMNS[..columns])?;
+    for (scenario, case) in cases() {
+        for coupler in &case.couplers {
+            out.write_record(&row(scenario, case, coupler)[..columns])?;
+        }
+    }
+    out.flush()?;
+    Ok(())
+}
+
+fn row(scenario: &ScenarioFindings, case: &CaseFindings, c: &CouplerFindings) -> [String; COLUMNS.len()] {
+    [
+        text(&scenario.name),
+        case.broken_coupler.map(|b| b.to_string()).unwrap_or_default(),
+        c.coupler.to_string(),
+        text(&c.between[0]),
+        text(&c.between[1]),
+        number(c.rated_draft_n),
+        number(c.rated_buff_n),
+        number(c.initial_force_n),
+        number(c.peak_force_n),
+        number(c.peak_time_s),
+        number(c.utilisation),
+        optional(c.peak_draft_n),
+        optional(c.peak_draft_time_s),
+        optional(c.peak_buff_n),
+        optional(c.peak_buff_time_s),
+        c.exceeds.map(|e| e.to_string()).unwrap_or_default(),
+        optional(c.first_exceeds_s),
+        optional(c.all_time_bound_n),
+    ]
+}
+
+/// The shortest decimal that reads back as the same number; empty where it is not finite.
+fn number(x: f64) -> String {
+    if x.is_finite() { format!("{x:?}") } else { String::new() }
+}
+
+fn optional(x: Option<f64>) -> String {
+    x.map(number).unwrap_or_default()
+}
+
+fn text(s: &str) -> String {
+    let formula = s.starts_with(|c: char| "=+-@＝＋－＠".contains(c) || c.is_control());
+    if formula { format!("'{s}") } else { s.to_owned() }
+}

@@ -1,0 +1,107 @@
+//! The largest draft and buff of every coupler along the train, against the ratings.
+
+use kuva::plot::BandPlot;
+use kuva::plot::scatter::MarkerShape;
+use kuva::render::annotations::{ReferenceLine, TextAnnotation};
+use kuva::render::layout::Layout;
+
+use super::place::{Window, half_width};
+use super::{
+    BLACK, BLUE, Figure, GREEN, GREY, RATED, TEXT_SIZE, VERMILLION, count_couplers, marker_size, range_with_air, steps,
+};
+use crate::consist::{Coupler, Train};
+use crate::findings::ScenarioFindings;
+use crate::report::numbers::{Unit, force_unit};
+
+/// Extremes of one coupler over all cases of a scenario, N; `None` where it has no findings.
+#[derive(Clone, Copy, Default)]
+struct Extremes {
+    draft: Option<f64>,
+    buff: Option<f64>,
+    over_draft: bool,
+    over_buff: bool,
+}
+
+fn extremes(train: &Train, scenario: &ScenarioFindings) -> Vec<Extremes> {
+    let mut all = vec![Extremes::default(); train.couplers.len()];
+    for c in scenario.cases.iter().flat_map(|case| &case.couplers) {
+        let Some(e) = all.get_mut(c.coupler - 1) else { continue };
+        let (draft, buff) = (c.peak_draft_n.unwrap_or(0.0), c.peak_buff_n.unwrap_or(0.0));
+        e.draft = Some(e.draft.map_or(draft, |d| d.max(draft)));
+        e.buff = Some(e.buff.map_or(buff, |b| b.min(buff)));
+        let over = c.exceeds == Some(true);
+        e.over_draft |= over && draft > c.rated_draft_n;
+        e.over_buff |= over && -buff > c.rated_buff_n;
+    }
+    all
+}
+
+/// The envelope of a scenario, over all its cases, as SVG.
+pub fn envelope(train: &Train, scenario: &ScenarioFindings, name: &str) -> String {
+    let all = extremes(train, scenario);
+    let forces = || {
+        let ratings = train.couplers.iter().flat_map(|c| [c.rated_draft_n, -c.rated_buff_n]);
+        ratings.chain(all.iter().flat_map(|e| [e.draft, e.buff]).flatten())
+    };
+    let unit = force_unit(forces().fold(0.0, |m: f64, f| m.max(f.abs())));
+    let mut figure = Figure::new(name);
+    draw_extremes(&mut figure, &all, unit);
+    draw_ratings(&mut figure, train, unit);
+    let over = |(i, e): (usize, &Extremes)| {
+        let sides = [e.draft.filter(|_| e.over_draft), e.buff.filter(|_| e.over_buff)];
+        sides.into_iter().flatten().map(move |f| (i as f64 + 1.0, f / unit.size))
+    };
+    let over = all.iter().enumerate().flat_map(over).collect();
+    let size = marker_size(train.couplers.len());
+    figure.markers(over, VERMILLION, MarkerShape::Diamond, size, Some("exceeds its rating"));
+
+    let x = (0.5, train.couplers.len() as f64 + 0.5);
+    let y = range_with_air(forces().map(|f| f / unit.size));
+    let y_label = format!("force, {} (draft +, buff −)", unit.name);
+    let layout = count_couplers(figure.layout(x, y, "coupler, counted from the head", &y_label), train.couplers.len());
+    let broken = if let [case] = &scenario.cases[..] { case.broken_coupler } else { None };
+    let layout = match broken {
+        Some(broken) => mark_broken(layout, broken, Window { x, y }),
+        None => layout,
+    };
+    figure.svg(layout)
+}
+
+/// Largest draft and buff as lines of steps, and the forces between them as a pale band.
+fn draw_extremes(figure: &mut Figure, all: &[Extremes], unit: Unit) {
+    let draft = steps(&all.iter().map(|e| e.draft.map(|f| f / unit.size)).collect::<Vec<_>>());
+    let buff = steps(&all.iter().map(|e| e.buff.map(|f| f / unit.size)).collect::<Vec<_>>());
+    for (high, low) in draft.iter().zip(&buff) {
+        let x = high.iter().map(|p| p.0);
+        let band = BandPlot::new(x, low.iter().map(|p| p.1), high.iter().map(|p| p.1));
+        figure.plots.push(band.with_color(GREY).with_opacity(0.12).into());
+    }
+    for (runs, color, label) in [(draft, BLUE, "largest draft"), (buff, GREEN, "largest buff")] {
+        for (i, run) in runs.into_iter().enumerate() {
+            figure.line(run, color, 2.0, None, (i == 0).then_some(label));
+        }
+    }
+}
+
+fn draw_ratings(figure: &mut Figure, train: &Train, unit: Unit) {
+    let line = |value: fn(&Coupler) -> f64| {
+        let values: Vec<_> = train.couplers.iter().map(|c| Some(value(c) / unit.size)).collect();
+        steps(&values).concat()
+    };
+    figure.line(line(|c| c.rated_draft_n), BLACK, 1.2, Some(RATED), Some("rated"));
+    figure.line(line(|c| -c.rated_buff_n), BLACK, 1.2, Some(RATED), None);
+}
+
+/// A line where the broken coupler was, with its label on the side that has more room.
+fn mark_broken(layout: Layout, broken: usize, window: Window) -> Layout {
+    let (x, y) = (window.x, window.y);
+    let at = broken as f64;
+    let label = format!("coupler {broken} breaks");
+    let aside = half_width(&label, window) + 0.015 * (x.1 - x.0);
+    let label_at = if at > 0.5 * (x.0 + x.1) { at - aside } else { at + aside };
+    let line = ReferenceLine::vertical(at).with_color(GREY).with_stroke_width(1.4).with_dasharray("2 3");
+    let height = y.0 + 0.52 * (y.1 - y.0);
+    layout
+        .with_reference_line(line)
+        .with_annotation(TextAnnotation::new(label, label_at, height).with_font_size(TEXT_SIZE))
+}

@@ -1,0 +1,74 @@
+//! Files that appear whole or not at all.
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use tempfile::NamedTempFile;
+
+/// Why a report could not be written.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot write {}: {source}; {help}", path.display())]
+pub struct WriteError {
+    /// The file or folder.
+    pub path: PathBuf,
+    /// What would help.
+    pub help: &'static str,
+    /// What the system said.
+    pub source: io::Error,
+}
+
+impl WriteError {
+    /// An error at a path, with what would help against it.
+    pub(super) fn new(path: &Path, source: io::Error) -> WriteError {
+        let help = match source.kind() {
+            io::ErrorKind::PermissionDenied => "choose a folder that you may write to with --out DIR",
+            io::ErrorKind::StorageFull => "free some space, or choose a folder on another disk with --out DIR",
+            io::ErrorKind::ReadOnlyFilesystem => "choose a folder on a disk that can be written to with --out DIR",
+            io::ErrorKind::AlreadyExists | io::ErrorKind::NotADirectory => {
+                "a file stands where a folder is needed: move it, or choose another folder with --out DIR"
+            }
+            io::ErrorKind::IsADirectory => {
+                "a folder stands where the file must go: move it, or choose another folder with --out DIR"
+            }
+            _ => "choose another folder with --out DIR",
+        };
+        WriteError { path: path.to_owned(), help, source }
+    }
+}
+
+/// Writes all files into a folder, made if need be, and returns their paths in the same order.
+///
+/// Every file is first written whole under a temporary name beside its place; only when all are there is each renamed, in
+/// order. So nothing half-written ever has a final name, and if the disk fills up an earlier report stays as it was.
+///
+/// # Errors
+/// [`WriteError`] with the path that could not be written.
+pub fn write_all(dir: &Path, files: &[(String, Vec<u8>)]) -> Result<Vec<PathBuf>, WriteError> {
+    fs::create_dir_all(dir).map_err(|e| WriteError::new(dir, e))?;
+    let staged = files.iter().map(|(name, content)| {
+        let path = dir.join(name);
+        let file = stage(dir, content).map_err(|e| WriteError::new(&path, e))?;
+        Ok((file, path))
+    });
+    let staged = staged.collect::<Result<Vec<_>, WriteError>>()?;
+    staged
+        .into_iter()
+        .map(|(file, path)| match file.persist(&path) {
+            Ok(_) => Ok(path),
+            Err(e) => Err(WriteError::new(&path, e.error)),
+        })
+        .collect()
+}
+
+fn stage(dir: &Path, content: &[u8]) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".trainsafe-").suffix(".tmp");
+    // Temporary files are for their owner alone unless asked otherwise; a report is as readable as any other new file.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let mut file = builder.tempfile_in(dir)?;
+    file.write_all(content)?;
+    file.flush()?;
+    Ok(file)
+}

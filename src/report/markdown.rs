@@ -1,0 +1,96 @@
+//! `report.md`: the facts of an analysis, filled into the template.
+
+use minijinja::syntax::SyntaxConfig;
+use minijinja::value::{Serde, Value};
+use minijinja::{AutoEscape, Environment, Error, Output, State};
+use serde::Serialize;
+
+use super::section::{Section, section};
+use super::train_facts::train_facts;
+use crate::consist::Train;
+use crate::findings::Analysis;
+
+const TEMPLATE: &str = include_str!("report.md.jinja");
+
+/// A figure of the report: its file's name, what it shows, and the SVG.
+pub struct Picture {
+    /// Name of the file, beside `report.md`.
+    pub file: String,
+    /// What it shows.
+    pub caption: String,
+    /// The file's content.
+    pub svg: String,
+}
+
+/// A scenario's place in the report: its index in the analysis, and its pictures.
+pub type Pictures = Vec<Vec<Picture>>;
+
+#[derive(Serialize)]
+struct Report {
+    name: String,
+    several: bool,
+    sections: Vec<Section>,
+    train: Vec<[String; 2]>,
+}
+
+/// The report as Markdown.
+///
+/// # Errors
+/// None are known: the template and the facts are this crate's own.
+pub fn markdown(train: &Train, analysis: &Analysis, pictures: &Pictures) -> Result<String, Error> {
+    let of = |i: usize| pictures.get(i).map_or(&[][..], |p| p);
+    let report = Report {
+        name: train.name.clone(),
+        several: analysis.scenarios.len() > 1,
+        sections: analysis.scenarios.iter().enumerate().map(|(i, s)| section(train, s, of(i))).collect(),
+        train: train_facts(train),
+    };
+    let mut environment = Environment::new();
+    environment
+        .set_syntax(SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).keep_trailing_newline(true).build()?);
+    environment.set_auto_escape_callback(|_| AutoEscape::Custom("markdown".into()));
+    environment.set_formatter(write_escaped);
+    environment.add_filter("join", join);
+    environment.render_str(TEMPLATE, Serde(report))
+}
+
+/// The cells of a row, each escaped, with the separator left as it is.
+fn join(cells: Vec<String>, separator: &str) -> Value {
+    Value::from_safe_string(cells.iter().map(|c| escape(c)).collect::<Vec<_>>().join(separator))
+}
+
+fn write_escaped(out: &mut Output, _state: &mut State, value: &Value) -> Result<(), Error> {
+    let plain = if value.is_undefined() || value.is_none() { String::new() } else { value.to_string() };
+    let text = if value.is_safe() { plain } else { escape(&plain) };
+    out.write_str(&text).map_err(|e| Error::new(minijinja::ErrorKind::WriteFailure, e.to_string()))
+}
+
+/// The text with nothing in it that Markdown, or the HTML within it, would take for markup.
+fn escape(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for (i, c) in text.char_indices() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '\\' | '`' | '*' | '_' | '[' | ']' | '|' | '~' | '#' | '$' => out.extend(['\\', c]),
+            // Keeps a bare address from becoming a link.
+            ':' if text[i..].starts_with("://") => out.push_str("\\:"),
+            c if c.is_control() => out.push(' '),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::escape;
+
+    #[test]
+    fn names_are_text_whatever_they_hold() {
+        assert_eq!(escape("<img src=x> | *a*_b_"), "&lt;img src=x&gt; \\| \\*a\\*\\_b\\_");
+        assert_eq!(escape("[x](http://a)\nb"), "\\[x\\](http\\://a) b");
+        assert_eq!(escape("Zürich – 木"), "Zürich – 木");
+    }
+}

@@ -1,0 +1,46 @@
+//! `result.json`: everything that was found, for programs.
+
+use serde_json::Value;
+
+use crate::findings::{Analysis, CaseFindings, ScenarioFindings};
+
+/// The analysis as JSON, indented; the field names are those of [`crate::findings`].
+///
+/// A scenario with more than one case leaves `couplers` out of its cases: `couplers.csv` has them. JSON knows no
+/// infinity, so a number that is not finite becomes `null`.
+///
+/// # Errors
+/// None are known; serialisation is not written so that it cannot fail.
+pub fn json(analysis: &Analysis) -> Result<String, serde_json::Error> {
+    let shortened = Analysis {
+        train: analysis.train.clone(),
+        scenarios: analysis.scenarios.iter().map(shorten).collect(),
+        ..*analysis
+    };
+    let mut value = serde_json::to_value(&shortened)?;
+    for scenario in value["scenarios"].as_array_mut().into_iter().flatten() {
+        let cases = scenario["cases"].as_array_mut().into_iter().flatten();
+        let cases: Vec<_> = cases.filter_map(Value::as_object_mut).collect();
+        if cases.len() > 1 {
+            for case in cases {
+                case.shift_remove("couplers");
+            }
+        }
+    }
+    let mut text = serde_json::to_string_pretty(&value)?;
+    text.push('\n');
+    Ok(text)
+}
+
+/// The scenario with nothing in it that will not be printed: many cases have very many couplers.
+fn shorten(scenario: &ScenarioFindings) -> ScenarioFindings {
+    let many = scenario.cases.len() > 1;
+    let case = |c: &CaseFindings| CaseFindings {
+        couplers: if many { Vec::new() } else { c.couplers.clone() },
+        method_reason: c.method_reason.clone(),
+        worst: c.worst.clone(),
+        rod: c.rod.clone(),
+        ..*c
+    };
+    ScenarioFindings { name: scenario.name.clone(), cases: scenario.cases.iter().map(case).collect(), ..*scenario }
+}

@@ -1,0 +1,171 @@
+//! The facts of one scenario, ready for the template: every value is text.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::markdown::Picture;
+use super::numbers::{brief_time, digits, down, force, given_force, percent, time};
+use super::words;
+use crate::consist::Train;
+use crate::findings::{CaseFindings, CouplerFindings, ScenarioFindings};
+
+/// Rows of a table in the report; the CSV has the rest.
+const ROWS: usize = 20;
+
+/// What the report says of one scenario; what a scene does not need is empty.
+#[derive(Serialize)]
+pub struct Section {
+    heading: String,
+    event: String,
+    verdict: String,
+    safe_load: String,
+    exceeding: Option<Table>,
+    undecided: Option<Table>,
+    breaks: Option<Table>,
+    often: Option<Table>,
+    figures: Vec<Figure>,
+    rod: String,
+    methods: Vec<String>,
+    accuracy: String,
+    horizon: String,
+    run_time: String,
+}
+
+#[derive(Serialize)]
+struct Table {
+    rows: Vec<Vec<String>>,
+    more: usize,
+}
+
+#[derive(Serialize)]
+struct Figure {
+    file: String,
+    caption: String,
+}
+
+/// The facts of a scenario.
+pub fn section(train: &Train, scenario: &ScenarioFindings, pictures: &[Picture]) -> Section {
+    let event = words::source(train, scenario).map(|(_, s)| &s.event);
+    let cases = &scenario.cases;
+    let single = if let [case] = &cases[..] { Some(case) } else { None };
+    let factor = cases.iter().filter_map(|c| c.safe_load_factor).reduce(f64::min);
+    let watched = cases.iter().any(|c| c.worst.is_some());
+    Section {
+        heading: scenario.name.clone(),
+        event: event.map(|e| words::event(train, e)).unwrap_or_default(),
+        verdict: single.map_or_else(|| words::verdict_each(scenario), words::verdict),
+        safe_load: event.filter(|_| watched).map(|e| words::safe_load(train, e, factor)).unwrap_or_default(),
+        exceeding: single.and_then(|case| table(words::exceeding(case), |c| exceeding_row(c, case))),
+        undecided: single.and_then(|case| table(words::undecided(case), |c| undecided_row(c, case))),
+        breaks: if single.is_none() { table(harmful(scenario), break_row) } else { None },
+        often: if single.is_none() { often(scenario) } else { None },
+        figures: pictures.iter().map(|p| Figure { file: p.file.clone(), caption: p.caption.clone() }).collect(),
+        rod: words::rod(scenario),
+        methods: methods(cases),
+        accuracy: accuracy(cases),
+        horizon: horizon(cases),
+        run_time: run_time(cases),
+    }
+}
+
+fn table<T>(items: Vec<T>, row: impl Fn(T) -> Vec<String>) -> Option<Table> {
+    let more = items.len().saturating_sub(ROWS);
+    let rows: Vec<_> = items.into_iter().take(ROWS).map(row).collect();
+    (!rows.is_empty()).then_some(Table { rows, more })
+}
+
+fn exceeding_row(c: &CouplerFindings, case: &CaseFindings) -> Vec<String> {
+    vec![
+        c.coupler.to_string(),
+        c.between.join(", "),
+        demand(c, case),
+        given_force(words::rating(c)),
+        format!("{} %", percent(c.utilisation)),
+        time(c.peak_time_s),
+        c.first_exceeds_s.map(time).unwrap_or_default(),
+    ]
+}
+
+fn undecided_row(c: &CouplerFindings, case: &CaseFindings) -> Vec<String> {
+    let rating = format!("{} N", words::rating(c));
+    vec![c.coupler.to_string(), c.between.join(", "), words::interval(c, case.error_bound_n), rating]
+}
+
+fn demand(c: &CouplerFindings, case: &CaseFindings) -> String {
+    format!("{} in {}", force(c.peak_force_n, case.error_bound_n), words::sense(c.peak_force_n))
+}
+
+/// Cases in which some coupler exceeds, worst first.
+fn harmful(scenario: &ScenarioFindings) -> Vec<(&CaseFindings, &CouplerFindings)> {
+    let over = scenario.cases.iter().filter(|c| c.exceeding > 0);
+    let mut over: Vec<_> = over.filter_map(|case| Some((case, case.worst.as_ref()?))).collect();
+    over.sort_by(|a, b| b.1.utilisation.total_cmp(&a.1.utilisation));
+    over
+}
+
+fn break_row((case, worst): (&CaseFindings, &CouplerFindings)) -> Vec<String> {
+    vec![
+        case.broken_coupler.map(|b| b.to_string()).unwrap_or_default(),
+        case.exceeding.to_string(),
+        format!("{} ({})", worst.coupler, worst.between.join(", ")),
+        demand(worst, case),
+        format!("{} %", percent(worst.utilisation)),
+        time(worst.peak_time_s),
+        case.safe_load_factor.map(|f| format!("{} %", down(100.0 * f))).unwrap_or_default(),
+    ]
+}
+
+/// Couplers by how many breaks overload them, most first.
+fn often(scenario: &ScenarioFindings) -> Option<Table> {
+    let mut breaks: BTreeMap<usize, (usize, &CouplerFindings)> = BTreeMap::new();
+    for c in scenario.cases.iter().flat_map(|case| &case.couplers).filter(|c| c.exceeds == Some(true)) {
+        breaks.entry(c.coupler).or_insert((0, c)).0 += 1;
+    }
+    let mut found: Vec<_> = breaks.into_values().collect();
+    found.sort_by_key(|&(n, c)| (std::cmp::Reverse(n), c.coupler));
+    let mut table = table(found, |(n, c)| vec![c.coupler.to_string(), c.between.join(", "), n.to_string()])?;
+    let surplus = table.rows.len().saturating_sub(ROWS / 2);
+    table.rows.truncate(ROWS / 2);
+    table.more += surplus;
+    Some(table)
+}
+
+/// Each method with its reason, once.
+fn methods(cases: &[CaseFindings]) -> Vec<String> {
+    let mut said: Vec<(String, usize)> = Vec::new();
+    for case in cases {
+        let reason = if case.method_reason.is_empty() { String::new() } else { format!(": {}", case.method_reason) };
+        let text = format!("{}{reason}", case.method);
+        match said.iter_mut().find(|(known, _)| *known == text) {
+            Some((_, n)) => *n += 1,
+            None => said.push((text, 1)),
+        }
+    }
+    let several = said.len() > 1;
+    let count = |n: usize| if several { format!(" ({})", words::count(n, "case")) } else { String::new() };
+    said.iter().map(|(text, n)| format!("{}{}.", text.trim_end_matches('.'), count(*n))).collect()
+}
+
+fn horizon(cases: &[CaseFindings]) -> String {
+    let (low, high) = cases.iter().fold((f64::INFINITY, 0.0f64), |(l, h), c| (l.min(c.horizon_s), h.max(c.horizon_s)));
+    if low < high { format!("{} to {}", brief_time(low), brief_time(high)) } else { brief_time(high) }
+}
+
+fn run_time(cases: &[CaseFindings]) -> String {
+    let total = time(cases.iter().map(|c| c.run_time_s).sum());
+    if cases.len() > 1 { format!("{total}, summed over {} cases", cases.len()) } else { total }
+}
+
+fn accuracy(cases: &[CaseFindings]) -> String {
+    let bound = cases.iter().map(|c| c.error_bound_n).fold(0.0, f64::max);
+    let asked = cases.iter().map(|c| c.tolerance_n).fold(0.0, f64::max);
+    let write = |f: f64| format!("{} N", digits(f, 0.0, 2));
+    let met = if cases.iter().all(|c| c.error_bound_n <= c.tolerance_n) { "asked for" } else { "not met; asked for" };
+    format!(
+        "No reported force is further than {} from the exact solution of the model; the bound covers rounding, truncation \
+         and the search for peaks between instants ({met}: {}).",
+        write(bound),
+        write(asked)
+    )
+}

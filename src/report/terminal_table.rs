@@ -1,0 +1,75 @@
+//! The short table on the terminal.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use comfy_table::{CellAlignment, LineStyle, Table, presets};
+
+use super::numbers::{force, percent, time};
+use super::words;
+use crate::findings::{Analysis, CaseFindings, CouplerFindings, ScenarioFindings};
+
+/// Rows shown of a scenario with many cases.
+const ROWS: usize = 5;
+
+/// The verdict on each scenario and its worst couplers, as plain text without colour; `report` is where the report is.
+pub fn terminal(analysis: &Analysis, report: Option<&Path>) -> String {
+    let mut out = format!(
+        "{}: {}, {}\n",
+        printable(&analysis.train),
+        words::count(analysis.vehicles, "vehicle"),
+        words::count(analysis.couplers, "coupler")
+    );
+    for scenario in &analysis.scenarios {
+        let verdict = match &scenario.cases[..] {
+            [case] => words::verdict(case),
+            _ => words::verdict_each(scenario),
+        };
+        // Writing to a String cannot fail.
+        let _ = write!(out, "\n{}\n{}\n", printable(&scenario.name), printable(&verdict));
+        if let Some(table) = table(scenario) {
+            let _ = writeln!(out, "{table}");
+        }
+    }
+    if let Some(path) = report {
+        let _ = writeln!(out, "\nReport: {}", path.display());
+    }
+    out
+}
+
+/// The worst coupler of a single case, or of the worst few of many.
+fn table(scenario: &ScenarioFindings) -> Option<Table> {
+    let mut rows: Vec<(&CaseFindings, &CouplerFindings)> =
+        scenario.cases.iter().filter_map(|case| Some((case, case.worst.as_ref()?))).collect();
+    if rows.is_empty() {
+        return None;
+    }
+    rows.sort_by(|a, b| b.1.utilisation.total_cmp(&a.1.utilisation));
+    let broken = scenario.kind == "break";
+    let mut table = Table::new();
+    table.load_style(presets::UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none()));
+    let columns = ["breaks", "worst coupler", "utilisation", "force", "at", "exceeding", "first exceedance"];
+    table.set_header(&columns[usize::from(!broken)..]);
+    for (case, worst) in rows.iter().take(ROWS) {
+        let first = case.couplers.iter().filter_map(|c| c.first_exceeds_s).reduce(f64::min);
+        let cells = [
+            case.broken_coupler.map(|b| b.to_string()).unwrap_or_default(),
+            worst.coupler.to_string(),
+            format!("{} %", percent(worst.utilisation)),
+            format!("{} {}", force(worst.peak_force_n, case.error_bound_n), words::sense(worst.peak_force_n)),
+            time(worst.peak_time_s),
+            case.exceeding.to_string(),
+            first.map_or("-".to_owned(), time),
+        ];
+        table.add_row(&cells[usize::from(!broken)..]);
+    }
+    for column in table.column_iter_mut() {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    Some(table)
+}
+
+/// The text with nothing in it that moves a terminal's cursor or changes its colours.
+fn printable(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+}

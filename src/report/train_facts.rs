@@ -1,0 +1,73 @@
+//! The train and its scales, as rows of a table.
+
+use super::numbers::{brief_time, digits, given_force, given_mass, without_zeros};
+use super::words::{count, sense};
+use crate::consist::{Train, Vehicle};
+use crate::scenario;
+
+/// What the train is: name and value of each fact that it has.
+pub fn train_facts(train: &Train) -> Vec<[String; 2]> {
+    let wave = scenario::wave(train);
+    let four = |x: f64| without_zeros(&digits(x, 0.0, 4));
+    let speed = match wave.metres_per_s {
+        Some(v) => format!("{} vehicles/s, {} m/s", four(wave.vehicles_per_s), four(v)),
+        None => format!("{} vehicles/s", four(wave.vehicles_per_s)),
+    };
+    let couplers = &train.couplers;
+    let live: Vec<&Vehicle> = train.vehicles.iter().filter(|v| !v.held).collect();
+    let unit = if equal(&live, |v| v.mass_kg) && equal(couplers, |c| c.stiffness_n_per_m) {
+        "time unit √(m/k)"
+    } else {
+        "time unit √(m/k), mean over the couplers"
+    };
+    let mut rows = vec![
+        ["vehicles, couplers".to_owned(), format!("{}, {}", train.vehicles.len(), couplers.len())],
+        ["total mass".to_owned(), given_mass(train.vehicles.iter().map(|v| v.mass_kg).sum())],
+        ["mass of a vehicle".to_owned(), span(train.vehicles.iter().map(|v| v.mass_kg), given_mass)],
+    ];
+    rows.extend(length(train).map(|l| ["length over couplers".to_owned(), format!("{} m", four(l))]));
+    rows.extend(held(train).map(|h| ["held at their speed".to_owned(), h]));
+    let stiffness = span(couplers.iter().map(|c| c.stiffness_n_per_m), |k| format!("{}/m", given_force(k)));
+    rows.extend([
+        ["stiffness of a coupler".to_owned(), stiffness],
+        ["rated in draft".to_owned(), span(couplers.iter().map(|c| c.rated_draft_n), given_force)],
+        ["rated in buff".to_owned(), span(couplers.iter().map(|c| c.rated_buff_n), given_force)],
+        ["load before the event".to_owned(), load(train)],
+        [unit.to_owned(), brief_time(wave.time_unit_s)],
+        ["wave speed".to_owned(), speed],
+        ["one-way transit of the train".to_owned(), brief_time(wave.transit_s)],
+    ]);
+    rows
+}
+
+fn equal<T>(items: &[T], value: impl Fn(&T) -> f64) -> bool {
+    items.windows(2).all(|w| value(&w[0]) == value(&w[1]))
+}
+
+fn length(train: &Train) -> Option<f64> {
+    train.vehicles.iter().map(|v| v.length_m).sum()
+}
+
+fn held(train: &Train) -> Option<String> {
+    let held = train.vehicles.iter().enumerate().filter(|(_, v)| v.held);
+    let names: Vec<String> = held.map(|(i, v)| format!("vehicle {} ({})", i + 1, v.label)).collect();
+    (!names.is_empty()).then(|| names.join(", "))
+}
+
+/// "30 MN/m", or "26 to 30 MN/m" where they differ.
+fn span(values: impl Iterator<Item = f64>, write: impl Fn(f64) -> String) -> String {
+    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+    if low == high { write(low) } else { format!("{} to {}", write(low), write(high)) }
+}
+
+fn load(train: &Train) -> String {
+    let forces = || train.initial_force_n.iter().copied();
+    if forces().all(|f| f == 0.0) {
+        return "none".to_owned();
+    }
+    let one = |f: f64| if f == 0.0 { "0 N".to_owned() } else { format!("{} in {}", given_force(f), sense(f)) };
+    if equal(&train.initial_force_n, |&f| f) {
+        return format!("{} in {}", one(train.initial_force_n[0]), count(train.couplers.len(), "coupler"));
+    }
+    span(forces(), one)
+}

@@ -1,0 +1,230 @@
+//! What the findings come to, in sentences: plain text, shared by the report and the terminal.
+
+use super::numbers::{digits, down, given_force, given_time, percent, time};
+use crate::consist::Train;
+use crate::findings::{CaseFindings, CouplerFindings, ScenarioFindings};
+use crate::scenario::{Event, Scenario};
+
+/// The scenario of the train that a scenario of findings was made from, with its index.
+pub fn source<'a>(train: &'a Train, findings: &ScenarioFindings) -> Option<(usize, &'a Scenario)> {
+    train.scenarios.iter().enumerate().find(|(_, s)| s.name == findings.name)
+}
+
+/// "1 coupler", "2 couplers".
+pub fn count(n: usize, noun: &str) -> String {
+    format!("{n} {noun}{}", if n == 1 { "" } else { "s" })
+}
+
+/// "draft" or "buff", the sign of a force in the railway's words.
+pub fn sense(force_n: f64) -> &'static str {
+    if force_n < 0.0 { "buff" } else { "draft" }
+}
+
+/// The rating that a coupler's peak force is measured against, N.
+pub fn rating(c: &CouplerFindings) -> f64 {
+    if c.peak_force_n < 0.0 { c.rated_buff_n } else { c.rated_draft_n }
+}
+
+/// "coupler 12 (between ore car 11 and ore car 12)".
+pub fn place(c: &CouplerFindings) -> String {
+    format!("coupler {} (between {} and {})", c.coupler, c.between[0], c.between[1])
+}
+
+/// What t = 0 is: "the break" or "the force sets in".
+pub fn since(case: &CaseFindings) -> &'static str {
+    if case.broken_coupler.is_some() { "after the break" } else { "after the force sets in" }
+}
+
+/// "after coupler 53 breaks", "under the pulse".
+fn after(case: &CaseFindings) -> String {
+    case.broken_coupler.map_or_else(|| "under the pulse".to_owned(), |b| format!("after coupler {b} breaks"))
+}
+
+/// The event, in one sentence.
+pub fn event(train: &Train, event: &Event) -> String {
+    match event {
+        Event::Break { couplers } => match couplers[..] {
+            [b] => {
+                let load = train.initial_force_n[b];
+                let names = [b, b + 1].map(|v| train.vehicles[v].label.as_str());
+                let carried = match load {
+                    0.0 => "which carries no force".to_owned(),
+                    _ => format!("which carries {} in {}", given_force(load), sense(load)),
+                };
+                format!("Coupler {}, between {} and {}, {carried}, breaks at t = 0.", b + 1, names[0], names[1])
+            }
+            _ if couplers.len() == train.couplers.len() => {
+                "Each coupler in turn breaks at t = 0, always from the intact train.".to_owned()
+            }
+            _ => {
+                format!("Each of {} in turn breaks at t = 0, from the intact train.", count(couplers.len(), "coupler"))
+            }
+        },
+        Event::Pulse { vehicle, force_n, duration_s } => {
+            let way = if *force_n < 0.0 { "backward" } else { "forward" };
+            let label = &train.vehicles[*vehicle].label;
+            let (size, lasting) = (given_force(*force_n), given_time(*duration_s));
+            format!(
+                "A constant force of {size} pulls vehicle {} ({label}) {way} from t = 0 for {lasting}.",
+                vehicle + 1
+            )
+        }
+    }
+}
+
+/// Whether a coupler exceeds its rating in draft at one time and in buff at another.
+fn exceeds_both_ways(c: &CouplerFindings) -> bool {
+    c.peak_draft_n.is_some_and(|f| f > c.rated_draft_n) && c.peak_buff_n.is_some_and(|f| -f > c.rated_buff_n)
+}
+
+/// The couplers that exceed, worst first.
+pub fn exceeding(case: &CaseFindings) -> Vec<&CouplerFindings> {
+    let mut found: Vec<_> = case.couplers.iter().filter(|c| c.exceeds == Some(true)).collect();
+    found.sort_by(|a, b| b.utilisation.total_cmp(&a.utilisation).then(a.coupler.cmp(&b.coupler)));
+    found
+}
+
+/// The couplers for which the answer is open, worst first.
+pub fn undecided(case: &CaseFindings) -> Vec<&CouplerFindings> {
+    let mut found: Vec<_> = case.couplers.iter().filter(|c| c.exceeds.is_none()).collect();
+    found.sort_by(|a, b| b.utilisation.total_cmp(&a.utilisation).then(a.coupler.cmp(&b.coupler)));
+    found
+}
+
+/// The verdict on one case, in one sentence.
+pub fn verdict(case: &CaseFindings) -> String {
+    let Some(worst) = &case.worst else {
+        return match case.left_out {
+            0 => "No coupler is left to exceed anything.".to_owned(),
+            n => format!("No coupler can exceed its rating: the all-time bounds of all {n} lie under it."),
+        };
+    };
+    if case.exceeding > 0 {
+        return verdict_exceeding(case);
+    }
+    let when = after(case);
+    if case.undecided > 0 {
+        let open = undecided(case);
+        let first = open.first().copied().unwrap_or(worst);
+        return format!(
+            "Not decided {when} for {}: {} peaks {}, and its rating lies inside.",
+            count(case.undecided, "coupler"),
+            place(first),
+            interval(first, case.error_bound_n),
+        );
+    }
+    if worst.utilisation == 0.0 {
+        return format!("No coupler would exceed its rating {when}: no force arises in any.");
+    }
+    format!(
+        "No coupler would exceed its rating {when}: the most used is {}, at {} % of its rating in {}, {}, a margin of \
+         {} %.",
+        place(worst),
+        percent(worst.utilisation),
+        sense(worst.peak_force_n),
+        moment(worst.peak_time_s, case),
+        digits(100.0 * (1.0 - worst.utilisation), 0.0, 3),
+    )
+}
+
+fn verdict_exceeding(case: &CaseFindings) -> String {
+    let others = case.couplers.len() + case.left_out;
+    let which = if case.broken_coupler.is_some() { "other couplers" } else { "couplers" };
+    let head = format!("{} of {others} {which} would exceed their rating {}", case.exceeding, after(case));
+    let time_of = |c: &CouplerFindings| c.first_exceeds_s.unwrap_or(f64::INFINITY);
+    let first = exceeding(case).into_iter().reduce(|a, b| if time_of(b) < time_of(a) { b } else { a });
+    let first = first.map_or(String::new(), |c| {
+        let when = match c.first_exceeds_s {
+            Some(0.0) => "before anything happens, under the load alone".to_owned(),
+            Some(t) => moment(t, case),
+            None => "at a time not found".to_owned(),
+        };
+        let word = if case.exceeding == 1 { "it is" } else { "the first is" };
+        if exceeds_both_ways(c) {
+            format!("; {word} {}, {when}, and it does so in draft and in buff", place(c))
+        } else {
+            format!("; {word} {}, in {}, {when}", place(c), sense(c.peak_force_n))
+        }
+    });
+    let open = match case.undecided {
+        0 => String::new(),
+        n => format!("; for {n} more it is not decided"),
+    };
+    format!("{head}{first}{open}.")
+}
+
+/// "4.010 s after the break".
+pub fn moment(time_s: f64, case: &CaseFindings) -> String {
+    if time_s == 0.0 { "at t = 0".to_owned() } else { format!("{} {}", time(time_s), since(case)) }
+}
+
+/// The interval in which a peak force lies, with the digits that it takes to tell its ends apart.
+pub fn interval(c: &CouplerFindings, error_n: f64) -> String {
+    let [low, high] = super::numbers::interval(c.peak_force_n.abs(), error_n);
+    format!("between {low} N and {high} N in {}", sense(c.peak_force_n))
+}
+
+/// The verdict on a scenario of many cases, in one sentence.
+pub fn verdict_each(scenario: &ScenarioFindings) -> String {
+    let breaks = count(scenario.cases.len(), "break");
+    let harmful = scenario.cases.iter().filter(|c| c.exceeding > 0).count();
+    let open = scenario.cases.iter().filter(|c| c.exceeding == 0 && c.undecided > 0).count();
+    let open = if open > 0 { format!("; for {open} it is not decided") } else { String::new() };
+    let Some((case, worst)) = worst_case(scenario) else {
+        return format!("None of {breaks} leaves a coupler to watch{open}.");
+    };
+    let broken = case.broken_coupler.unwrap_or_default();
+    let extreme = format!(
+        "{} at {} % of its rating in {}, after coupler {broken} breaks",
+        place(worst),
+        percent(worst.utilisation),
+        sense(worst.peak_force_n)
+    );
+    match harmful {
+        0 => format!("None of {breaks} would overload another coupler{open}; the nearest to it is {extreme}."),
+        n => format!("{n} of {breaks} would overload another coupler{open}; the worst is {extreme}."),
+    }
+}
+
+/// The case whose worst coupler has the largest utilisation, with that coupler.
+pub fn worst_case(scenario: &ScenarioFindings) -> Option<(&CaseFindings, &CouplerFindings)> {
+    let worst = scenario.cases.iter().filter_map(|case| Some((case, case.worst.as_ref()?)));
+    worst.reduce(|a, b| if b.1.utilisation > a.1.utilisation { b } else { a })
+}
+
+/// What the safe load factor means, in one sentence.
+pub fn safe_load(train: &Train, event: &Event, factor: Option<f64>) -> String {
+    let (what, cause) = match event {
+        Event::Pulse { .. } => ("force", "the force"),
+        Event::Break { .. } if train.initial_force_n.iter().all(|&f| f >= 0.0) => ("pull", "the load"),
+        Event::Break { .. } if train.initial_force_n.iter().all(|&f| f <= 0.0) => ("push", "the load"),
+        Event::Break { .. } => ("load", "the load"),
+    };
+    match factor {
+        None => format!("Nothing bounds {cause}: no force in any coupler grows with it."),
+        Some(0.0) => format!("Some coupler is at or over its rating however small {cause} is."),
+        Some(f) => format!(
+            "No coupler exceeds up to {} % of this {what} (a safety factor of {} against the ratings).",
+            down(100.0 * f),
+            down(f)
+        ),
+    }
+}
+
+/// The chain and the rod side by side, in one sentence; empty where there is no rod.
+pub fn rod(scenario: &ScenarioFindings) -> String {
+    let cases: Vec<_> = scenario.cases.iter().filter_map(|c| Some((c, c.rod.as_ref()?))).collect();
+    let Some(largest) = cases.iter().map(|(_, rod)| rod.utilisation).reduce(f64::max) else { return String::new() };
+    let by_chain = |c: &CaseFindings| c.worst.as_ref().map_or(0.0, |w| w.utilisation);
+    let chain_largest = cases.iter().map(|(c, _)| by_chain(c)).fold(0.0, f64::max);
+    let rod: usize = cases.iter().map(|(_, rod)| rod.exceeding).sum();
+    let chain: usize = cases.iter().map(|(c, _)| c.exceeding).sum();
+    let over = if scenario.cases.len() > 1 { format!(", summed over {} breaks", cases.len()) } else { String::new() };
+    format!(
+        "An elastic rod of the same mass and stiffness would have called {} overloaded (largest utilisation {} %), the \
+         chain calls {chain} (largest {} %){over}.",
+        count(rod, "coupler"),
+        percent(largest),
+        percent(chain_largest)
+    )
+}

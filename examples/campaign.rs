@@ -13,29 +13,19 @@ fn main() -> ExitCode {
             return ExitCode::from(2);
         }
     };
-    let outcome = campaign::run(first..first + count);
-    println!(
-        "{:12} {:>7} {:>12} {:>12} {:>6} {:>6} {:>10} {:>9}",
-        "method", "scenes", "worst", "median", "exact", "wrong", "undecided", "needless"
-    );
+    let outcome = campaign::run(&(first..first + count).collect::<Vec<u64>>());
+    println!("{:12} {:>7} {:>12} {:>12} {:>6} {:>6} {:>10} {:>9}", "method", "scenes", "worst", "median", "exact", "wrong", "undecided", "needless");
     for row in &outcome.rows {
         println!(
             "{:12} {:7} {:12.3e} {:12.1} {:6} {:6} {:10} {:9}",
-            row.method.name(),
-            row.scenes,
-            row.worst,
-            row.median,
-            row.exact,
-            row.wrong.len(),
-            row.undecided,
-            row.needless
+            row.name(), row.scenes, row.worst, row.median, row.exact, row.wrong.len(), row.undecided, row.needless
         );
     }
     for row in outcome.rows.iter().filter(|r| !r.wrong.is_empty()) {
         for (fault, seeds) in &row.wrong {
-            println!("{}: {} wrong on seeds {seeds:?}", row.method.name(), fault.name());
+            println!("{}: {} wrong on seeds {seeds:?}", row.name(), fault.name());
         }
-        println!("{}: worst seed {}", row.method.name(), row.worst_seed);
+        println!("{}: worst seed {}", row.name(), row.worst_seed);
     }
     for (seed, why) in &outcome.refused {
         println!("seed {seed}: {why}");

@@ -8,20 +8,21 @@ use rayon::prelude::*;
 use super::reference::{Reference, ReferenceError};
 use crate::chain::Scene;
 use crate::solve::watch::SpringPeaks;
-use crate::solve::{Ask, Method, fronts, solve};
+use crate::solve::{Ask, Method, solve};
 pub use draw::{scene, with_ratings};
 pub use judge::{Fault, Verdict, judge};
 
-/// Every method, in the order of the table.
-pub const METHODS: [Method; 4] = [Method::ClosedForm, Method::Fronts, Method::Modal, Method::Propagator];
+/// Every method, and at last the planner's choice, in the order of the table.
+pub const METHODS: [Option<Method>; 5] =
+    [Some(Method::ClosedForm), Some(Method::Fronts), Some(Method::Modal), Some(Method::Propagator), None];
 
 /// One method on one scene.
 #[derive(Clone, Debug)]
 pub struct Trial {
     /// The scene's seed.
     pub seed: u64,
-    /// The method.
-    pub method: Method,
+    /// The method; `None`: the planner's choice.
+    pub method: Option<Method>,
     /// The bound that the method states.
     pub bound: f64,
     /// What the reference says of its results.
@@ -31,8 +32,8 @@ pub struct Trial {
 /// One line of the table: a method over all its scenes.
 #[derive(Clone, Debug)]
 pub struct Row {
-    /// The method.
-    pub method: Method,
+    /// The method; `None`: the planner's choice.
+    pub method: Option<Method>,
     /// Scenes that it was run on.
     pub scenes: usize,
     /// Largest true error over stated bound: over 1 is a broken promise.
@@ -51,6 +52,13 @@ pub struct Row {
     pub needless: usize,
 }
 
+impl Row {
+    /// The method's name.
+    pub fn name(&self) -> &'static str {
+        self.method.map_or("(chosen)", Method::name)
+    }
+}
+
 /// A campaign's outcome.
 #[derive(Clone, Debug)]
 pub struct Campaign {
@@ -60,14 +68,12 @@ pub struct Campaign {
     pub refused: Vec<(u64, ReferenceError)>,
 }
 
-/// Extremes by one method and the bound that it states; `None` where the method does not apply.
-pub fn run_method(scene: &Scene, method: Method) -> Option<(Vec<SpringPeaks>, f64)> {
-    if method == Method::Fronts && !fronts::fits(scene) {
-        return None;
-    }
-    let ask = Ask { tolerance: 1e-300, method: Some(method), verdict_only: false, all_time_bound: false };
+/// Extremes by one method, or by the planner's choice, and the bound stated; `None` where the method does not apply.
+pub fn run_method(scene: &Scene, method: Option<Method>) -> Option<(Vec<SpringPeaks>, f64)> {
+    let rating = scene.rated_draft.iter().chain(&scene.rated_buff).fold(0.0f64, |a, &r| a.max(r));
+    let ask = Ask { tolerance: 1e-9 * rating, method, verdict_only: false, all_time_bound: false };
     let solution = solve(scene, &ask).ok()?;
-    Some((solution.springs.into_iter().flatten().collect(), solution.error_bound))
+    Some((solution.springs.into_iter().collect::<Option<_>>()?, solution.error_bound))
 }
 
 /// All methods on the scene of one seed.
@@ -79,7 +85,7 @@ pub fn trials(seed: u64) -> Result<Vec<Trial>, ReferenceError> {
     let reference = Reference::new(&bare)?;
     let extremes = reference.extremes()?;
     let scene = with_ratings(bare, &extremes, seed);
-    let trial = |&method: &Method| {
+    let trial = |&method: &Option<Method>| {
         let (peaks, bound) = run_method(&scene, method)?;
         Some(judge(&scene, &reference, &extremes, &peaks, bound).map(|verdict| Trial { seed, method, bound, verdict }))
     };
@@ -87,9 +93,9 @@ pub fn trials(seed: u64) -> Result<Vec<Trial>, ReferenceError> {
 }
 
 /// All methods on the scenes of many seeds, in parallel; the outcome does not depend on how many threads there are.
-pub fn run(seeds: std::ops::Range<u64>) -> Campaign {
+pub fn run(seeds: &[u64]) -> Campaign {
     let outcomes: Vec<(u64, Result<Vec<Trial>, ReferenceError>)> =
-        seeds.into_par_iter().map(|seed| (seed, trials(seed))).collect();
+        seeds.par_iter().map(|&seed| (seed, trials(seed))).collect();
     let mut all = Vec::new();
     let mut refused = Vec::new();
     for (seed, outcome) in outcomes {
@@ -101,7 +107,7 @@ pub fn run(seeds: std::ops::Range<u64>) -> Campaign {
     Campaign { rows: METHODS.iter().filter_map(|&m| row(m, &all)).collect(), refused }
 }
 
-fn row(method: Method, all: &[Trial]) -> Option<Row> {
+fn row(method: Option<Method>, all: &[Trial]) -> Option<Row> {
     let trials: Vec<&Trial> = all.iter().filter(|t| t.method == method).collect();
     let ratio = |t: &Trial| t.verdict.error / t.bound;
     let worst = trials.iter().copied().reduce(|a, b| if ratio(b) > ratio(a) { b } else { a })?;

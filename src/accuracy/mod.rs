@@ -16,6 +16,7 @@ pub mod campaign;
 mod figure;
 pub mod peers;
 pub mod reference;
+pub mod stress;
 mod table;
 
 use std::time::Duration;

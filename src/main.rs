@@ -2,12 +2,14 @@
 
 mod cli;
 
+use std::ffi::OsStr;
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
+use trainsafe::accuracy::{self, AccuracyError};
 use trainsafe::solve::Method;
 use trainsafe::{Analysis, Options, Train, consist, findings, report};
 
@@ -27,6 +29,7 @@ enum Failure {
 fn main() -> ExitCode {
     let done = match Cli::parse().command {
         Command::Analyze(args) => analyze(&args),
+        Command::Accuracy(args) => accuracy(&args),
         Command::Check { train } => read(&train).and_then(|t| print(&consist::describe(&t))),
         Command::New => print(consist::TEMPLATE),
     };
@@ -52,6 +55,21 @@ fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
     if args.fail_on_exceed && exceeds(&analysis) { Err(Failure::Exceeds) } else { Ok(()) }
 }
 
+fn accuracy(args: &cli::Accuracy) -> Result<(), Failure> {
+    let Some(path) = &args.train else {
+        return print(&accuracy::stress::terminal(&accuracy::stress::stress()));
+    };
+    let train = read(path)?;
+    let options = accuracy::Options::default();
+    let compared = accuracy::run(&train, args.scenario.as_deref(), &options).map_err(|e| complain(path, &e))?;
+    let dir = args.out.clone().unwrap_or_else(|| Path::new("reports/accuracy").join(stem(path)));
+    accuracy::write(&compared, &dir).map_err(|e| match e {
+        AccuracyError::Write { .. } => output_failed(&e),
+        _ => complain(path, &e),
+    })?;
+    print(&format!("{}\nReport: {}\n", accuracy::terminal(&compared, None), dir.join("accuracy.md").display()))
+}
+
 fn options(method: Option<&str>, args: &cli::Analyze) -> Options {
     Options {
         tolerance: args.solver.tolerance,
@@ -68,7 +86,11 @@ fn exceeds(analysis: &Analysis) -> bool {
 }
 
 fn default_dir(train: &Path) -> PathBuf {
-    Path::new("reports").join(train.file_stem().unwrap_or_default())
+    Path::new("reports").join(stem(train))
+}
+
+fn stem(path: &Path) -> &OsStr {
+    path.file_stem().unwrap_or_default()
 }
 
 /// The train, or its problems on standard error.

@@ -4,6 +4,8 @@ mod cases;
 
 use std::time::Instant;
 
+use comfy_table::{LineStyle, Table, presets};
+
 use super::reference::{Extreme, Reference, ReferenceError};
 use crate::chain::Scene;
 use crate::solve::{Ask, Solution, solve};
@@ -111,4 +113,32 @@ fn error(solution: &Solution, extremes: &[[Extreme; 2]]) -> f64 {
         }
     }
     worst
+}
+
+/// The rows as a table for a terminal.
+pub fn terminal(rows: &[StressRow]) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none()));
+    table.set_header(["case", "couplers", "method", "error", "bound", "time", "verdict", ""]);
+    for row in rows {
+        let number = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.1e}"));
+        let verdict = match (row.exceeding, row.undecided) {
+            _ if row.method.is_none() => "refused".to_owned(),
+            (exceeding, 0) => format!("{exceeding} exceed"),
+            (exceeding, undecided) => format!("{exceeding} exceed, {undecided} not decided"),
+        };
+        let method = row.method.unwrap_or("-").to_owned();
+        let time = format!("{:.2e} s", row.seconds);
+        table.add_row([
+            row.case.to_owned(),
+            row.couplers.to_string(),
+            method,
+            number(row.error),
+            number(row.bound),
+            time,
+            verdict,
+            row.note.clone(),
+        ]);
+    }
+    format!("{table}\n")
 }

@@ -40,6 +40,7 @@ fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
     let train = read(&args.train)?;
     let options = options(args.solver.method.as_deref(), args);
     let seconds = findings::estimate_s(&train, &options).map_err(|e| complain(&args.train, &e))?;
+    consist::warnings(&train).iter().for_each(|warning| say(&format!("warning: {warning}")));
     if seconds > LONG_S {
         say(&format!("this will take about {seconds:.0} s"));
     }

@@ -104,6 +104,9 @@ pub enum SolveError {
     /// The method needs equal masses and equal stiffnesses.
     #[error("the method {0} is for equal masses and stiffnesses, and this train's differ: use modal or propagator")]
     NotEqual(&'static str),
+    /// Fronts cannot end a pulse so short.
+    #[error("fronts need a pulse of a fifth of sqrt(mass / stiffness) or longer: use closed-form, modal or propagator")]
+    TooShort,
     /// The method would take too long or too much memory.
     #[error("the method {method} would take about {seconds:.0} s and {gigabytes:.1} GB here: {advice}")]
     TooMuch {

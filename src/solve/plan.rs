@@ -93,7 +93,11 @@ pub fn choose(scene: &Scene, ask: &Ask) -> Result<Plan, SolveError> {
     let omega_max = propagator::omega_max(scene);
     let offers = offers(scene, omega_max);
     if let Some(method) = ask.method {
-        let offer = offers.iter().find(|o| o.method == method).ok_or(SolveError::NotEqual(method.name()))?;
+        let unfit = match method {
+            Method::Fronts if closed_form::equal(&scene.chain).is_some() => SolveError::TooShort,
+            _ => SolveError::NotEqual(method.name()),
+        };
+        let offer = offers.iter().find(|o| o.method == method).ok_or(unfit)?;
         let o = affordable(offer, &offers)?;
         let seconds = 1e-9 * o.nanoseconds;
         return Ok(Plan { method: o.method, reason: "asked for".to_owned(), seconds, omega_max });

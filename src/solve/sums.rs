@@ -196,12 +196,10 @@ impl<'a> Field<'a> {
         radius: f64,
     ) -> (Local, f64) {
         let mut coefficient = [0.0; COEFFICIENTS];
-        for j in 0..resolved {
-            let share = self.modes.share[(spring, j)];
+        for (j, &[c, s]) in coordinates.iter().enumerate().take(resolved) {
             let x = self.omega[j] * radius;
-            let mut power = share;
+            let mut power = self.modes.share[(spring, j)];
             // Derivatives of q in units of omega: q, q', -q, -q', ...
-            let [c, s] = coordinates[j];
             let cycle = [c, s, -c, -s];
             for (q, sum) in coefficient.iter_mut().enumerate() {
                 *sum += power * cycle[q % 4] * INVERSE_FACTORIAL[q];

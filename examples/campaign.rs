@@ -14,11 +14,21 @@ fn main() -> ExitCode {
         }
     };
     let outcome = campaign::run(&(first..first + count).collect::<Vec<u64>>());
-    println!("{:12} {:>7} {:>12} {:>12} {:>6} {:>6} {:>10} {:>9}", "method", "scenes", "worst", "median", "exact", "wrong", "undecided", "needless");
+    println!(
+        "{:12} {:>7} {:>12} {:>12} {:>6} {:>6} {:>10} {:>9}",
+        "method", "scenes", "worst", "median", "exact", "wrong", "undecided", "needless"
+    );
     for row in &outcome.rows {
         println!(
             "{:12} {:7} {:12.3e} {:12.1} {:6} {:6} {:10} {:9}",
-            row.name(), row.scenes, row.worst, row.median, row.exact, row.wrong.len(), row.undecided, row.needless
+            row.name(),
+            row.scenes,
+            row.worst,
+            row.median,
+            row.exact,
+            row.wrong.len(),
+            row.undecided,
+            row.needless
         );
     }
     for row in outcome.rows.iter().filter(|r| !r.wrong.is_empty()) {

@@ -25,8 +25,7 @@ pub enum Fault {
 
 impl Fault {
     /// All of them.
-    pub const ALL: [Fault; 5] =
-        [Fault::Peak, Fault::Verdict, Fault::VerdictAtRest, Fault::Time, Fault::Earlier];
+    pub const ALL: [Fault; 5] = [Fault::Peak, Fault::Verdict, Fault::VerdictAtRest, Fault::Time, Fault::Earlier];
 
     /// In a word, for a table's head.
     pub fn name(self) -> &'static str {
@@ -119,7 +118,11 @@ impl Judged<'_> {
         if error > self.bound {
             let Point { at, value } = self.side.best;
             let truth = self.truth.value.to_f64().value();
-            self.blame(verdict, Fault::Peak, format!("peak {value:e} at {at}, truth {truth:e} at {}, error {error:e}", self.truth.at));
+            self.blame(
+                verdict,
+                Fault::Peak,
+                format!("peak {value:e} at {at}, truth {truth:e} at {}, error {error:e}", self.truth.at),
+            );
         }
     }
 
@@ -130,7 +133,11 @@ impl Judged<'_> {
         match self.side.exceeds() {
             Some(claimed) if claimed != over && from_rating > self.truth.doubt => {
                 let fault = if self.at_rest { Fault::VerdictAtRest } else { Fault::Verdict };
-                self.blame(verdict, fault, format!("exceeds = {claimed}, peak - rating = {}{from_rating:e}", if over { "" } else { "-" }));
+                self.blame(
+                    verdict,
+                    fault,
+                    format!("exceeds = {claimed}, peak - rating = {}{from_rating:e}", if over { "" } else { "-" }),
+                );
             }
             Some(_) => {}
             None => {
@@ -145,19 +152,31 @@ impl Judged<'_> {
         let best = self.side.best;
         let off = self.off(best.at, best.value, self.bound);
         if off > 0.0 {
-            self.blame(verdict, Fault::Time, format!("force at the peak's time {} is off by {off:e} more than it may", best.at));
+            self.blame(
+                verdict,
+                Fault::Time,
+                format!("force at the peak's time {} is off by {off:e} more than it may", best.at),
+            );
         }
         let Some(first) = self.side.first_over.filter(|&t| t > 0.0) else { return Ok(()) };
         // An exceedance counts once the computed force is over the rating by the bound, and that force is right to the bound.
         let off = self.off(first, self.rating, 2.0 * self.bound);
         if off > 0.0 {
-            self.blame(verdict, Fault::Time, format!("force at the first exceedance {first} is off by {off:e} more than it may"));
+            self.blame(
+                verdict,
+                Fault::Time,
+                format!("force at the first exceedance {first} is off by {off:e} more than it may"),
+            );
         }
         let before = first * (1.0 - 8.0 * f64::EPSILON);
         let earlier = self.reference.largest_until(self.spring, self.negative, before)?;
         let over = earlier.value.to_f64().value() - self.rating;
         if over > 2.0 * self.bound {
-            self.blame(verdict, Fault::Earlier, format!("exceeds by {over:e} at {}, before the first exceedance {first}", earlier.at));
+            self.blame(
+                verdict,
+                Fault::Earlier,
+                format!("exceeds by {over:e} at {}, before the first exceedance {first}", earlier.at),
+            );
         }
         Ok(())
     }

@@ -128,10 +128,8 @@ impl Search<'_> {
     }
 
     fn piece(&mut self, piece: &Piece, targets: &[Target]) -> Result<(), usize> {
-        let sizes: Vec<Sizes> = targets
-            .iter()
-            .map(|t| Sizes::new(piece.mean[t.spring], &piece.weight[t.spring], &self.speed))
-            .collect();
+        let sizes: Vec<Sizes> =
+            targets.iter().map(|t| Sizes::new(piece.mean[t.spring], &piece.weight[t.spring], &self.speed)).collect();
         for (found, size) in self.found.iter_mut().zip(&sizes) {
             found.rounding = found.rounding.max(size.rounding);
         }
@@ -199,7 +197,15 @@ impl Search<'_> {
             found.unseen = found.unseen.max(size.tail[slow]);
             let poly = Poly::new(sign, piece.mean[target.spring], &weight[..slow], &now, &self.speed, r);
             // The ends exactly: where a force is largest at one, its slope is not 0.
-            let time = |x: f64| if x >= 1.0 { b } else if x <= -1.0 { a } else { center + r * x };
+            let time = |x: f64| {
+                if x >= 1.0 {
+                    b
+                } else if x <= -1.0 {
+                    a
+                } else {
+                    center + r * x
+                }
+            };
             poly.collect(found, size.rounding + size.tail[slow], time);
             false
         });

@@ -13,6 +13,7 @@
 //! cannot hold the largest value (module `scan`); what is left is settled in the long arithmetic.
 
 mod check;
+mod forces;
 mod modes;
 mod real;
 mod scan;

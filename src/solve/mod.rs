@@ -92,7 +92,7 @@ pub struct Solution {
     pub error_bound: f64,
     /// One per spring; `None` where it was left out.
     pub springs: Vec<Option<SpringPeaks>>,
-    /// Bound on |F| over all time, where asked for.
+    /// Bound on |F| over all time, where asked for or used to leave springs out.
     pub all_time_bounds: Option<Vec<f64>>,
     /// What it took.
     pub work: Work,
@@ -128,7 +128,7 @@ pub fn solve(scene: &Scene, ask: &Ask) -> Result<Solution, SolveError> {
         return Ok(at_rest(scene, ask));
     }
     let plan = plan::choose(scene, ask)?;
-    plan::run(scene, ask, &plan)
+    Ok(plan::run(scene, ask, &plan))
 }
 
 /// Estimated time of [`solve`], s, from the count of its work.

@@ -3,7 +3,7 @@
 //! Every method's work is counted before it is done; a price per unit of work, measured once on one machine and the same
 //! for everyone, makes the counts comparable. The choice therefore depends on the scene alone, never on the machine's mood.
 
-use super::{Ask, Method, Solution, SolveError, closed_form, fronts, modal, propagator, sums};
+use super::{Ask, Method, Solution, SolveError, Work, closed_form, fronts, modal, propagator, sums};
 use crate::chain::Scene;
 
 /// Nanoseconds for one product in a sum over modes, value and slope together, as matrix products do it.
@@ -12,7 +12,8 @@ const MODE_SUM: f64 = 0.12;
 const STEP: f64 = 4.0;
 /// Nanoseconds for one spring at one instant of the travelling fronts, per front that is passing.
 const FRONT: f64 = 0.6;
-/// Nanoseconds to find one entry of one vibration mode in double-double.
+/// Nanoseconds to find one entry of one vibration mode by the closed form, and in double-double.
+const CLOSED_ENTRY: f64 = 20.0;
 const MODE_ENTRY: f64 = 600.0;
 /// Nanoseconds to look into one spring's forces between instants.
 const LOOK: f64 = 3000.0;
@@ -62,7 +63,7 @@ fn offers(scene: &Scene, omega_max: f64) -> Vec<Offer> {
     if equal {
         offers.push(Offer {
             method: Method::ClosedForm,
-            nanoseconds: sums,
+            nanoseconds: price_of_modes(scene, Method::ClosedForm) + sums,
             bound: bound_of_sums,
             gigabytes: memory_of_modes(16.0),
         });
@@ -77,7 +78,7 @@ fn offers(scene: &Scene, omega_max: f64) -> Vec<Offer> {
     }
     offers.push(Offer {
         method: Method::Modal,
-        nanoseconds: MODE_ENTRY * springs * springs + sums,
+        nanoseconds: price_of_modes(scene, Method::Modal) + sums,
         bound: bound_of_sums,
         gigabytes: memory_of_modes(64.0),
     });
@@ -150,35 +151,49 @@ fn reason(chosen: &Offer, offers: &[Offer], ask: &Ask, within: bool) -> String {
 }
 
 /// Carries a plan out.
-///
-/// # Errors
-/// None at present beyond those of [`choose`].
-pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Result<Solution, SolveError> {
-    let needs_modes = matches!(plan.method, Method::ClosedForm | Method::Modal) || ask.all_time_bound;
-    let modes = needs_modes.then(|| modes(scene, plan.method));
-    let (springs, work, error_bound) = match (plan.method, &modes) {
+pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
+    let by_modes = matches!(plan.method, Method::ClosedForm | Method::Modal);
+    let bounds_pay = ask.verdict_only && 1e9 * plan.seconds > price_of_modes(scene, plan.method);
+    let mut modes = (by_modes || ask.all_time_bound || bounds_pay).then(|| modes(scene, plan.method));
+    let bounds = modes.as_ref().filter(|_| ask.all_time_bound || bounds_pay).map(|m| sums::all_time_bounds(scene, m));
+    let safe = |i: usize| {
+        let bound = bounds.as_ref().filter(|_| ask.verdict_only).map(|b| b[i]);
+        bound.is_some_and(|b| b <= scene.rated_draft[i].min(scene.rated_buff[i]))
+    };
+    let springs = 0..scene.initial.len();
+    let all_safe = springs.clone().all(safe);
+    let (peaks, work, error_bound) = match (plan.method, &mut modes) {
+        _ if all_safe => (Vec::new(), Work::default(), 0.0),
         (Method::ClosedForm | Method::Modal, Some(modes)) => {
-            let (springs, work) = sums::peaks(scene, modes);
-            (springs, work, sums::error_bound(scene, modes))
+            let left_out = sums::leave_out(scene, modes, 0.1 * ask.tolerance);
+            let bound = sums::error_bound(scene, modes) + left_out;
+            let (peaks, work) = sums::peaks(scene, modes, bound);
+            (peaks, work, bound)
         }
         (Method::Fronts, _) => {
-            let (springs, work) = fronts::peaks(scene);
-            (springs, work, fronts::error_bound(scene))
+            let (peaks, work) = fronts::peaks(scene);
+            (peaks, work, fronts::error_bound(scene))
         }
         _ => {
-            let (springs, work) = propagator::peaks(scene, plan.omega_max);
-            (springs, work, propagator::error_bound(scene, plan.omega_max))
+            let (peaks, work) = propagator::peaks(scene, plan.omega_max);
+            (peaks, work, propagator::error_bound(scene, plan.omega_max))
         }
     };
-    let all_time_bounds = if ask.all_time_bound { modes.map(|m| sums::all_time_bounds(scene, &m)) } else { None };
-    Ok(Solution {
+    Solution {
         method: plan.method,
         reason: plan.reason.clone(),
         error_bound,
-        springs: springs.into_iter().map(Some).collect(),
-        all_time_bounds,
+        springs: springs.map(|i| peaks.get(i).copied().filter(|_| !safe(i))).collect(),
+        all_time_bounds: bounds,
         work,
-    })
+    }
+}
+
+/// Nanoseconds to find all modes, and every spring's share of them.
+fn price_of_modes(scene: &Scene, method: Method) -> f64 {
+    let springs = scene.initial.len() as f64;
+    let closed = method != Method::Modal && closed_form::equal(&scene.chain).is_some();
+    if closed { CLOSED_ENTRY * springs * springs } else { MODE_ENTRY * springs * springs }
 }
 
 /// Modes by the closed form where there is one, unless the general path is asked for.
@@ -192,9 +207,7 @@ pub fn history(scene: &Scene, spring: usize, times: &[f64]) -> Vec<f64> {
     let omega_max = propagator::omega_max(scene);
     let springs = scene.initial.len() as f64;
     let step = STEP * springs * propagator::steps(scene, omega_max);
-    let per_mode = 20.0 * springs * times.len() as f64;
-    let equal = closed_form::equal(&scene.chain).is_some();
-    let sums = per_mode + if equal { 20.0 } else { MODE_ENTRY } * springs * springs;
+    let sums = 20.0 * springs * times.len() as f64 + price_of_modes(scene, Method::ClosedForm);
     if step < sums {
         return propagator::history(scene, omega_max, spring, times);
     }

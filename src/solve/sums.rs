@@ -61,9 +61,31 @@ struct Candidate {
     bound: f64,
 }
 
-/// Extremes of every spring's force in a scene, and the work done.
-pub fn peaks(scene: &Scene, modes: &Modes) -> (Vec<SpringPeaks>, Work) {
-    let watch = Watch::new(scene, error_bound(scene, modes));
+/// Takes out the modes that together cannot move any force by more than `share`; by how much they can.
+pub fn leave_out(scene: &Scene, modes: &mut Modes, share: f64) -> f64 {
+    let swings = if scene.duration.is_finite() { 2.0 } else { 1.0 } * scene.force.abs();
+    let size = |j: usize| swings * modes.share.column(j).amax();
+    let mut by_size: Vec<(f64, usize)> = (0..modes.omega.len()).map(|j| (size(j), j)).collect();
+    by_size.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut joint = 0.0;
+    let within = |(size, _): &&(f64, usize)| {
+        joint += size;
+        joint <= share
+    };
+    let mut out: Vec<usize> = by_size.iter().take_while(within).map(|m| m.1).collect();
+    out.sort_unstable();
+    modes.share = std::mem::replace(&mut modes.share, DMatrix::zeros(0, 0)).remove_columns_at(&out);
+    let mut j = 0;
+    modes.omega.retain(|_| {
+        j += 1;
+        out.binary_search(&(j - 1)).is_err()
+    });
+    by_size[..out.len()].iter().map(|m| m.0).sum()
+}
+
+/// Extremes of every spring's force in a scene, none further than `bound` from the truth, and the work done.
+pub fn peaks(scene: &Scene, modes: &Modes, bound: f64) -> (Vec<SpringPeaks>, Work) {
+    let watch = Watch::new(scene, bound);
     let mut scan = Scan { field: Field::new(scene, modes), watch, work: Work::default() };
     for stretch in scan.field.stretches() {
         scan.stretch(&stretch);

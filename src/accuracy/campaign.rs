@@ -71,7 +71,9 @@ pub struct Campaign {
 /// Extremes by one method, or by the planner's choice, and the bound stated; `None` where the method does not apply.
 pub fn run_method(scene: &Scene, method: Option<Method>) -> Option<(Vec<SpringPeaks>, f64)> {
     let rating = scene.rated_draft.iter().chain(&scene.rated_buff).fold(0.0f64, |a, &r| a.max(r));
-    let ask = Ask { tolerance: 1e-9 * rating, method, verdict_only: false, all_time_bound: false };
+    // A method asked for by name is held to what it can do at best, the planner to its default tolerance.
+    let tolerance = if method.is_some() { f64::MIN_POSITIVE } else { 1e-9 * rating };
+    let ask = Ask { tolerance, method, verdict_only: false, all_time_bound: false };
     let solution = solve(scene, &ask).ok()?;
     Some((solution.springs.into_iter().collect::<Option<_>>()?, solution.error_bound))
 }

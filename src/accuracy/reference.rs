@@ -12,15 +12,20 @@
 //! Extremes are located by a search of its own in `f64` that drops a stretch of time only when a bound says that it
 //! cannot hold the largest value (module `scan`); what is left is settled in the long arithmetic.
 
+mod check;
 mod forces;
 mod modes;
 mod real;
 mod scan;
+#[cfg(test)]
+mod tests;
 
 use rayon::prelude::*;
 
 use crate::chain::Scene;
 use crate::solve::dd::Dd;
+pub use check::ReferenceError;
+use check::check;
 use modes::Modes;
 pub use real::Real;
 use real::{Circle, dd, difference, rounded};
@@ -30,20 +35,6 @@ use scan::{Found, Piece, Target};
 const BITS: [usize; 4] = [256, 512, 1024, 2048];
 /// Candidates for one largest value that are settled in long arithmetic.
 const SETTLED: usize = 8;
-
-/// Why there is no reference for a scene.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum ReferenceError {
-    /// A number that is not finite, a mass or stiffness that is not positive, no spring, or a source that is not live.
-    #[error("the scene is not one that can be computed: {0}")]
-    Scene(&'static str),
-    /// The modes do not solve the equations of motion to 30 digits at any precision tried.
-    #[error("the modes could not be verified: relative error bound {0:e}")]
-    Unverified(f64),
-    /// The search for extremes looked at too many stretches of time.
-    #[error("the search for extremes gave up after {0} looks")]
-    TooLong(usize),
-}
 
 /// The largest value of F, or of -F, in one spring.
 #[derive(Clone, Debug)]
@@ -124,12 +115,12 @@ impl Reference {
 
     /// The highest frequency.
     pub fn omega_max(&self) -> f64 {
-        self.modes.omega.last().map_or(0.0, |w| rounded(&w))
+        self.modes.omega.last().map_or(0.0, rounded)
     }
 
     /// Frequencies, ascending, each rounded once.
     pub fn frequencies(&self) -> Vec<f64> {
-        self.modes.omega.iter().map(|w| rounded(&w)).collect()
+        self.modes.omega.iter().map(rounded).collect()
     }
 
     /// Of every spring the largest F and the largest -F over 0 <= t <= horizon, the initial force included.
@@ -165,8 +156,7 @@ impl Reference {
     /// The stretches of constant force, as the search wants them.
     fn pieces(&self, omega: &[Dd], until: f64) -> Vec<Piece> {
         let Scene { force, duration, .. } = self.scene;
-        let share: Vec<Vec<f64>> =
-            self.modes.share.iter().map(|row| row.iter().map(|a| rounded(&a)).collect()).collect();
+        let share: Vec<Vec<f64>> = self.modes.share.iter().map(|row| row.iter().map(rounded).collect()).collect();
         let total = |i: usize| self.modes.share[i].iter().fold(self.real(0.0), |s, a| s + a).to_f64().value();
         let mean = (0..share.len()).map(|i| self.scene.initial[i] + force * total(i)).collect();
         let times = |row: &Vec<f64>, by: &dyn Fn(usize) -> f64| (0..row.len()).map(|j| row[j] * by(j)).collect();
@@ -288,38 +278,15 @@ impl Reference {
     }
 }
 
-fn check(scene: &Scene) -> Result<(), ReferenceError> {
-    let Scene { chain, source, .. } = scene;
-    let n = chain.mass.len();
-    if n < 2 || chain.stiffness.len() + 1 != n || scene.initial.len() + 1 != n {
-        return Err(ReferenceError::Scene(
-            "it needs two masses, a spring between each two, and a force for each spring",
-        ));
-    }
-    if *source >= n || !chain.live(*source) {
-        return Err(ReferenceError::Scene("the force acts on no live mass"));
-    }
-    let positive = |x: &f64| x.is_finite() && *x > 0.0;
-    let live_masses = (0..n).filter(|&v| chain.live(v)).map(|v| chain.mass[v]);
-    if !live_masses.into_iter().all(|m| positive(&m)) || !chain.stiffness.iter().all(positive) {
-        return Err(ReferenceError::Scene("masses and stiffnesses must be positive and finite"));
-    }
-    let times = scene.horizon.is_finite() && scene.horizon >= 0.0 && scene.duration > 0.0;
-    if !times || !scene.force.is_finite() || !scene.initial.iter().all(|f| f.is_finite()) {
-        return Err(ReferenceError::Scene("forces and times must be finite, the duration positive"));
-    }
-    Ok(())
-}
-
 /// Bounds on every spring's error up to the horizon, and the largest of them relative to the spring's amplitudes.
 fn error_bounds(scene: &Scene, modes: &Modes, bits: usize) -> (Vec<f64>, f64) {
     let steps = if scene.duration.is_finite() { 2.0 } else { 1.0 };
-    let fastest = modes.omega.last().map_or(0.0, |w| rounded(&w));
+    let fastest = modes.omega.last().map_or(0.0, rounded);
     // Each phase, cosine, product and sum is rounded; the phase's rounding grows with the phase.
     let rounding = 0.5f64.powi(bits as i32) * (8.0 * fastest * scene.horizon + 4.0 * modes.omega.len() as f64 + 32.0);
     let mut worst = 0.0f64;
     let bound = |i: usize| {
-        let size: f64 = modes.share[i].iter().map(|a| rounded(&a).abs()).sum();
+        let size: f64 = modes.share[i].iter().map(|a| rounded(a).abs()).sum();
         let unit = modes.rate * scene.chain.stiffness[i].sqrt() * scene.horizon + rounding * size;
         worst = worst.max(if size > 0.0 { unit / size } else { f64::INFINITY });
         steps * scene.force.abs() * unit + scene.initial[i].abs() * 0.5f64.powi(bits as i32)

@@ -176,10 +176,10 @@ impl Line {
     fn bisect(&self, target: usize, start: Real) -> Real {
         let (mut lo, mut hi) = (start.clone(), start);
         while self.below(&lo) > target {
-            lo = lo >> 1;
+            lo >>= 1;
         }
         while self.below(&hi) <= target {
-            hi = hi << 1;
+            hi <<= 1;
         }
         for _ in 0..self.bits + 64 {
             let middle = (&lo + &hi) >> 1;

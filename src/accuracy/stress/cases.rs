@@ -39,6 +39,8 @@ fn sizes() -> Vec<Named> {
     ]
 }
 
+/// Ratios of 1e12. The slowest mode would ask for horizons of 1e6 time units, and fast modes fill each of them: what a
+/// minute can follow is what is run.
 fn ratios() -> Vec<Named> {
     let masses = |at: &dyn Fn(usize) -> bool, value: f64| {
         let mut scene = mixed(24);
@@ -50,15 +52,16 @@ fn ratios() -> Vec<Named> {
         scene.chain.stiffness.iter_mut().enumerate().filter(|(i, _)| at(*i)).for_each(|(_, k)| *k *= value);
         four_transits(scene)
     };
+    let within = |horizon: f64, scene: Scene| Scene { horizon: scene.horizon.min(horizon), ..scene };
     let mut twins = equal(40);
     (twins.chain.mass[10], twins.chain.mass[30]) = (1e-6, 1e-6);
     vec![
-        ("masses 1 and 1e-12 in turn", masses(&|v| v % 2 == 0, 1e-12)),
+        ("masses 1 and 1e-12 in turn", within(10.0, masses(&|v| v % 2 == 0, 1e-12))),
         ("one mass of 1e-12", masses(&|v| v == 12, 1e-12)),
-        ("one mass of 1e12", masses(&|v| v == 12, 1e12)),
+        ("one mass of 1e12", within(1e5, masses(&|v| v == 12, 1e12))),
         ("stiffnesses 1 and 1e12 in turn", stiffnesses(24, &|i| i % 2 == 0, 1e12)),
         ("one stiffness of 1e12", stiffnesses(24, &|i| i == 12, 1e12)),
-        ("one stiffness of 1e-12", stiffnesses(24, &|i| i == 12, 1e-12)),
+        ("one stiffness of 1e-12", within(1e5, stiffnesses(24, &|i| i == 12, 1e-12))),
         ("a nearly rigid drawbar in every tenth place", stiffnesses(100, &|i| i % 10 == 5, 1e6)),
         ("two light vehicles of one frequency", four_transits(twins)),
     ]

@@ -302,7 +302,7 @@ class Search:
         top = st.omega[matter[-1]] if len(matter) else 1.0 / (st.end - st.start)
         value = np.zeros(0)
         for _ in range(200):
-            if len(cells) == 0 or r * top < 0.01:
+            if len(cells) == 0 or r * top < 0.02:
                 break
             cells = (cells[:, None] + r * np.array([-2 / 3, 0, 2 / 3])).ravel()
             r /= 3
@@ -312,6 +312,7 @@ class Search:
             live = keep(upper, sign * value, cells, r)
             cells, value = cells[live], value[live]
             assert len(cells) < 3_000_000, "too many cells"
+        value = self.at(st, i, cells, 0)[2] if len(cells) else np.zeros(0)
         return cells, r, value
 
     def at(self, st, i, cells, count):
@@ -351,12 +352,11 @@ class Search:
                 return upper > max(seen) - self.margin
 
             cells, r, value = self.refine(st, i, sign, cells, r, keep)
-            order = np.argsort(cells)
-            groups = np.split(order, np.nonzero(np.diff(cells[order]) > 3 * r)[0] + 1)
-            tops = sorted(((sign * value[g]).max(), g) for g in groups if len(g)) if len(cells) == len(value) else []
-            for _, g in sorted(tops, key=lambda x: -x[0])[:40]:
-                start = cells[g[np.argmax(sign * value[g])]] + st.start
-                t, top = self.polish(st, i, sign, start)
+            tops = self.tops(st, i, sign, np.sort(cells), r)
+            for value, start in tops[:20]:
+                if value < tops[0][0] - 1e-12 * self.scale:
+                    break
+                t, top = self.polish(st, i, sign, start + st.start)
                 if top > best:
                     best, at = top, t
             for t in (st.start, st.end):
@@ -364,6 +364,27 @@ class Search:
                 if top > best:
                     best, at = top, mpfr(t)
         return best, at
+
+    def tops(self, st, i, sign, cells, r):
+        """Local maxima of sign F near the cells, by Newton's method in doubles, the largest first."""
+        if len(cells) == 0:
+            return []
+        value = sign * self.at(st, i, cells, 0)[2]
+        left = np.concatenate([[True], (value[1:] >= value[:-1]) | (np.diff(cells) > 3 * r)])
+        right = np.concatenate([(value[:-1] >= value[1:]) | (np.diff(cells) > 3 * r), [True]])
+        start = cells[left & right]
+        tau, row = start, st.share[i]
+        for _ in range(4):
+            step = []
+            for block in np.array_split(tau, len(tau) * len(row) // 2_000_000 + 1):
+                q, dq = st.waves(block, len(row))
+                second = -((row * st.omega**2) @ q)
+                slope = row @ dq
+                step.append(np.where(sign * second < 0, -slope / np.where(second == 0, 1, second), 0))
+            tau = np.clip(tau + np.clip(np.concatenate(step), -r, r), np.maximum(start - 3 * r, 0), start + 3 * r)
+        tau = np.minimum(tau, st.end - st.start)
+        value = sign * self.at(st, i, tau, 0)[2]
+        return sorted(zip(value.tolist(), tau.tolist()), reverse=True)
 
     def polish(self, st, i, sign, start):
         t = mpfr(float(start))
@@ -400,7 +421,7 @@ class Search:
             hi = mpfr(float(end[0])) + mpfr(st.start)
             order = np.argsort(cells)
             inner = [g for g in np.split(order, np.nonzero(np.diff(cells[order]) > 3 * r)[0] + 1) if len(g)]
-            for g in inner if len(value) == len(cells) else []:
+            for g in inner:
                 # A peak that passes the rating by less than the cells can show.
                 top = cells[g[np.argmax(sign * value[g])]]
                 if abs(sign * value[g].max() - rating) > 1e-12 * self.scale and top + st.start < hi:

@@ -6,6 +6,7 @@
 use serde::Deserialize;
 use serde::de::{Deserializer, Error};
 use trainsafe::chain::{Chain, Scene};
+use trainsafe::solve::sums::Modes;
 use trainsafe::solve::watch::SpringPeaks;
 use trainsafe::solve::{Ask, Method, closed_form, fronts, modal, propagator, solve, sums};
 
@@ -140,12 +141,8 @@ pub fn by(method: Method, scene: &Scene) -> Option<Found> {
 }
 
 fn solved(scene: &Scene, method: Method) -> (Vec<SpringPeaks>, f64) {
-    let ask = Ask {
-        tolerance: TOLERANCE * rating(scene),
-        method: Some(method),
-        verdict_only: false,
-        all_time_bound: false,
-    };
+    let ask =
+        Ask { tolerance: TOLERANCE * rating(scene), method: Some(method), verdict_only: false, all_time_bound: false };
     let solution = solve(scene, &ask).expect("a method that fits");
     (solution.springs.into_iter().map(|s| s.expect("no spring left out")).collect(), solution.error_bound)
 }
@@ -160,16 +157,20 @@ pub fn by_all(scene: &Scene) -> Vec<Found> {
 
 /// Forces of every spring at one time, by every method that gives histories, with the method's claim.
 pub fn forces_at(scene: &Scene, time: f64) -> Vec<(Method, Vec<f64>, f64)> {
-    let springs = 0..scene.initial.len();
-    let mut out = Vec::new();
-    let exact = [(Method::ClosedForm, closed_form::modes(scene)), (Method::Modal, Some(modal::modes(scene)))];
-    for (method, modes) in exact {
-        if let Some(modes) = modes {
-            let forces = springs.clone().map(|i| sums::history(scene, &modes, i, &[time])[0]).collect();
-            out.push((method, forces, sums::error_bound(scene, &modes)));
-        }
-    }
-    out
+    forces_by_closed_form(scene, time)
+        .into_iter()
+        .chain([forces_by(Method::Modal, scene, &modal::modes(scene), time)])
+        .collect()
+}
+
+/// The same by the paper's sums, where they apply.
+pub fn forces_by_closed_form(scene: &Scene, time: f64) -> Option<(Method, Vec<f64>, f64)> {
+    closed_form::modes(scene).map(|modes| forces_by(Method::ClosedForm, scene, &modes, time))
+}
+
+fn forces_by(method: Method, scene: &Scene, modes: &Modes, time: f64) -> (Method, Vec<f64>, f64) {
+    let forces = (0..scene.initial.len()).map(|i| sums::history(scene, modes, i, &[time])[0]).collect();
+    (method, forces, sums::error_bound(scene, modes))
 }
 
 /// Everything in which a solution departs from its reference, in words; empty when all is well.

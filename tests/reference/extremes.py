@@ -1,8 +1,10 @@
 """Extreme trains, in 120 digits and more: writes extremes.json.
 
 Run: pip install gmpy2 numpy; python3 tests/reference/extremes.py        (some minutes)
+With arguments only the scenes whose names begin with one of them are made anew.
 """
 
+import json
 import os
 import sys
 
@@ -83,10 +85,28 @@ def alike():
     yield "equal blocks between walls", step(Chain(m, [1.0] * (len(m) - 1), True, bits=1000), len(m) - 1, 60.0)
 
 
-if __name__ == "__main__":
+# Of a long chain of the same few kinds of springs a handful says all.
+WATCHED = {"mass ratio 1e12, alternating, step on a light mass": [0, 14, 27, 28]}
+
+
+def main(beginnings):
+    path = os.path.join(os.path.dirname(os.path.abspath(__file__)), "extremes.json")
+    known = {}
+    if beginnings and os.path.exists(path):
+        with open(path) as file:
+            known = {r["name"]: r for r in json.load(file)}
     out = []
     for name, scene in [*few(), *times(), *alike(), *ratios()]:
+        if name in known and not any(name.startswith(b) for b in beginnings):
+            out.append(known[name])
+            continue
+        print(name, file=sys.stderr, flush=True)
         h = scene.horizon
-        print(name, file=sys.stderr)
-        out.append(scene.record(name, [0.013 * h, 0.21 * h, 0.5003 * h, h]))
-    write(os.path.join(os.path.dirname(__file__), "extremes.json"), out)
+        times_of_values = [0.013 * h, 0.21 * h, 0.5003 * h, h]
+        out.append(scene.record(name, times_of_values, springs=WATCHED.get(name)))
+        write(path, out)
+    write(path, out)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -6,7 +6,7 @@ mod scenes;
 use nalgebra::{DMatrix, SymmetricEigen};
 use scenes::*;
 use serde::Deserialize;
-use trainsafe::chain::Chain;
+use trainsafe::chain::{Chain, Scene};
 use trainsafe::solve::path::Path;
 
 /// Holds every scene whose name begins so against its reference, by every method that is for it.
@@ -99,6 +99,78 @@ fn pulse_as_long_as_the_horizon_and_longer() {
 fn equal_frequencies() {
     hold("equal halves");
     hold("equal blocks");
+}
+
+/// A rating set a little over or under a peak: never the wrong verdict, and none at all within the bound.
+#[test]
+fn a_peak_near_the_rating_is_decided_rightly_or_not_at_all() {
+    let all = references(include_str!("reference/unequal.json"));
+    let reference = all.iter().find(|r| r.name.starts_with("60 vehicles, held head")).expect("reference");
+    let mut undecided = 0;
+    for spring in [0, 13, 40, 58] {
+        let due = &reference.springs[spring].buff;
+        assert!(due.time.0 > 0.0);
+        for distance in [1e-6, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14, 1e-15, 0.0] {
+            for side in [-1.0, 1.0] {
+                let mut scene = reference.scene();
+                scene.rated_buff[spring] = due.peak.0 * (1.0 + side * distance);
+                let margin = due.peak.0 - scene.rated_buff[spring];
+                for found in by_all(&scene) {
+                    let verdict = found.springs[spring].buff.exceeds();
+                    let what =
+                        format!("{} spring {spring} margin {margin:e} bound {:e}", found.method.name(), found.bound);
+                    // The peak as computed is within the bound of the truth, so that beyond twice the bound it is decided.
+                    let certain = margin.abs() > 2.0 * found.bound;
+                    match verdict {
+                        Some(over) => assert!(over == (margin > 0.0) && margin.abs() > 0.0, "{what}"),
+                        None => assert!(!certain, "{what}"),
+                    }
+                    undecided += u32::from(verdict.is_none());
+                }
+            }
+        }
+    }
+    assert!(undecided > 0);
+}
+
+/// u = 1 at t = 0 does not exceed when it is only relieved; the next float does; and it does when it is pulled further.
+#[test]
+fn a_load_just_at_the_rating() {
+    let scene = |initial: f64, force: f64, equal: bool| Scene {
+        chain: Chain {
+            mass: vec![1.0, if equal { 1.0 } else { 1.5 }, 1.0],
+            stiffness: vec![1.0; 2],
+            held_head: true,
+            held_tail: false,
+        },
+        source: 2,
+        force,
+        duration: f64::INFINITY,
+        initial: vec![initial; 2],
+        rated_draft: vec![1.0; 2],
+        rated_buff: vec![10.0; 2],
+        // Before the spring swings back: 0.6 of its fastest half period.
+        horizon: 1.0,
+    };
+    for equal in [true, false] {
+        for found in by_all(&scene(1.0, 1.0, equal)) {
+            for spring in &found.springs {
+                let draft = spring.draft;
+                assert_eq!((draft.exceeds(), draft.first_over), (Some(false), None), "{}", found.method.name());
+                assert_eq!((draft.best.at, draft.best.value), (0.0, 1.0), "{}", found.method.name());
+            }
+        }
+        for found in by_all(&scene(1.0f64.next_up(), 1.0, equal)) {
+            for spring in &found.springs {
+                assert_eq!((spring.draft.exceeds(), spring.draft.first_over), (Some(true), Some(0.0)));
+            }
+        }
+        for found in by_all(&scene(1.0, -0.1, equal)) {
+            let draft = found.springs[1].draft;
+            // F - 1 = 0.05 t^2 at first: over by the bound of 1e-13 at 1e-6.
+            assert!(draft.exceeds() == Some(true) && draft.first_over.is_some_and(|t| t < 1e-5), "{draft:?}");
+        }
+    }
 }
 
 #[derive(Deserialize)]

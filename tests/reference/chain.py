@@ -297,9 +297,7 @@ class Search:
 
     def refine(self, st, i, sign, cells, r, keep):
         """Splits cells until every mode that matters is resolved; `keep(upper, value, centre, r)` says which live on."""
-        a = self.amplitude(st, i)
-        matter = np.nonzero(a > 1e-14 * self.scale)[0]
-        top = st.omega[matter[-1]] if len(matter) else 1.0 / (st.end - st.start)
+        top, _ = self.fastest(st, i)
         value = np.zeros(0)
         for _ in range(200):
             if len(cells) == 0 or r * top < 0.02:
@@ -311,7 +309,7 @@ class Search:
             upper = self.over(st, i, sign, f, d, r, count)
             live = keep(upper, sign * value, cells, r)
             cells, value = cells[live], value[live]
-            assert len(cells) < 3_000_000, "too many cells"
+            assert len(cells) < 4_000_000, "too many cells"
         value = self.at(st, i, cells, 0)[2] if len(cells) else np.zeros(0)
         return cells, r, value
 
@@ -331,6 +329,9 @@ class Search:
         rating = self.scene.rated_draft[i] if sign > 0 else self.scene.rated_buff[i]
         best, at = self.largest(i, sign)
         out = {"peak": digits(best), "time": digits(at, 25)}
+        unknown = 2 * max(self.fastest(st, i)[1] for st in self.stretches)
+        if unknown > 1e-15 * self.scale:
+            out["uncertainty"] = f"{unknown:.2e}"
         if best > rating:
             t, slope = self.crossing(i, sign, rating, float(at))
             out["first_over"], out["slope"] = digits(t, 25), digits(slope, 10)
@@ -364,6 +365,21 @@ class Search:
                 if top > best:
                     best, at = top, mpfr(t)
         return best, at
+
+    def fastest(self, st, i):
+        """The fastest mode that is resolved, and the joint amplitude of those beyond.
+
+        A spring that stands still, but for millions of swings of 1e-12, has its peak to 1e-10 and no better.
+        """
+        a = self.amplitude(st, i)
+        beyond = np.concatenate([np.cumsum(a[::-1])[::-1], [0.0]])
+        for least in (1e-16, 1e-10):
+            count = int(np.argmax(beyond <= least * self.scale))
+            top = st.omega[count - 1] if count else 1.0 / (st.end - st.start)
+            if (st.end - st.start) * top < 1e5:
+                return top, beyond[count]
+        count = int(np.argmax(beyond <= 1e-16 * self.scale))
+        return st.omega[count - 1], beyond[count]
 
     def tops(self, st, i, sign, cells, r):
         """Local maxima of sign F near the cells, by Newton's method in doubles, the largest first."""

@@ -119,6 +119,9 @@ pub struct Found {
 /// A step of the propagator costs a thousand operations per spring; a test affords this many springs x steps.
 const AFFORDABLE: f64 = 2e5;
 
+/// Every transit adds images to every sum over fronts: the method is for the first few.
+const MANY_TRANSITS: f64 = 40.0;
+
 /// The largest rating of a scene.
 pub fn rating(scene: &Scene) -> f64 {
     scene.rated_draft.iter().chain(&scene.rated_buff).fold(0.0, |a, &r| a.max(r))
@@ -126,11 +129,14 @@ pub fn rating(scene: &Scene) -> f64 {
 
 /// Extremes by one method; `None` if it is not for this scene.
 pub fn by(method: Method, scene: &Scene) -> Option<Found> {
+    let springs = scene.initial.len() as f64;
     let (springs, bound) = match method {
-        Method::Fronts if fronts::fits(scene) => (fronts::peaks(scene).0, fronts::error_bound(scene)),
+        Method::Fronts if fronts::fits(scene) && fronts::instants(scene) < MANY_TRANSITS * springs => {
+            (fronts::peaks(scene).0, fronts::error_bound(scene))
+        }
         Method::Propagator => {
             let omega = propagator::omega_max(scene);
-            if propagator::steps(scene, omega) * scene.initial.len() as f64 > AFFORDABLE {
+            if propagator::steps(scene, omega) * springs > AFFORDABLE {
                 return None;
             }
             (propagator::peaks(scene, omega).0, propagator::error_bound(scene, omega))

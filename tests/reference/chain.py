@@ -262,6 +262,7 @@ class Search:
     """Global extremes and first exceedances of a scene."""
 
     CELLS = 400_000
+    MANY = 200_000
 
     def __init__(self, scene, margin):
         self.scene, self.stretches = scene, scene.stretches()
@@ -308,8 +309,12 @@ class Search:
             f, d, value = self.at(st, i, cells, count)
             upper = self.over(st, i, sign, f, d, r, count)
             live = keep(upper, sign * value, cells, r)
-            cells, value = cells[live], value[live]
-            assert len(cells) < 4_000_000, "too many cells"
+            cells, value, upper = cells[live], value[live], upper[live]
+            if len(cells) > self.MANY:
+                # Millions of equal swings: follow the most promising, and remember what the others might reach.
+                order = np.argsort(-upper)
+                self.dropped = max(self.dropped, upper[order[self.MANY // 4]])
+                cells, value = cells[order[: self.MANY // 4]], value[order[: self.MANY // 4]]
         value = self.at(st, i, cells, 0)[2] if len(cells) else np.zeros(0)
         return cells, r, value
 
@@ -327,13 +332,17 @@ class Search:
     def side(self, i, sign):
         """The largest sign F with its time, and the first time over the rating with the slope there."""
         rating = self.scene.rated_draft[i] if sign > 0 else self.scene.rated_buff[i]
+        self.dropped = -np.inf
         best, at = self.largest(i, sign)
         out = {"peak": digits(best), "time": digits(at, 25)}
         unknown = 2 * max(self.fastest(st, i)[1] for st in self.stretches)
+        unknown = max(unknown, self.dropped - float(best))
         if unknown > 1e-15 * self.scale:
             out["uncertainty"] = f"{unknown:.2e}"
         if best > rating:
+            self.dropped = -np.inf
             t, slope = self.crossing(i, sign, rating, float(at))
+            assert self.dropped < rating, "an earlier crossing may have been dropped"
             out["first_over"], out["slope"] = digits(t, 25), digits(slope, 10)
         return out
 

@@ -8,6 +8,7 @@ use scenes::*;
 use serde::Deserialize;
 use trainsafe::chain::{Chain, Scene};
 use trainsafe::solve::path::Path;
+use trainsafe::solve::{Method, propagator};
 
 /// Holds every scene whose name begins so against its reference, by every method that is for it.
 fn hold(beginning: &str) {
@@ -99,6 +100,24 @@ fn pulse_as_long_as_the_horizon_and_longer() {
 fn equal_frequencies() {
     hold("equal halves");
     hold("equal blocks");
+}
+
+/// By the methods that are for long trains, on a few springs.
+#[test]
+fn three_thousand_vehicles() {
+    for reference in references(include_str!("reference/long.json")) {
+        let scene = reference.scene();
+        let found = by(Method::Fronts, &scene).unwrap_or_else(|| marched(&scene));
+        let departures = departures(&reference, &scene, &found);
+        assert!(departures.is_empty(), "{}", departures.join("\n"));
+        assert!(found.bound < TOLERANCE, "{} {:e}", reference.name, found.bound);
+    }
+}
+
+fn marched(scene: &Scene) -> Found {
+    let omega = propagator::omega_max(scene);
+    let springs = propagator::peaks(scene, omega).0;
+    Found { method: Method::Propagator, springs, bound: propagator::error_bound(scene, omega) }
 }
 
 /// A rating set a little over or under a peak: never the wrong verdict, and none at all within the bound.

@@ -263,6 +263,7 @@ class Search:
 
     CELLS = 400_000
     MANY = 200_000
+    STOP = 0.2
 
     def __init__(self, scene, margin):
         self.scene, self.stretches = scene, scene.stretches()
@@ -301,7 +302,7 @@ class Search:
         top, _ = self.fastest(st, i)
         value = np.zeros(0)
         for _ in range(200):
-            if len(cells) == 0 or r * top < 0.02:
+            if len(cells) == 0 or r * top < self.STOP:
                 break
             cells = (cells[:, None] + r * np.array([-2 / 3, 0, 2 / 3])).ravel()
             r /= 3

@@ -52,7 +52,8 @@ fn offers(scene: &Scene, omega_max: f64) -> Vec<Offer> {
     let passing = 1.0 + scene.horizon * omega_max / 2.0 / springs;
     let look = LOOK * springs;
     let sums = MODE_SUM * springs * springs * instants + look;
-    let bound_of_sums = f64::EPSILON * scene.force.abs() * (10.0 + springs / 8.0) * (2.0 + springs.ln());
+    let swing = scene.force.abs() * (omega_max * scene.duration).min(2.0);
+    let bound_of_sums = 0.5 * f64::EPSILON * swing * (10.0 + springs / 8.0) * (2.0 + springs.ln());
     let memory_of_modes = |bytes: f64| bytes * springs * springs / 1e9;
     let mut offers = vec![Offer {
         method: Method::Propagator,
@@ -166,13 +167,17 @@ pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
     };
     let springs = 0..scene.initial.len();
     let all_safe = springs.clone().all(safe);
+    let mut reason = plan.reason.clone();
     let (peaks, work, error_bound) = match (plan.method, &mut modes) {
         _ if all_safe => (Vec::new(), Work::default(), 0.0),
         (Method::ClosedForm | Method::Modal, Some(modes)) => {
             let left_out = sums::leave_out(scene, modes, 0.1 * ask.tolerance);
             let bound = sums::error_bound(scene, modes) + left_out;
-            let (peaks, work) = sums::peaks(scene, modes, bound);
-            (peaks, work, bound)
+            let (peaks, work, missed) = sums::peaks(scene, modes, bound);
+            if missed > 0.0 {
+                reason += "; its search for peaks among millions of fast swings was given up, and the bound is widened";
+            }
+            (peaks, work, bound + missed)
         }
         (Method::Fronts, _) => {
             let (peaks, work) = fronts::peaks(scene);
@@ -185,7 +190,7 @@ pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
     };
     Solution {
         method: plan.method,
-        reason: plan.reason.clone(),
+        reason,
         error_bound,
         springs: springs.map(|i| peaks.get(i).copied().filter(|_| !safe(i))).collect(),
         all_time_bounds: bounds,

@@ -31,6 +31,9 @@ pub enum Command {
     /// it. On several machines that share a folder, each runs a share with --shard, and --merge joins them.
     #[command(after_help = "Example: trainsafe fleet trains/ --out reports/yard")]
     Fleet(Fleet),
+    /// Show error against run time: every method on this train, and those that engineers know, against 30 digits
+    #[command(after_help = "Example: trainsafe accuracy consist.toml --out accuracy/consist")]
+    Accuracy(Accuracy),
     /// Say whether a train file is right, and in words what the train is and what will be run
     #[command(after_help = "Example: trainsafe check consist.toml")]
     Check {
@@ -106,6 +109,22 @@ pub struct Solver {
     /// Compute in this way, whatever it costs [default: the cheapest within the tolerance]
     #[arg(long, value_name = "NAME", value_parser = ["closed-form", "fronts", "modal", "propagator"])]
     pub method: Option<String>,
+}
+
+#[derive(Debug, Args)]
+pub struct Accuracy {
+    /// The train file
+    #[arg(required_unless_present = "stress")]
+    pub train: Option<PathBuf>,
+    /// Folder for the table, its CSV and the figure [default: reports/accuracy/<file stem>]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Compare on this scenario [default: the first]
+    #[arg(long, value_name = "NAME")]
+    pub scenario: Option<String>,
+    /// Run the extreme cases instead: case, method chosen, error, bound, time, verdict
+    #[arg(long, conflicts_with_all = ["train", "scenario", "out"])]
+    pub stress: bool,
 }
 
 fn share(text: &str) -> Result<f64, String> {

@@ -268,7 +268,7 @@ pub(crate) fn case_findings(
     let ask = ask(train, options);
     let mut couplers = Vec::new();
     let (mut method, mut reason, mut largest) = ("none", "no coupler is left to watch".to_owned(), 0);
-    let (mut error_bound_n, mut left_out) = (0.0f64, 0);
+    let (mut error_bound_n, mut left_out) = (0.0f64, Vec::new());
     let parts = scenario::parts(train, &scenario.event, broken, horizon_s);
     for part in &parts {
         let solution = memo.solve(&part.scene, &ask)?;
@@ -278,16 +278,21 @@ pub(crate) fn case_findings(
         }
         error_bound_n = error_bound_n.max(solution.error_bound * scales.force_n);
         for (i, spring) in solution.springs.iter().enumerate() {
-            match spring {
-                Some(peaks) => {
-                    let bound = solution.all_time_bounds.as_ref().map(|b| b[i] * scales.force_n);
-                    couplers.push(coupler_findings(train, part.first_coupler + i, peaks, &scales, bound));
+            let (index, bound) =
+                (part.first_coupler + i, solution.all_time_bounds.as_ref().map(|b| b[i] * scales.force_n));
+            match (spring, bound) {
+                (Some(peaks), bound) => {
+                    let bound = bound.filter(|_| options.all_time_bound);
+                    couplers.push(coupler_findings(train, index, peaks, &scales, bound));
                 }
-                None => left_out += 1,
+                (None, Some(bound)) => left_out.push((index, bound)),
+                (None, None) => {}
             }
         }
     }
-    let worst = couplers.iter().reduce(|a, b| if b.utilisation > a.utilisation { b } else { a }).cloned();
+    // Utilisations that the error bound does not tell apart, as symmetry makes them, are alike: the first coupler counts.
+    let apart = |a: &CouplerFindings| a.utilisation + error_bound_n / a.rated_draft_n.min(a.rated_buff_n);
+    let worst = couplers.iter().reduce(|a, b| if b.utilisation > apart(a) { b } else { a }).cloned();
     Ok(CaseFindings {
         broken_coupler: broken.map(|b| b + 1),
         method,
@@ -298,10 +303,10 @@ pub(crate) fn case_findings(
         run_time_s: start.elapsed().as_secs_f64(),
         exceeding: couplers.iter().filter(|c| c.exceeds == Some(true)).count(),
         undecided: couplers.iter().filter(|c| c.exceeds.is_none()).count(),
-        safe_load_factor: safe_load_factor(&scenario.event, &couplers),
+        safe_load_factor: safe_load_factor(train, &scenario.event, &couplers, &left_out),
         worst,
         couplers,
-        left_out,
+        left_out: left_out.len(),
         rod: rod_findings(&parts),
     })
 }
@@ -349,17 +354,32 @@ fn coupler_findings(
 /// The largest factor at which no coupler exceeds.
 ///
 /// After a break every force, the initial one included, is proportional to the load. Under a pulse the load stays and
-/// the rest, `F - F(0)`, is proportional to the pulse's force. `None` where nothing grows with the factor.
-fn safe_load_factor(event: &Event, couplers: &[CouplerFindings]) -> Option<f64> {
-    let factors = couplers.iter().flat_map(|c| {
-        let initial = if matches!(event, Event::Break { .. }) { 0.0 } else { c.initial_force_n };
-        let side = |peak: Option<f64>, rating: f64, sign: f64| {
-            let growth = sign * (peak? - initial);
-            (growth > 0.0).then(|| ((rating - sign * initial) / growth).max(0.0))
-        };
-        [side(c.peak_draft_n, c.rated_draft_n, 1.0), side(c.peak_buff_n, c.rated_buff_n, -1.0)]
+/// the rest, `F - F(0)`, is proportional to the pulse's force. `None` where nothing grows with the factor. Couplers left out
+/// (with their all-time bounds, N) count by these: then it is a factor at which none exceeds, and a larger one may be.
+fn safe_load_factor(
+    train: &Train,
+    event: &Event,
+    couplers: &[CouplerFindings],
+    left_out: &[(usize, f64)],
+) -> Option<f64> {
+    let proportional = matches!(event, Event::Break { .. });
+    let factor = |rating: f64, initial: f64, peak: f64| {
+        let growth = peak - initial;
+        (growth > 0.0).then(|| ((rating - initial) / growth).max(0.0))
+    };
+    let watched = couplers.iter().flat_map(|c| {
+        let initial = if proportional { 0.0 } else { c.initial_force_n };
+        let draft = c.peak_draft_n.and_then(|peak| factor(c.rated_draft_n, initial, peak));
+        let buff = c.peak_buff_n.and_then(|peak| factor(c.rated_buff_n, -initial, -peak));
+        [draft, buff]
     });
-    factors.flatten().reduce(f64::min)
+    let bounded = left_out.iter().map(|&(index, bound)| {
+        let coupler = &train.couplers[index];
+        let initial = if proportional { 0.0 } else { train.initial_force_n[index].abs() };
+        // |F - F(0)| <= bound + |F(0)|
+        factor(coupler.rated_draft_n.min(coupler.rated_buff_n), initial, bound + 2.0 * initial)
+    });
+    watched.chain(bounded).flatten().reduce(f64::min)
 }
 
 /// What the rod says of every coupler; `None` if a part's vehicles or couplers differ, or none is left.

@@ -3,12 +3,14 @@
 mod cli;
 mod run_fleet;
 
+use std::ffi::OsStr;
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
+use trainsafe::accuracy::{self, AccuracyError};
 use trainsafe::solve::Method;
 use trainsafe::{Analysis, Options, Train, consist, findings, report};
 
@@ -30,6 +32,7 @@ fn main() -> ExitCode {
     let done = match Cli::parse().command {
         Command::Analyze(args) => analyze(&args),
         Command::Fleet(args) => run_fleet::run(&args),
+        Command::Accuracy(args) => accuracy(&args),
         Command::Check { train } => read(&train).and_then(|t| print(&consist::describe(&t))),
         Command::New => print(consist::TEMPLATE),
     };
@@ -45,6 +48,7 @@ fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
         ..options(&args.solver)
     };
     let seconds = findings::estimate_s(&train, &options).map_err(|e| complain(&args.train, &e))?;
+    consist::warnings(&train).iter().for_each(|warning| say(&format!("warning: {warning}")));
     if seconds > LONG_S {
         say(&format!("this will take about {seconds:.0} s"));
     }
@@ -60,6 +64,21 @@ fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
     if args.fail_on_exceed && exceeds(&analysis) { Err(Failure::Exceeds) } else { Ok(()) }
 }
 
+fn accuracy(args: &cli::Accuracy) -> Result<(), Failure> {
+    let Some(path) = &args.train else {
+        return print(&accuracy::stress::terminal(&accuracy::stress::stress()));
+    };
+    let train = read(path)?;
+    let options = accuracy::Options::default();
+    let compared = accuracy::run(&train, args.scenario.as_deref(), &options).map_err(|e| complain(path, &e))?;
+    let dir = args.out.clone().unwrap_or_else(|| Path::new("reports/accuracy").join(stem(path)));
+    accuracy::write(&compared, &dir).map_err(|e| match e {
+        AccuracyError::Write { .. } => output_failed(&e),
+        _ => complain(path, &e),
+    })?;
+    print(&format!("{}\nReport: {}\n", accuracy::terminal(&compared, None), dir.join("accuracy.md").display()))
+}
+
 /// How each case is to be solved.
 fn options(solver: &cli::Solver) -> Options {
     let method = solver.method.as_deref().and_then(Method::from_name);
@@ -72,7 +91,11 @@ fn exceeds(analysis: &Analysis) -> bool {
 }
 
 fn default_dir(train: &Path) -> PathBuf {
-    Path::new("reports").join(train.file_stem().unwrap_or_default())
+    Path::new("reports").join(stem(train))
+}
+
+fn stem(path: &Path) -> &OsStr {
+    path.file_stem().unwrap_or_default()
 }
 
 /// The train, or its problems on standard error.

@@ -169,7 +169,8 @@ pub struct Search<'a> {
     pub levels: [Vec<f64>; 2],
     /// Steps looked into.
     pub looked: u64,
-    at_rating: Vec<(usize, bool)>,
+    /// Sides that stood at their rating and have not left it, and the lowest they were seen at.
+    at_rating: Vec<(usize, bool, f64)>,
 }
 
 impl<'a> Search<'a> {
@@ -188,7 +189,10 @@ impl<'a> Search<'a> {
         let springs = scene.initial.len();
         let sides: Vec<[Side; 2]> = (0..springs).map(|s| [side(s, false), side(s, true)]).collect();
         let both = (0..springs).flat_map(|s| [(s, false), (s, true)]);
-        let at_rating = both.filter(|&(s, negative)| sides[s][usize::from(negative)].at_rating).collect();
+        let at_rating = both
+            .filter(|&(s, negative)| sides[s][usize::from(negative)].at_rating)
+            .map(|(s, negative)| (s, negative, watch.peaks[s].side(negative).best.value))
+            .collect();
         let levels = [0, 1].map(|_| vec![f64::INFINITY; springs.next_multiple_of(BLOCK)]);
         let mut search = Search { scene, motion, watch, sides, levels, looked: 0, at_rating };
         (0..springs).for_each(|s| [false, true].into_iter().for_each(|n| search.set_level(s, n)));
@@ -233,7 +237,11 @@ impl<'a> Search<'a> {
                 let near = self.norm(step, spring, |s| at(0, s)).max(self.norm(step, spring, |s| at(1, s)));
                 remainder = factor * (GROWTH * near + FROM_OUTSIDE * norm).min(norm);
             }
-            let [lower, upper] = bracket(ends, remainder);
+            let [mut lower, upper] = bracket(ends, remainder);
+            if step.from + step.width > self.scene.horizon {
+                // What lies behind the horizon does not count.
+                lower = ends[0][0];
+            }
             if upper <= level || self.other_steps_have_it(step, spring, negative, ends, remainder) {
                 continue;
             }
@@ -319,24 +327,33 @@ impl<'a> Search<'a> {
     /// After a step: springs that stood at their rating and have left it.
     pub fn departures(&mut self, force: impl Fn(usize) -> f64) {
         let mut left = std::mem::take(&mut self.at_rating);
-        left.retain(|&(spring, negative)| !self.departs(spring, negative, force(spring)));
+        left.retain_mut(|(spring, negative, lowest)| {
+            let value = self.value(*spring, *negative, force(*spring));
+            *lowest = lowest.min(value);
+            !self.departs(*spring, *negative, value)
+        });
         self.at_rating = left;
     }
 
     /// Before a step is considered: whether the spring has left its rating at one of the instants since the event.
     pub fn departures_of(&mut self, spring: usize, forces: &[f64]) {
         for negative in [false, true] {
-            let _ = forces.iter().any(|&g| self.departs(spring, negative, g));
+            let _ = forces.iter().any(|&g| self.departs(spring, negative, self.value(spring, negative, g)));
         }
     }
 
-    /// Whether a side that stood at its rating is well below it at a force G since the event; if so it is marked.
-    fn departs(&mut self, spring: usize, negative: bool, g: f64) -> bool {
+    /// A side's force from G, what the event has added.
+    fn value(&self, spring: usize, negative: bool, g: f64) -> f64 {
+        let value = g + self.scene.initial[spring];
+        if negative { -value } else { value }
+    }
+
+    /// Whether a side that stood at its rating is well below it; if so it is marked.
+    fn departs(&mut self, spring: usize, negative: bool, value: f64) -> bool {
         if !self.sides[spring][usize::from(negative)].at_rating {
             return true;
         }
-        let value = g + self.scene.initial[spring];
-        let departed = self.watch.departs(spring, negative, if negative { -value } else { value });
+        let departed = self.watch.departs(spring, negative, value);
         if departed {
             self.sides[spring][usize::from(negative)].at_rating = false;
             self.set_level(spring, negative);
@@ -367,6 +384,9 @@ impl<'a> Search<'a> {
         for spring in 0..self.sides.len() {
             self.look(spring, false);
             self.look(spring, true);
+        }
+        for (spring, negative, lowest) in std::mem::take(&mut self.at_rating) {
+            self.watch.settle(spring, negative, lowest);
         }
         (self.watch, self.looked)
     }

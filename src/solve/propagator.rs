@@ -83,7 +83,8 @@ pub fn peaks(scene: &Scene, omega: f64) -> (Vec<SpringPeaks>, Work) {
 pub fn history(scene: &Scene, omega: f64, spring: usize, times: &[f64]) -> Vec<f64> {
     let motion = Motion::new(scene);
     let search = Search::new(scene, &motion, 0.0);
-    let mut record = Record { search, spring, times, values: vec![scene.initial[spring]; times.len()], next: 0 };
+    let values = vec![scene.initial[spring]; times.len()];
+    let mut record = Record { search, spring, times, values, next: 0, horizon: scene.horizon };
     march(scene, &motion, omega, 0.0, &mut record);
     record.values
 }
@@ -151,13 +152,15 @@ struct Record<'a> {
     times: &'a [f64],
     values: Vec<f64>,
     next: usize,
+    horizon: f64,
 }
 
 impl See for Record<'_> {
     fn see(&mut self, view: &View) {
         let from = self.next;
         let until = view.step.from + view.step.width;
-        self.next += self.times[from..].iter().take_while(|t| **t <= until).count();
+        let last = until + 0.5 * view.step.width > self.horizon;
+        self.next += self.times[from..].iter().take_while(|t| last || **t <= until).count();
         if self.next > from && view.range.contains(&self.spring) {
             let at = |end: usize, s: usize| view.force[end][s + 1];
             let values = self.search.values(&view.step, self.spring, &self.times[from..self.next], at);

@@ -28,6 +28,8 @@ const ROUNDOFF: f64 = f64::EPSILON / 2.0;
 const RESOLVED: f64 = 2.0;
 /// Columns of a block of the matrix products.
 const BLOCK: usize = 128;
+/// Looks into cells, times modes, after which a search gives up and widens its bound instead.
+const MOST_LOOKS: u64 = 40_000_000;
 
 /// Frequencies, ascending, and how each mode shares a unit force among the springs.
 #[derive(Clone, Debug)]
@@ -53,6 +55,9 @@ struct Stretch {
     mean: Vec<f64>,
 }
 
+/// A mode at an instant: what it has added to the forces since the event, and q and q' / omega of its swing.
+type Coordinates = [f64; 3];
+
 /// Where a spring's force might be largest, or over its rating: cell number and sign.
 struct Candidate {
     cell: usize,
@@ -61,25 +66,61 @@ struct Candidate {
     bound: f64,
 }
 
-/// Extremes of every spring's force in a scene, and the work done.
-pub fn peaks(scene: &Scene, modes: &Modes) -> (Vec<SpringPeaks>, Work) {
-    let watch = Watch::new(scene, error_bound(scene, modes));
-    let mut scan = Scan { field: Field::new(scene, modes), watch, work: Work::default() };
+/// Takes out the modes that together cannot move any force by more than `share`; by how much they can.
+pub fn leave_out(scene: &Scene, modes: &mut Modes, share: f64) -> f64 {
+    let size = |j: usize| swing(scene, modes.omega[j]) * modes.share.column(j).amax();
+    let mut by_size: Vec<(f64, usize)> = (0..modes.omega.len()).map(|j| (size(j), j)).collect();
+    by_size.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut joint = 0.0;
+    let within = |(size, _): &&(f64, usize)| {
+        joint += size;
+        joint <= share
+    };
+    let mut out: Vec<usize> = by_size.iter().take_while(within).map(|m| m.1).collect();
+    out.sort_unstable();
+    modes.share = std::mem::replace(&mut modes.share, DMatrix::zeros(0, 0)).remove_columns_at(&out);
+    let mut j = 0;
+    modes.omega.retain(|_| {
+        j += 1;
+        out.binary_search(&(j - 1)).is_err()
+    });
+    by_size[..out.len()].iter().map(|m| m.0).sum()
+}
+
+/// How far a mode of unit share can move a force: `|P| (1 - cos)` during the force and `2 |P| sin(omega D / 2)` after it.
+fn swing(scene: &Scene, omega: Dd) -> f64 {
+    scene.force.abs() * (omega.hi * scene.duration).min(2.0)
+}
+
+/// Extremes of every spring's force in a scene from values that are within `bound` of the truth, the work done, and how
+/// much further than `bound` an extreme can be because the search for it was given up.
+pub fn peaks(scene: &Scene, modes: &Modes, bound: f64) -> (Vec<SpringPeaks>, Work, f64) {
+    let watch = Watch::new(scene, bound);
+    let lowest = watch.peaks.iter().map(|p| [p.draft.best.value, p.buff.best.value]).collect();
+    let mut scan =
+        Scan { field: Field::new(scene, modes), watch, work: Work::default(), lowest, looks: 0, missed: 0.0 };
     for stretch in scan.field.stretches() {
         scan.stretch(&stretch);
     }
-    (scan.watch.peaks, scan.work)
+    for (spring, lowest) in scan.lowest.iter().enumerate() {
+        for (negative, &lowest) in [false, true].into_iter().zip(lowest) {
+            if scan.watch.at_rating(spring, negative) {
+                scan.watch.settle(spring, negative, lowest);
+            }
+        }
+    }
+    (scan.watch.peaks, scan.work, scan.missed)
 }
 
 /// Bound on |F_i| over all time.
 pub fn all_time_bounds(scene: &Scene, modes: &Modes) -> Vec<f64> {
-    let stretches = Field::new(scene, modes).stretches();
+    let mean = statics::unit_force(&scene.chain, scene.source);
     let bound = |i: usize| {
-        let of = |s: &Stretch| {
-            let swing: f64 = (0..modes.omega.len()).map(|j| (modes.share[(i, j)] * s.amplitude[j]).abs()).sum();
-            s.mean[i].abs() + swing
-        };
-        stretches.iter().map(of).fold(scene.initial[i].abs(), f64::max)
+        let added = |j: usize| modes.share[(i, j)].abs() * swing(scene, modes.omega[j]);
+        let pulse = scene.initial[i].abs() + (0..modes.omega.len()).map(added).sum::<f64>();
+        let step = (scene.initial[i] + scene.force * mean[i]).abs()
+            + scene.force.abs() * modes.share.row(i).iter().map(|a| a.abs()).sum::<f64>();
+        if scene.duration.is_finite() { pulse } else { step.max(scene.initial[i].abs()) }
     };
     (0..scene.initial.len()).map(bound).collect()
 }
@@ -98,13 +139,16 @@ pub fn history(scene: &Scene, modes: &Modes, spring: usize, times: &[f64]) -> Ve
 /// Bound on the error of every force that [`peaks`] reports, up to the scene's horizon.
 pub fn error_bound(scene: &Scene, modes: &Modes) -> f64 {
     let m = modes.omega.len() as f64;
-    let factor = if scene.duration.is_finite() { 2.0 } else { 1.0 };
+    let fastest = modes.omega.last().map_or(0.0, |&w| swing(scene, w));
+    let acting = scene.force.abs() * scene.duration.min(scene.horizon);
     let spring = |i: usize| {
-        let size: f64 = modes.share.row(i).iter().map(|a| a.abs()).sum::<f64>();
+        let size: f64 =
+            modes.omega.iter().zip(modes.share.row(i).iter()).map(|(&w, a)| a.abs() * swing(scene, w)).sum();
         // Rounding of a_ij (1), the amplitude (2), the reduced phase (2), its cosine (1), the product (1), and the sum.
-        let swing = factor * scene.force.abs() * size * (7.0 + m / 8.0 + 3.0);
-        let mean = scene.initial[i].abs() + 4.0 * scene.force.abs();
-        (swing + mean) * ROUNDOFF + factor * scene.force.abs() * modes.defect[i] * scene.horizon
+        let swing = size * (7.0 + m / 8.0 + 3.0);
+        // What the modes miss of the force drives an error while it acts, their residuals as long as they swing.
+        let missed = modes.defect[i] * (acting + fastest * scene.horizon);
+        (swing + scene.initial[i].abs()) * ROUNDOFF + missed
     };
     (0..scene.initial.len()).map(spring).fold(0.0, f64::max)
 }
@@ -146,12 +190,19 @@ impl<'a> Field<'a> {
         vec![step, after]
     }
 
-    /// Cosine-like and sine-like coordinates of every mode at an instant: q and q' / omega.
-    fn coordinates(&self, stretch: &Stretch, t: f64) -> Vec<[f64; 2]> {
+    /// Every mode at an instant.
+    ///
+    /// During the force `1 - cos = 2 sin^2` of half the phase: a short and hard pulse loses no digits to its mean.
+    fn coordinates(&self, stretch: &Stretch, t: f64) -> Vec<Coordinates> {
         let tau = Dd::from(t) - Dd::from(stretch.reference);
-        let at = |(w, a): (&Dd, &f64)| {
-            let (sin, cos) = w.phase_of(tau).sin_cos();
-            if stretch.sine { [a * sin, a * cos] } else { [a * cos, -a * sin] }
+        let at = |(w, &a): (&Dd, &f64)| {
+            let phase = w.phase_of(tau);
+            let (sin, cos) = phase.sin_cos();
+            if stretch.sine {
+                [a * sin, a * sin, a * cos]
+            } else {
+                [-2.0 * a * (0.5 * phase).sin().powi(2), a * cos, -a * sin]
+            }
         };
         self.modes.omega.iter().zip(&stretch.amplitude).map(at).collect()
     }
@@ -160,7 +211,7 @@ impl<'a> Field<'a> {
     fn value(&self, stretch: &Stretch, spring: usize, t: f64) -> f64 {
         let coordinates = self.coordinates(stretch, t);
         let row = self.modes.share.row(spring);
-        stretch.mean[spring] + pairwise(&|j| row[j] * coordinates[j][0], 0, coordinates.len())
+        self.scene.initial[spring] + pairwise(&|j| row[j] * coordinates[j][0], 0, coordinates.len())
     }
 
     /// Taylor polynomial of a spring's force about a cell's centre, and the joint amplitude of the modes left out.
@@ -168,27 +219,28 @@ impl<'a> Field<'a> {
         &self,
         stretch: &Stretch,
         spring: usize,
-        coordinates: &[[f64; 2]],
+        coordinates: &[Coordinates],
         resolved: usize,
         center: f64,
         radius: f64,
     ) -> (Local, f64) {
         let mut coefficient = [0.0; COEFFICIENTS];
-        for j in 0..resolved {
-            let share = self.modes.share[(spring, j)];
+        for (j, &[added, c, s]) in coordinates.iter().enumerate().take(resolved) {
             let x = self.omega[j] * radius;
-            let mut power = share;
+            let mut power = self.modes.share[(spring, j)];
+            coefficient[0] += power * added;
             // Derivatives of q in units of omega: q, q', -q, -q', ...
-            let [c, s] = coordinates[j];
             let cycle = [c, s, -c, -s];
-            for (q, sum) in coefficient.iter_mut().enumerate() {
-                *sum += power * cycle[q % 4] * INVERSE_FACTORIAL[q];
+            for (q, sum) in coefficient.iter_mut().enumerate().skip(1) {
                 power *= x;
+                *sum += power * cycle[q % 4] * INVERSE_FACTORIAL[q];
             }
         }
-        coefficient[0] += stretch.mean[spring];
-        let slack =
-            (resolved..self.omega.len()).map(|j| (self.modes.share[(spring, j)] * stretch.amplitude[j]).abs()).sum();
+        // Modes left out stand at what they have added on average.
+        let fast = resolved..self.omega.len();
+        let average = |j: usize| if stretch.sine { 0.0 } else { -stretch.amplitude[j] * self.modes.share[(spring, j)] };
+        coefficient[0] += self.scene.initial[spring] + fast.clone().map(average).sum::<f64>();
+        let slack = fast.map(|j| (self.modes.share[(spring, j)] * stretch.amplitude[j]).abs()).sum();
         (Local { coefficient, terms: COEFFICIENTS, center, radius }, slack)
     }
 }
@@ -198,6 +250,12 @@ struct Scan<'a> {
     field: Field<'a>,
     watch: Watch,
     work: Work,
+    /// The lowest that each side was seen at.
+    lowest: Vec<[f64; 2]>,
+    /// Looks times modes so far.
+    looks: u64,
+    /// How far an extreme may lie over what was found, because the search for it was given up.
+    missed: f64,
 }
 
 impl Scan<'_> {
@@ -206,11 +264,15 @@ impl Scan<'_> {
             return;
         }
         let grid = Grid::new(&self.field, stretch);
-        let mut candidates = self.survey(stretch, &grid);
+        let (mut candidates, certain) = self.survey(stretch, &grid);
         candidates.sort_by_key(|c| (c.cell, c.spring));
         let mut centre = (usize::MAX, Vec::new());
         for c in candidates {
             let (a, b) = grid.cell(c.cell);
+            let side = usize::from(c.negative);
+            if certain[c.spring][side].low_in < c.cell {
+                self.watch.departs(c.spring, c.negative, self.lowest[c.spring][side]);
+            }
             if c.bound <= self.watch.level(c.spring, c.negative) {
                 continue;
             }
@@ -221,8 +283,8 @@ impl Scan<'_> {
         }
     }
 
-    /// Forces and slopes of all springs on the grid, block by block; cells that might matter.
-    fn survey(&mut self, stretch: &Stretch, grid: &Grid) -> Vec<Candidate> {
+    /// Forces and slopes of all springs on the grid, block by block; cells that might matter, and what is certain.
+    fn survey(&mut self, stretch: &Stretch, grid: &Grid) -> (Vec<Candidate>, Vec<[Certain; 2]>) {
         let springs = self.watch.peaks.len();
         let share = self.field.modes.share.columns(0, grid.resolved).into_owned();
         let mut certain = vec![[Certain::default(); 2]; springs];
@@ -248,11 +310,14 @@ impl Scan<'_> {
             start += columns - 1;
             candidates.retain(|c| certain[c.spring][usize::from(c.negative)].leaves_open(&self.watch, c));
         }
-        candidates
+        for (lowest, certain) in self.lowest.iter_mut().zip(&certain) {
+            lowest.iter_mut().zip(certain).for_each(|(l, c)| *l = l.min(c.lowest));
+        }
+        (candidates, certain)
     }
 
     /// Looks into [a, b] with the modes that its width resolves, splitting while the others matter.
-    fn refine(&mut self, stretch: &Stretch, c: &Candidate, a: f64, b: f64, known: Option<&Vec<[f64; 2]>>) {
+    fn refine(&mut self, stretch: &Stretch, c: &Candidate, a: f64, b: f64, known: Option<&Vec<Coordinates>>) {
         let (center, radius) = (0.5 * (a + b), 0.5 * (b - a));
         let resolved = self.field.omega.partition_point(|w| w * radius <= RESOLVED);
         let coordinates = match known {
@@ -261,18 +326,32 @@ impl Scan<'_> {
         };
         let (local, slack) = self.field.local(stretch, c.spring, coordinates, resolved, center, radius);
         self.work.refinements += 1;
-        if slack > self.watch.grain() {
-            let level = self.watch.level(c.spring, c.negative) - slack;
-            let turned = if c.negative { local.negated() } else { local };
-            if turned.largest(-1.0, 1.0, level).is_some() && radius > 1e-13 * center {
-                let at = |k: u8| a + (b - a) * f64::from(k) / 4.0;
-                for k in 0..4 {
-                    self.refine(stretch, c, at(k), at(k + 1), None);
-                }
-            }
+        self.looks += self.field.omega.len() as u64;
+        if slack <= self.watch.grain() {
+            let exact = |t: f64| self.field.value(stretch, c.spring, t);
+            self.watch.note(c.spring, c.negative, &local, 1.0, exact);
             return;
         }
-        self.watch.note(c.spring, c.negative, &local, 1.0, |t| self.field.value(stretch, c.spring, t));
+        let level = self.watch.level(c.spring, c.negative) - slack;
+        let turned = if c.negative { local.negated() } else { local };
+        let Some(top) = turned.largest(-1.0, 1.0, level) else { return };
+        if self.looks > MOST_LOOKS || radius <= 1e-13 * center {
+            self.give_up(stretch, c, turned.center + turned.radius * top.at, top.value + slack);
+            return;
+        }
+        let at = |k: u8| a + (b - a) * f64::from(k) / 4.0;
+        for k in 0..4 {
+            self.refine(stretch, c, at(k), at(k + 1), None);
+        }
+    }
+
+    /// Takes what the force is at one instant, and how much larger it may be, for a place that is not looked into.
+    fn give_up(&mut self, stretch: &Stretch, c: &Candidate, t: f64, upper: f64) {
+        let value = self.field.value(stretch, c.spring, t);
+        self.watch.take(c.spring, c.negative, t, if c.negative { -value } else { value });
+        self.watch.leave_open(c.spring, c.negative, upper);
+        let best = self.watch.peaks[c.spring].side(c.negative).best.value;
+        self.missed = self.missed.max(upper - best);
     }
 }
 
@@ -282,11 +361,14 @@ struct Certain {
     value: f64,
     /// The cell in which the rating was certainly passed.
     over_in: usize,
+    /// The lowest sample, and the first cell that begins with one well under the rating.
+    lowest: f64,
+    low_in: usize,
 }
 
 impl Default for Certain {
     fn default() -> Certain {
-        Certain { value: f64::NEG_INFINITY, over_in: usize::MAX }
+        Certain { value: f64::NEG_INFINITY, over_in: usize::MAX, lowest: f64::INFINITY, low_in: usize::MAX }
     }
 }
 
@@ -345,7 +427,8 @@ impl Grid {
         let slack = |i: usize| {
             let cubic: f64 = (0..resolved).map(|j| amplitude(i, j) * (field.omega[j] * width).powi(4)).sum();
             let fast: f64 = (resolved..field.omega.len()).map(|j| amplitude(i, j)).sum();
-            let rounding: f64 = 1e-12 * (0..resolved).map(|j| amplitude(i, j)).sum::<f64>();
+            let swinging: f64 = (0..resolved).map(|j| amplitude(i, j)).sum();
+            let rounding = 1e-12 * swinging + 8.0 * ROUNDOFF * stretch.mean[i].abs();
             [cubic / 384.0 + fast + rounding, fast + rounding]
         };
         Grid { from: stretch.from, to: stretch.to, cells, width, resolved, slack: (0..springs).map(slack).collect() }
@@ -370,7 +453,7 @@ impl Grid {
         let (mut q, mut dq) = (DMatrix::zeros(self.resolved, columns), DMatrix::zeros(self.resolved, columns));
         for j in 0..self.resolved {
             let (sin, cos) = (field.omega[j] * self.width).sin_cos();
-            let [mut c, mut s] = first[j];
+            let [_, mut c, mut s] = first[j];
             for n in 0..columns {
                 q[(j, n)] = c;
                 dq[(j, n)] = s * field.omega[j];
@@ -388,6 +471,10 @@ impl Grid {
         let [left, right] = ends.map(|[f, d]| [sign * f, sign * d]);
         let reached = left[0].max(right[0]);
         certain.value = certain.value.max(reached - off);
+        certain.lowest = certain.lowest.min(left[0] + off);
+        if certain.low_in == usize::MAX && watch.is_low(c.spring, c.negative, left[0] + off) {
+            certain.low_in = c.cell;
+        }
         if certain.over_in == usize::MAX && watch.certainly_over(c.spring, c.negative, certain.value) {
             certain.over_in = c.cell;
         }

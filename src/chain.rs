@@ -57,6 +57,8 @@ impl Chain {
             let (sum, count) = live.fold((0.0, 0.0), |(s, c), v| (s + (self.mass[v] / k).sqrt(), c + 1.0));
             if count > 0.0 { sum / count } else { 0.0 }
         };
-        self.stiffness.iter().enumerate().map(spring).sum()
+        let terms: Vec<f64> = self.stiffness.iter().enumerate().map(spring).collect();
+        // Equal terms are multiplied, so that trains of equal vehicles have whole transits.
+        terms.chunk_by(|a, b| a == b).map(|run| run.len() as f64 * run[0]).sum()
     }
 }

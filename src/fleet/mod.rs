@@ -40,7 +40,7 @@ use progress::Progress;
 use summary::Summary;
 
 /// What a run may remember of scenes that it has solved, bytes.
-const REMEMBERED: usize = 64 << 20;
+const REMEMBERED: usize = 160 << 20;
 
 /// Why a run could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -73,7 +73,7 @@ pub struct Request {
     pub shard: Option<Shard>,
     /// Go on with the run that the folder holds.
     pub resume: bool,
-    /// Bytes of memory for scenes that have been solved; `None`: 64 MiB. Results do not depend on it.
+    /// Bytes of memory for scenes that have been solved; `None`: 160 MiB. Results do not depend on it.
     pub memo_bytes: Option<usize>,
 }
 

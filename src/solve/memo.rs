@@ -7,6 +7,11 @@
 //! `sqrt(mass / stiffness)`. Of a scene and its mirror image (counted from the other end, where forward is backward and
 //! the outside force turns its sign, while tension stays tension) the one that comes first in a fixed order stands for
 //! both. A held mass plays no part and is 1.
+//!
+//! Peaks do not depend on ratings. Where an equal chain's ratings are well above its forces it is first solved without any,
+//! as one scene with all others that differ in their ratings alone; if its peaks turn out to lie under the ratings, with
+//! more than the error bound between, there is nothing more to find. Otherwise it is solved with them. Which of the two is
+//! tried first depends on the scene alone.
 
 use std::collections::HashMap;
 use std::mem::size_of;
@@ -59,20 +64,27 @@ impl Memo {
         if scene.force == 0.0 {
             return solve(scene, ask);
         }
-        let form = Form::of(scene, ask);
-        if self.half == 0 {
-            self.solved.fetch_add(1, Ordering::Relaxed);
-            return Ok(form.back(&solve(&form.scene, &form.ask)?, scene));
+        if let Some(form) = Form::without_ratings(scene, ask) {
+            let own = form.back(&*self.known(&form)?, scene);
+            if is_clear(&own, scene) {
+                return Ok(own);
+            }
         }
+        let form = Form::of(scene, ask);
+        Ok(form.back(&*self.known(&form)?, scene))
+    }
+
+    /// The solution of a canonical scene.
+    fn known(&self, form: &Form) -> Result<Arc<Solution>, SolveError> {
         let key = key(&form.scene, &form.ask);
         if let Some(known) = self.recall(&key) {
             self.hits.fetch_add(1, Ordering::Relaxed);
-            return Ok(form.back(&known, scene));
+            return Ok(known);
         }
         let solution = Arc::new(solve(&form.scene, &form.ask)?);
         self.solved.fetch_add(1, Ordering::Relaxed);
-        self.keep(key, solution.clone());
-        Ok(form.back(&solution, scene))
+        self.put(&mut self.shelves(), key, solution.clone());
+        Ok(solution)
     }
 
     fn recall(&self, key: &Key) -> Option<Arc<Solution>> {
@@ -83,10 +95,6 @@ impl Memo {
         let (key, known) = shelves.old.remove_entry(key)?;
         self.put(&mut shelves, key, known.clone());
         Some(known)
-    }
-
-    fn keep(&self, key: Key, solution: Arc<Solution>) {
-        self.put(&mut self.shelves(), key, solution);
     }
 
     fn put(&self, shelves: &mut Shelves, key: Key, solution: Arc<Solution>) {
@@ -140,18 +148,39 @@ impl Form {
         form
     }
 
+    /// The form of an equal chain with no ratings, if there is hope that they do not matter.
+    fn without_ratings(scene: &Scene, ask: &Ask) -> Option<Form> {
+        equal(&scene.chain)?;
+        let largest = |of: &[f64]| of.iter().fold(scene.force.abs(), |most, f| most.max(f.abs()));
+        let lists = [&scene.rated_draft, &scene.rated_buff];
+        let smallest = lists.into_iter().flatten().fold(f64::INFINITY, |least, f| least.min(*f));
+        // A wave that meets a held end can bring half as much again as the load, and hardly more than the load elsewhere.
+        let held = scene.chain.held_head || scene.chain.held_tail;
+        let hope = if held { 1.6 } else { 1.05 } * largest(&scene.initial);
+        if ask.verdict_only || smallest < hope {
+            return None;
+        }
+        let mut open = scene.clone();
+        open.rated_draft.fill(f64::INFINITY);
+        open.rated_buff.fill(f64::INFINITY);
+        let mut form = Form::of(&open, ask);
+        // The tolerance only decides on the method: one that is a little stricter serves all that are near it.
+        form.ask.tolerance = f64::exp2(4.0 * (0.25 * form.ask.tolerance.log2()).floor());
+        Some(form)
+    }
+
     /// The solution of the canonical form in the scene's own units and order.
     ///
     /// Rounding to the canonical units and back moves a force by no more than is added to the bound: one unit roundoff
-    /// each way of its own size, and what happens within the roundoff of the horizon and the duration, during which a
-    /// force changes by at most the outside force per unit of time. (A unit impulse brings a unit mass the energy 1/2,
+    /// each way of its own size, and what happens within what the horizon (six roundoffs of it, on each of the two steps of
+    /// a pulse) and the duration are moved by, during which a force changes by at most the outside force per unit of time. (A unit impulse brings a unit mass the energy 1/2,
     /// and no spring of stiffness 1 ever holds more.)
     fn back(&self, solution: &Solution, scene: &Scene) -> Solution {
         let mut own = solution.clone();
         if let Some((time, force)) = self.units {
             let largest = own.springs.iter().flatten().map(|s| s.draft.best.value.max(s.buff.best.value));
             let largest = largest.fold(0.0, f64::max);
-            own.error_bound += f64::EPSILON * (2.0 * largest + 4.0 * self.scene.horizon);
+            own.error_bound += f64::EPSILON * (2.0 * largest + 12.0 * self.scene.horizon);
             own.error_bound *= force;
             for peaks in own.springs.iter_mut().flatten() {
                 peaks.scale_time(time);
@@ -173,6 +202,15 @@ impl Form {
     }
 }
 
+/// Whether every force stays under its rating with room to spare for the error bound, so that ratings change nothing.
+fn is_clear(solution: &Solution, scene: &Scene) -> bool {
+    let room = 2.0 * solution.error_bound;
+    let ratings = scene.rated_draft.iter().zip(&scene.rated_buff);
+    solution.springs.iter().zip(ratings).all(|(spring, (draft, buff))| {
+        spring.is_some_and(|s| s.draft.best.value + room < *draft && s.buff.best.value + room < *buff)
+    })
+}
+
 /// An equal chain with mass, stiffness and force of 1, and the unit of its time; `None` for other chains, and where
 /// rounding would bring an initial force to its rating, or from it.
 fn scaled(scene: &Scene) -> Option<(Scene, f64)> {
@@ -185,6 +223,11 @@ fn scaled(scene: &Scene) -> Option<(Scene, f64)> {
     unit.force /= force;
     unit.duration /= time;
     unit.horizon /= time;
+    // Whole transits are whole numbers but for roundoff; trains that share them share their scenes.
+    let whole = unit.horizon.round();
+    if (unit.horizon - whole).abs() <= 4.0 * f64::EPSILON * whole {
+        unit.horizon = whole;
+    }
     for of in [&mut unit.initial, &mut unit.rated_draft, &mut unit.rated_buff] {
         of.iter_mut().for_each(|f| *f /= force);
     }

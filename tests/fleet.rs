@@ -216,11 +216,13 @@ fn a_run_goes_on_only_with_what_it_began_with() {
     let other = fleet(folder.path(), &["trains", "--out", "out", "--resume", "--tolerance", "1e-6"]);
     assert_eq!(other.status.code(), Some(2));
     assert!(complaint(&other).contains("other options"), "{}", complaint(&other));
-    fleets::write_train(&trains, 2, 9);
+    let train = trains.join("train-0002.toml");
+    let text = fs::read_to_string(&train).expect("a train");
+    fs::write(&train, text.replace("30 MN/m", "31 MN/m")).expect("another train");
     let changed = fleet(folder.path(), &["trains", "--out", "out", "--resume"]);
     assert_eq!(changed.status.code(), Some(2));
     assert!(complaint(&changed).contains("holds a run of other train files"), "{}", complaint(&changed));
-    fleets::write_train(&trains, 2, 6);
+    fs::write(&train, text).expect("the train");
     let resumed = fleet(folder.path(), &["trains", "--out", "out", "--resume"]);
     assert!(resumed.status.success(), "{}", complaint(&resumed));
 }

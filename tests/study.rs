@@ -3,6 +3,7 @@
 #[path = "common/fleets.rs"]
 mod fleets;
 
+use std::collections::HashSet;
 use std::fs;
 use std::path::Path;
 
@@ -40,11 +41,14 @@ fn folder_with(train: &str, study: &str) -> TempDir {
     folder
 }
 
-/// How many of a study's variations have an exceedance, and how many there are.
+/// How many of a study's variations have an exceedance, and how many there are, no two of them alike.
 fn exceedances(folder: &Path) -> (usize, usize) {
     let output = fleet(folder, &["study.toml", "--out", "out"]);
     assert!(output.status.success(), "{}", complaint(&output));
     let rows = rows(&folder.join("out/fleet.csv"));
+    let draws: HashSet<&str> =
+        rows.iter().flat_map(|row| row.iter().filter(|(k, _)| k.contains('[')).map(|c| &**c.1)).collect();
+    assert_eq!(draws.len(), rows.len());
     (rows.iter().filter(|row| row["exceeding"] != "0").count(), rows.len())
 }
 

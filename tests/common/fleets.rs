@@ -15,7 +15,7 @@ pub fn write_train(folder: &Path, number: usize, vehicles: usize) -> PathBuf {
          [load]\nuniform = \"{load} kN\"\n"
     );
     for v in 0..vehicles {
-        let mass = if number % 3 == 0 { 80 } else { 60 + (7 * v + 11 * number) % 50 };
+        let mass = if number.is_multiple_of(3) { 80 } else { 60 + (7 * v + 11 * number) % 50 };
         text += &format!("[[vehicle]]\nmass = \"{mass} t\"\n");
         if v == 0 && number % 3 == 1 {
             text += "held = true\n";

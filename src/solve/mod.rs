@@ -17,6 +17,7 @@ pub mod modal;
 pub mod path;
 pub mod plan;
 pub mod propagator;
+pub mod search;
 pub mod statics;
 pub mod sums;
 pub mod watch;

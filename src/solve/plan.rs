@@ -3,7 +3,7 @@
 //! Every method's work is counted before it is done; a price per unit of work, measured once on one machine and the same
 //! for everyone, makes the counts comparable. The choice therefore depends on the scene alone, never on the machine's mood.
 
-use super::{Ask, Method, Solution, SolveError, Work, closed_form, fronts, modal, propagator, sums};
+use super::{Ask, Method, Solution, SolveError, Work, closed_form, fronts, modal, propagator, search, sums};
 use crate::chain::Scene;
 
 /// Nanoseconds for one product in a sum over modes, value and slope together, as matrix products do it.
@@ -173,7 +173,7 @@ pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
         (Method::ClosedForm | Method::Modal, Some(modes)) => {
             let left_out = sums::leave_out(scene, modes, 0.1 * ask.tolerance);
             let bound = sums::error_bound(scene, modes) + left_out;
-            let (peaks, work, missed) = sums::peaks(scene, modes, bound);
+            let (peaks, work, missed) = search::peaks(scene, modes, bound);
             if missed > 0.0 {
                 reason += "; its search for peaks among millions of fast swings was given up, and the bound is widened";
             }

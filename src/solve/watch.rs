@@ -76,8 +76,6 @@ pub struct Watch {
     horizon: f64,
     /// No force shown is further than this from the truth.
     bound: f64,
-    /// The outside force is so small that its sign at a spring may be lost in rounding.
-    feeble: bool,
 }
 
 impl Watch {
@@ -92,7 +90,7 @@ impl Watch {
             buff: Side::at_rest(-scene.initial[i], r[1], bound, !draws(i)),
         };
         let peaks = ratings.iter().enumerate().map(at_rest).collect();
-        Watch { peaks, ratings, horizon: scene.horizon, bound, feeble: scene.force.abs() <= bound }
+        Watch { peaks, ratings, horizon: scene.horizon, bound }
     }
 
     /// The rating in one sign.
@@ -141,14 +139,11 @@ impl Watch {
         departed
     }
 
-    /// At the end: a side that stood at its rating, and the lowest it was seen at. If it never went well below, and yet
-    /// moved, it cannot be told whether it passed the rating.
+    /// At the end: a side that stood at its rating, and the lowest it was seen at. If it never went well below, it cannot be
+    /// told whether it passed the rating, be it by a part in 1e86.
     pub fn settle(&mut self, spring: usize, negative: bool, lowest: f64) {
-        if self.departs(spring, negative, lowest) {
-            return;
-        }
-        let moved = self.feeble || self.peaks[spring].side(negative).best.value - lowest > 1e-3 * self.bound;
-        self.side_mut(spring, negative).near |= moved;
+        let undecided = self.bound > 0.0 && !self.departs(spring, negative, lowest);
+        self.side_mut(spring, negative).near |= undecided;
     }
 
     /// What could not be looked into leaves it open whether a side passes its rating.

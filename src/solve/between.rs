@@ -50,6 +50,8 @@ pub struct Motion {
     pub behind: Vec<f64>,
     /// `k_i (p_i / m_i - p_{i+1} / m_{i+1})` for a unit outside force p on the source.
     pub drive: Vec<f64>,
+    /// `1 / k_i`
+    compliance: Vec<f64>,
     /// Bounds on `(A G)_i` and `(A^2 G)_i` per unit of the norm of `G_i / sqrt(k_i)`.
     row: Vec<[f64; 2]>,
     /// `1 / sqrt(m_source)`: the norm of accelerations and rates of extension that a unit step of force starts and keeps up.
@@ -78,7 +80,8 @@ impl Motion {
             (ahead[i] + behind[i]) * first[i] + ahead[i] * before + behind[i] * after
         };
         let row = (0..springs).map(|i| [first[i], second(i)]).collect();
-        Motion { ahead, behind, drive, row, jolt: inverse(scene.source).sqrt() }
+        let compliance = chain.stiffness.iter().map(|k| 1.0 / k).collect();
+        Motion { ahead, behind, drive, compliance, row, jolt: inverse(scene.source).sqrt() }
     }
 
     /// The two remainders of every spring over steps of `width`, per unit of the local norm of `h^2 G''`; whole blocks of springs.
@@ -139,12 +142,12 @@ pub struct Step {
 }
 
 /// A step in which one side of a spring may have its extreme, or pass its rating first.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 struct Open {
     step: Step,
     upper: f64,
-    /// Forces around the spring at both ends.
-    window: Box<[[f64; WINDOW]; 2]>,
+    /// Forces around the spring at both ends: a place in the search's store.
+    window: usize,
 }
 
 /// One sign of one spring.
@@ -167,8 +170,13 @@ pub struct Search<'a> {
     sides: Vec<[Side; 2]>,
     /// Per sign and spring: what G, or -G, has to pass to matter; whole blocks of springs.
     pub levels: [Vec<f64>; 2],
+    /// Per sign and spring: what G, or -G, has to pass for a first exceedance; infinite once there is one.
+    pub crossings: [Vec<f64>; 2],
     /// Steps looked into.
     pub looked: u64,
+    /// Windows of the open steps, and the places in it that are free.
+    store: Vec<[[f64; WINDOW]; 2]>,
+    free: Vec<usize>,
     /// Sides that stood at their rating and have not left it, and the lowest they were seen at.
     at_rating: Vec<(usize, bool, f64)>,
 }
@@ -193,8 +201,19 @@ impl<'a> Search<'a> {
             .filter(|&(s, negative)| sides[s][usize::from(negative)].at_rating)
             .map(|(s, negative)| (s, negative, watch.peaks[s].side(negative).best.value))
             .collect();
-        let levels = [0, 1].map(|_| vec![f64::INFINITY; springs.next_multiple_of(BLOCK)]);
-        let mut search = Search { scene, motion, watch, sides, levels, looked: 0, at_rating };
+        let [levels, crossings] = [0, 1].map(|_| [0, 1].map(|_| vec![f64::INFINITY; springs.next_multiple_of(BLOCK)]));
+        let mut search = Search {
+            scene,
+            motion,
+            watch,
+            sides,
+            levels,
+            crossings,
+            looked: 0,
+            store: Vec::new(),
+            free: Vec::new(),
+            at_rating,
+        };
         (0..springs).for_each(|s| [false, true].into_iter().for_each(|n| search.set_level(s, n)));
         search
     }
@@ -212,8 +231,17 @@ impl<'a> Search<'a> {
             Side { at_rating: true, .. } => side.reached.min(rating + self.watch.bound()),
             _ => side.reached.min(self.watch.cautious_rating(spring, negative)),
         };
+        let crossing = if side.over_in.is_some() { f64::INFINITY } else { level.max(rating - self.watch.bound()) };
         let initial = self.scene.initial[spring];
-        self.levels[usize::from(negative)][spring] = if negative { level + initial } else { level - initial };
+        let before = if negative { -initial } else { initial };
+        self.levels[usize::from(negative)][spring] = level - before;
+        self.crossings[usize::from(negative)][spring] = crossing - before;
+    }
+
+    /// Whether no step like this one follows: the last one, or the last before a pulse ends.
+    pub fn is_last(&self, step: &Step) -> bool {
+        let next = step.from + 1.5 * step.width;
+        next > self.scene.horizon || (self.scene.duration > step.from && self.scene.duration < next)
     }
 
     /// A step of which a quick bound says that a spring may matter. `at(end, s)` is G of spring s at the beginning (0) or end
@@ -245,7 +273,7 @@ impl<'a> Search<'a> {
             if upper <= level || self.other_steps_have_it(step, spring, negative, ends, remainder) {
                 continue;
             }
-            let window = Box::new([self.window(spring, |s| at(0, s)), self.window(spring, |s| at(1, s))]);
+            let window = self.put([self.window(spring, |s| at(0, s)), self.window(spring, |s| at(1, s))]);
             let initial = sign * self.scene.initial[spring];
             self.keep(spring, negative, lower + initial, Open { step: *step, upper: upper + initial, window });
         }
@@ -269,10 +297,17 @@ impl<'a> Search<'a> {
         let initial = self.scene.initial[spring];
         let end = ends[1][0] + if negative { -initial } else { initial };
         let may_cross = side.over_in.is_none() && end > self.watch.cautious_rating(spring, negative);
-        let next = step.from + 1.5 * step.width;
-        let last = next > self.scene.horizon;
-        let stretch_ends = self.scene.duration > step.from && self.scene.duration < next;
-        !may_cross && !last && !stretch_ends && least_slope(ends, remainder) > 0.0
+        !may_cross && !self.is_last(step) && least_slope(ends, remainder) > 0.0
+    }
+
+    /// Puts a window into the store.
+    fn put(&mut self, window: [[f64; WINDOW]; 2]) -> usize {
+        if let Some(place) = self.free.pop() {
+            self.store[place] = window;
+            return place;
+        }
+        self.store.push(window);
+        self.store.len() - 1
     }
 
     /// Forces of the springs around.
@@ -299,7 +334,7 @@ impl<'a> Search<'a> {
             let after = if s + 1 < self.sides.len() { at(s + 1) } else { 0.0 };
             let pull = self.motion.ahead[s] * (here - before) + self.motion.behind[s] * (here - after);
             let bend = step.force * self.motion.drive[s] - pull;
-            sum += bend * bend / self.scene.chain.stiffness[s];
+            sum += bend * bend * self.motion.compliance[s];
             (before, here) = (here, after);
         }
         step.width * step.width * sum.sqrt()
@@ -315,7 +350,14 @@ impl<'a> Search<'a> {
         if lower > side.reached {
             side.reached = lower;
             let (reached, last) = (side.reached, side.over_in.unwrap_or(u64::MAX));
-            side.open.retain(|o| o.upper >= reached || (o.upper > cautious && o.step.number <= last));
+            let free = &mut self.free;
+            side.open.retain(|o| {
+                let matters = o.upper >= reached || (o.upper > cautious && o.step.number <= last);
+                if !matters {
+                    free.push(o.window);
+                }
+                matters
+            });
         }
         side.open.push(open);
         if side.at_rating || side.open.len() >= MOST_OPEN {
@@ -363,12 +405,14 @@ impl<'a> Search<'a> {
 
     /// Looks into the open steps of a side, in the order of time.
     fn look(&mut self, spring: usize, negative: bool) {
-        for open in std::mem::take(&mut self.sides[spring][usize::from(negative)].open) {
+        let mut all = std::mem::take(&mut self.sides[spring][usize::from(negative)].open);
+        for open in all.drain(..) {
+            self.free.push(open.window);
             if open.upper <= self.watch.level(spring, negative) {
                 continue;
             }
             self.looked += 1;
-            let mut local = self.local(&open.step, spring, &open.window);
+            let mut local = self.local(&open.step, spring, &self.store[open.window]);
             local.coefficient[0] += self.scene.initial[spring];
             let end = ((self.scene.horizon - local.center) / local.radius).min(1.0);
             let exact = |t: f64| local.value_and_slope((t - local.center) / local.radius).0;
@@ -376,6 +420,7 @@ impl<'a> Search<'a> {
         }
         let best = self.watch.peaks[spring].side(negative).best.value;
         let side = &mut self.sides[spring][usize::from(negative)];
+        side.open = all;
         side.reached = side.reached.max(best);
     }
 
@@ -458,6 +503,26 @@ fn times_x(ahead: &[f64; WINDOW], behind: &[f64; WINDOW], r: &[f64; WINDOW]) -> 
         out[l] = ahead[l] * (r[l] - r[l - 1]) + behind[l] * (r[l] - r[l + 1]);
     }
     out
+}
+
+/// How far a quick bound of a spring's force over a step passes what matters in either sign; negative if it does not.
+///
+/// `f` is G and `q` is `-h^2 G''` at both ends, `remainder` the first one. A force that certainly rises (or falls) through the
+/// step leaves its largest value to the next (or previous) one, unless it may pass its rating. The remainder's slope is at most
+/// half the largest second derivative of the remainder, which is an eighth of that of the force: 4.8 remainders.
+#[inline(always)]
+pub fn opening(f: [f64; 2], q: [f64; 2], remainder: f64, level: [f64; 2], crossing: [f64; 2], last: bool) -> f64 {
+    let more = |a: f64, b: f64| if a > b { a } else { b };
+    let less = |a: f64, b: f64| if a < b { a } else { b };
+    let up = more(f[0], f[1]) + 0.125 * more(more(q[0], q[1]), 0.0) - level[0];
+    let down = -less(f[0], f[1]) - 0.125 * less(less(q[0], q[1]), 0.0) - level[1];
+    let rise = f[1] - f[0];
+    let steep = rise.abs() - 0.5 * more(q[0].abs(), q[1].abs()) - 4.8 * remainder > 0.0;
+    let (rises, falls) = (steep & (rise > 0.0), steep & (rise < 0.0));
+    let no_up = falls | (rises & !last & (f[1] <= crossing[0]));
+    let no_down = rises | (falls & !last & (-f[1] <= crossing[1]));
+    let (up, down) = (if no_up { -1.0 } else { up + remainder }, if no_down { -1.0 } else { down + remainder });
+    more(up, down)
 }
 
 /// Lower and upper bound of the largest value over a step, from `G`, `h^2 G''`, `h^4 G''''` at both ends and the remainder.

@@ -384,7 +384,7 @@ impl Grid {
 /// How many modes to sum on the grid: all, unless the frequencies have a gap of 4 or more above at least half of them.
 ///
 /// Above such a gap modes are of stiff connections or light vehicles, and carry little force except near the event.
-fn resolved_modes(omega: &[f64]) -> usize {
+pub fn resolved_modes(omega: &[f64]) -> usize {
     let half = omega.len().div_ceil(2).max(1);
     let gap = (half..omega.len()).find(|&j| omega[j] > 4.0 * omega[j - 1]);
     gap.unwrap_or(omega.len())

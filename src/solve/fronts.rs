@@ -18,8 +18,9 @@
 //! spring, and nothing is kept.
 
 use super::Work;
-use super::between::{BLOCK, Motion, PHASE, Search, Step, local_norms, opening};
+use super::between::{PHASE, Search, Step};
 use super::closed_form::equal;
+use super::motion::{BLOCK, Motion, local_norms, opening};
 use super::watch::SpringPeaks;
 use crate::chain::Scene;
 

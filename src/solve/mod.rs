@@ -14,10 +14,12 @@ pub mod fronts;
 
 pub mod local;
 pub mod modal;
+pub mod motion;
 pub mod path;
 pub mod plan;
 pub mod propagator;
 pub mod search;
+pub mod series;
 pub mod statics;
 pub mod sums;
 pub mod watch;

@@ -20,9 +20,11 @@
 use std::sync::OnceLock;
 
 use super::Work;
-use super::between::{BLOCK, Motion, PHASE, Search, Step, local_norms, opening, polynomial, sine_over_root};
+use super::between::{PHASE, Search, Step};
 use super::dd::Dd;
+use super::motion::{BLOCK, Motion, local_norms, opening};
 use super::path::Path;
+use super::series::{polynomial, sine_over_root};
 use super::watch::SpringPeaks;
 use crate::chain::Scene;
 
@@ -517,7 +519,7 @@ fn kick_series() -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::between::cosine_of_root;
+    use super::super::series::cosine_of_root;
     use super::*;
 
     /// The kick's factor to rounding over the whole range of phases.

@@ -66,7 +66,7 @@ fn offers(scene: &Scene, omega_max: f64) -> Vec<Offer> {
     let cells = (scene.horizon * summed_frequency(scene, omega_max) / 1.5).ceil() + 1.0;
     let sums = MODE_SUM * springs * springs * cells + look;
     let swing = scene.force.abs() * (omega_max * scene.duration).min(2.0);
-    let bound_of_sums = 0.5 * f64::EPSILON * swing * (10.0 + springs / 8.0) * (2.0 + springs.ln());
+    let bound_of_sums = 0.5 * f64::EPSILON * swing * (20.0 + springs.log2()) * (2.0 + springs.ln());
     let memory_of_modes = |bytes: f64| bytes * springs * springs / 1e9;
     let mut offers = vec![Offer {
         method: Method::Propagator,

@@ -107,8 +107,8 @@ pub fn error_bound(scene: &Scene, modes: &Modes) -> f64 {
     let spring = |i: usize| {
         let size: f64 =
             modes.omega.iter().zip(modes.share.row(i).iter()).map(|(&w, a)| a.abs() * swing(scene, w)).sum();
-        // Rounding of a_ij (1), the amplitude (2), the reduced phase (2), its cosine (1), the product (1), and the sum.
-        let swing = size * (7.0 + m / 8.0 + 3.0);
+        // Rounding of a_ij (5), the amplitude (2), the reduced phase (2), its sine (1), the product (1), and the sum by halves.
+        let swing = size * (11.0 + m.min(PAIRWISE as f64) + (m / PAIRWISE as f64).max(1.0).log2() + 1.0);
         // What the modes miss of the force drives an error while it acts, their residuals as long as they swing.
         let missed = modes.defect[i] * (acting + fastest * scene.horizon);
         (swing + scene.initial[i].abs()) * ROUNDOFF + missed
@@ -221,9 +221,12 @@ const INVERSE_FACTORIAL: [f64; COEFFICIENTS] = {
     table
 };
 
+/// Terms summed in a row.
+const PAIRWISE: usize = 8;
+
 /// Sum of `term(j)` over [from, to) by halves: its rounding grows as the logarithm of the number of terms.
 fn pairwise(term: &dyn Fn(usize) -> f64, from: usize, to: usize) -> f64 {
-    if to - from <= 16 {
+    if to - from <= PAIRWISE {
         return (from..to).map(term).sum();
     }
     let middle = from + (to - from) / 2;

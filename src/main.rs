@@ -8,6 +8,8 @@ use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::{Duration, Instant};
 
 use clap::Parser;
 use trainsafe::accuracy::{self, AccuracyError};
@@ -52,7 +54,8 @@ fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
     if seconds > LONG_S {
         say(&format!("this will take about {seconds:.0} s"));
     }
-    let analysis = findings::analyze(&train, &options).map_err(|e| complain(&args.train, &e))?;
+    let analysis =
+        with_clock(seconds, || findings::analyze(&train, &options)).map_err(|e| complain(&args.train, &e))?;
     if args.json {
         let json = report::json(&analysis).map_err(|e| output_failed(&e))?;
         print(&(json + "\n"))?;
@@ -62,6 +65,25 @@ fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
         print(&report::terminal(&analysis, written.last().map(PathBuf::as_path)))?;
     }
     if args.fail_on_exceed && exceeds(&analysis) { Err(Failure::Exceeds) } else { Ok(()) }
+}
+
+/// Does long work, and says every so often how long it has been at it.
+fn with_clock<T: Send>(estimate_s: f64, work: impl FnOnce() -> T + Send) -> T {
+    if estimate_s <= LONG_S {
+        return work();
+    }
+    let (done, wait) = mpsc::channel::<()>();
+    let start = Instant::now();
+    std::thread::scope(|scope| {
+        scope.spawn(move || {
+            while let Err(RecvTimeoutError::Timeout) = wait.recv_timeout(Duration::from_secs_f64(2.0 * LONG_S)) {
+                say(&format!("{:.0} s of about {estimate_s:.0} s", start.elapsed().as_secs_f64()));
+            }
+        });
+        let result = work();
+        drop(done);
+        result
+    })
 }
 
 fn accuracy(args: &cli::Accuracy) -> Result<(), Failure> {

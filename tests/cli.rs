@@ -206,3 +206,37 @@ fn verdict_only_leaves_out_what_cannot_exceed() {
         );
     }
 }
+
+/// The same bytes for any number of threads, but for the run times.
+#[test]
+fn results_do_not_depend_on_threads() {
+    let by = |threads: &str| {
+        let mut run = command(&["analyze", &train("european-freight-train.toml"), "--json"]);
+        let out = run.env("RAYON_NUM_THREADS", threads).output().expect("it runs");
+        let lines = text(&out.stdout);
+        lines.lines().filter(|l| !l.contains("run_time_s")).map(str::to_owned).collect::<Vec<String>>()
+    };
+    let alone = by("1");
+    assert!(alone.len() > 1000);
+    assert_eq!(alone, by("2"));
+    assert_eq!(alone, by("7"));
+}
+
+/// The committed sample reports are what the program writes, but for the run times.
+#[test]
+fn sample_reports_are_up_to_date() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let dir = tempfile::tempdir().expect("a folder");
+    for name in ["paper-figure-4", "mixed-manifest-train"] {
+        let out = dir.path().join(name);
+        let run = trainsafe(&["analyze", &train(&format!("{name}.toml")), "--out", &out.display().to_string()]);
+        assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+        let without_times = |path: PathBuf| {
+            let report = fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+            let lines = report.lines().map(|l| l.split("Run time").next().unwrap_or_default().to_owned());
+            lines.collect::<Vec<String>>()
+        };
+        let kept = without_times(root.join("reports").join(name).join("report.md"));
+        assert_eq!(without_times(out.join("report.md")), kept, "{name}: run `trainsafe analyze trains/{name}.toml`");
+    }
+}

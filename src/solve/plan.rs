@@ -3,7 +3,7 @@
 //! Every method's work is counted before it is done; a price per unit of work, measured once on one machine and the same
 //! for everyone, makes the counts comparable. The choice therefore depends on the scene alone, never on the machine's mood.
 
-use super::{Ask, Method, Solution, SolveError, Work, closed_form, fronts, modal, propagator, sums};
+use super::{Ask, Method, Solution, SolveError, Work, closed_form, fronts, modal, propagator, search, sums};
 use crate::chain::Scene;
 
 /// Nanoseconds for one product in a sum over modes, value and slope together, as matrix products do it.
@@ -44,16 +44,29 @@ struct Offer {
     gigabytes: f64,
 }
 
+/// The largest frequency that a sum over modes has to follow in time: modes beyond a wide gap are not summed on its grid.
+///
+/// Estimated from each spring between its two masses alone, by the rule that [`search`] has for the modes themselves.
+fn summed_frequency(scene: &Scene, omega_max: f64) -> f64 {
+    let chain = &scene.chain;
+    let inverse = |v: usize| if chain.live(v) { 1.0 / chain.mass[v] } else { 0.0 };
+    let alone = |(i, k): (usize, &f64)| (k * (inverse(i) + inverse(i + 1))).sqrt();
+    let mut frequencies: Vec<f64> = chain.stiffness.iter().enumerate().map(alone).collect();
+    frequencies.sort_by(f64::total_cmp);
+    let summed = search::resolved_modes(&frequencies);
+    if summed == frequencies.len() { omega_max } else { (1.5 * frequencies[summed - 1]).min(omega_max) }
+}
+
 /// The methods that fit the scene.
 fn offers(scene: &Scene, omega_max: f64) -> Vec<Offer> {
     let springs = scene.initial.len() as f64;
     let equal = closed_form::equal(&scene.chain).is_some();
-    let instants = (scene.horizon * omega_max / 1.5).ceil() + 1.0;
     let passing = 1.0 + scene.horizon * omega_max / 2.0 / springs;
     let look = LOOK * springs;
-    let sums = MODE_SUM * springs * springs * instants + look;
+    let cells = (scene.horizon * summed_frequency(scene, omega_max) / 1.5).ceil() + 1.0;
+    let sums = MODE_SUM * springs * springs * cells + look;
     let swing = scene.force.abs() * (omega_max * scene.duration).min(2.0);
-    let bound_of_sums = 0.5 * f64::EPSILON * swing * (10.0 + springs / 8.0) * (2.0 + springs.ln());
+    let bound_of_sums = 0.5 * f64::EPSILON * swing * (20.0 + springs.log2()) * (2.0 + springs.ln());
     let memory_of_modes = |bytes: f64| bytes * springs * springs / 1e9;
     let mut offers = vec![Offer {
         method: Method::Propagator,
@@ -173,7 +186,7 @@ pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
         (Method::ClosedForm | Method::Modal, Some(modes)) => {
             let left_out = sums::leave_out(scene, modes, 0.1 * ask.tolerance);
             let bound = sums::error_bound(scene, modes) + left_out;
-            let (peaks, work, missed) = sums::peaks(scene, modes, bound);
+            let (peaks, work, missed) = search::peaks(scene, modes, bound);
             if missed > 0.0 {
                 reason += "; its search for peaks among millions of fast swings was given up, and the bound is widened";
             }

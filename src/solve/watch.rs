@@ -76,8 +76,6 @@ pub struct Watch {
     horizon: f64,
     /// No force shown is further than this from the truth.
     bound: f64,
-    /// The outside force is so small that its sign at a spring may be lost in rounding.
-    feeble: bool,
 }
 
 impl Watch {
@@ -92,7 +90,7 @@ impl Watch {
             buff: Side::at_rest(-scene.initial[i], r[1], bound, !draws(i)),
         };
         let peaks = ratings.iter().enumerate().map(at_rest).collect();
-        Watch { peaks, ratings, horizon: scene.horizon, bound, feeble: scene.force.abs() <= bound }
+        Watch { peaks, ratings, horizon: scene.horizon, bound }
     }
 
     /// The rating in one sign.
@@ -141,14 +139,11 @@ impl Watch {
         departed
     }
 
-    /// At the end: a side that stood at its rating, and the lowest it was seen at. If it never went well below, and yet
-    /// moved, it cannot be told whether it passed the rating.
+    /// At the end: a side that stood at its rating, and the lowest it was seen at. If it never went well below, it cannot be
+    /// told whether it passed the rating, be it by a part in 1e86.
     pub fn settle(&mut self, spring: usize, negative: bool, lowest: f64) {
-        if self.departs(spring, negative, lowest) {
-            return;
-        }
-        let moved = self.feeble || self.peaks[spring].side(negative).best.value - lowest > 1e-3 * self.bound;
-        self.side_mut(spring, negative).near |= moved;
+        let undecided = self.bound > 0.0 && !self.departs(spring, negative, lowest);
+        self.side_mut(spring, negative).near |= undecided;
     }
 
     /// What could not be looked into leaves it open whether a side passes its rating.
@@ -198,6 +193,45 @@ impl Watch {
     /// Takes note of a force over -1 <= x <= `end`, whose polynomial is right to well within the bound.
     /// `exact` gives the force at one instant as well as the method can.
     pub fn note(&mut self, spring: usize, negative: bool, local: &Local, end: f64, exact: impl Fn(f64) -> f64) {
+        let level = self.level(spring, negative);
+        if self.see(spring, negative, local, [end, level], exact) {
+            self.note_crossing(spring, negative, local);
+        }
+    }
+
+    /// The same where pieces do not come in the order of time: nothing is said of the first exceedance.
+    pub fn note_peak(&mut self, spring: usize, negative: bool, local: &Local, end: f64, exact: impl Fn(f64) -> f64) {
+        let level = self.peaks[spring].side(negative).best.value.min(self.cautious_rating(spring, negative));
+        self.see(spring, negative, local, [end, level], exact);
+    }
+
+    /// Takes note of where the force passes its rating, if no earlier instant is known and it certainly does so here.
+    pub fn note_crossing(&mut self, spring: usize, negative: bool, local: &Local) -> bool {
+        let turned;
+        let local = if negative {
+            turned = local.negated();
+            &turned
+        } else {
+            local
+        };
+        let (rating, horizon) = (self.rating(spring, negative), self.horizon);
+        let over = local.largest(-1.0, 1.0, rating + self.bound).is_some();
+        let side = self.side_mut(spring, negative);
+        if over && side.first_over.is_none() {
+            side.first_over = local.first_over(-1.0, 1.0, rating).map(|x| local.time(x).min(horizon));
+        }
+        over
+    }
+
+    /// Takes note of the largest value of a piece, if it passes the level; whether it is certainly over the rating.
+    fn see(
+        &mut self,
+        spring: usize,
+        negative: bool,
+        local: &Local,
+        [end, level]: [f64; 2],
+        exact: impl Fn(f64) -> f64,
+    ) -> bool {
         let turned;
         let (local, sign) = if negative {
             turned = local.negated();
@@ -205,26 +239,20 @@ impl Watch {
         } else {
             (local, 1.0)
         };
-        let level = self.level(spring, negative);
         let (rating, bound, grain, horizon) = (self.rating(spring, negative), self.bound, self.grain(), self.horizon);
         let side = self.side_mut(spring, negative);
-        // A piece that ends at the horizon ends there to the last bit, whatever its own times round to.
-        let time = |x: f64| {
-            let t = (local.center + local.radius * x).max(0.0);
-            if t > horizon * (1.0 - 8.0 * f64::EPSILON) { horizon } else { t }
-        };
         let was_departed = side.departed;
         side.departed |= local.value_and_slope(end).0 < rating - 4.0 * bound;
-        let Some(top) = local.largest(-1.0, end, level) else { return };
-        let t = time(top.at);
+        let Some(top) = local.largest(-1.0, end, level) else { return false };
+        // A piece that ends at the horizon ends there to the last bit, whatever its own times round to.
+        let t = local.time(top.at);
+        let t = if t > horizon * (1.0 - 8.0 * f64::EPSILON) { horizon } else { t };
         let value = sign * exact(t);
-        if value > rating + bound && side.first_over.is_none() {
-            side.first_over = local.first_over(-1.0, end, rating).map(time);
-        }
         if value > side.best.value + grain {
             side.best = Point { at: t, value };
             side.near |= value > rating - bound;
         }
         side.near |= was_departed && value > rating - bound;
+        value > rating + bound
     }
 }

@@ -178,13 +178,13 @@ class Scene:
             self.modes = self.chain.modes(self.source)
         return self.modes
 
-    def forces(self, t, springs=None):
-        """[F, F', F''] of each spring at t, in full precision."""
+    def forces(self, t, springs=None, count=None):
+        """[F, F', F''] of each spring at t, in full precision; of the `count` slowest modes if given."""
         m, t, p = self.solve(), mpfr(t), mpfr(self.force)
         springs = range(len(self.chain.k)) if springs is None else springs
         over = t >= self.duration
         coefficient = []
-        for w in m.omega:
+        for w in m.omega[:count]:
             s, c = gmpy2.sin_cos(w * t)
             row = [1 - c, w * s, w * w * c]
             if over:
@@ -299,7 +299,7 @@ class Search:
 
     def refine(self, st, i, sign, cells, r, keep):
         """Splits cells until every mode that matters is resolved; `keep(upper, value, centre, r)` says which live on."""
-        top, _ = self.fastest(st, i)
+        top = self.fastest(st, i)[0]
         value = np.zeros(0)
         for _ in range(200):
             if len(cells) == 0 or r * top < self.STOP:
@@ -367,7 +367,7 @@ class Search:
             for value, start in tops[:20]:
                 if value < tops[0][0] - 1e-12 * self.scale:
                     break
-                t, top = self.polish(st, i, sign, start + st.start)
+                t, top = self.polish(st, i, sign, start + st.start, self.fastest(st, i)[2])
                 if top > best:
                     best, at = top, t
             for t in (st.start, st.end):
@@ -377,7 +377,7 @@ class Search:
         return best, at
 
     def fastest(self, st, i):
-        """The fastest mode that is resolved, and the joint amplitude of those beyond.
+        """The fastest mode that is resolved, the joint amplitude of those beyond, and how many are resolved.
 
         A spring that stands still, but for millions of swings of 1e-12, has its peak to 1e-10 and no better.
         """
@@ -387,9 +387,9 @@ class Search:
             count = int(np.argmax(beyond <= least * self.scale))
             top = st.omega[count - 1] if count else 1.0 / (st.end - st.start)
             if (st.end - st.start) * top < 1e5:
-                return top, beyond[count]
+                return top, beyond[count], count
         count = int(np.argmax(beyond <= 1e-16 * self.scale))
-        return st.omega[count - 1], beyond[count]
+        return st.omega[count - 1], beyond[count], count
 
     def tops(self, st, i, sign, cells, r):
         """Local maxima of sign F near the cells, by Newton's method in doubles, the largest first."""
@@ -399,12 +399,14 @@ class Search:
         left = np.concatenate([[True], (value[1:] >= value[:-1]) | (np.diff(cells) > 3 * r)])
         right = np.concatenate([(value[:-1] >= value[1:]) | (np.diff(cells) > 3 * r), [True]])
         start = cells[left & right]
-        tau, row = start, st.share[i]
+        # Beyond the resolved modes the slope is one of swings that are too small to count.
+        count = self.fastest(st, i)[2]
+        tau, row = start, st.share[i][:count]
         for _ in range(4):
             step = []
             for block in np.array_split(tau, len(tau) * len(row) // 2_000_000 + 1):
-                q, dq = st.waves(block, len(row))
-                second = -((row * st.omega**2) @ q)
+                q, dq = st.waves(block, count)
+                second = -((row * st.omega[:count] ** 2) @ q)
                 slope = row @ dq
                 step.append(np.where(sign * second < 0, -slope / np.where(second == 0, 1, second), 0))
             tau = np.clip(tau + np.clip(np.concatenate(step), -r, r), np.maximum(start - 3 * r, 0), start + 3 * r)
@@ -412,10 +414,10 @@ class Search:
         value = sign * self.at(st, i, tau, 0)[2]
         return sorted(zip(value.tolist(), tau.tolist()), reverse=True)
 
-    def polish(self, st, i, sign, start):
+    def polish(self, st, i, sign, start, count=None):
         t = mpfr(float(start))
         for _ in range(12):
-            f, d, dd = self.scene.forces(t, [i])[0]
+            f, d, dd = self.scene.forces(t, [i], count)[0]
             if sign * dd >= 0:
                 break
             step = d / dd

@@ -103,7 +103,11 @@ fn load(train: &Train) -> String {
         n => format!("{} in buff", shown(-n, Dimension::Force)),
     };
     let range = if low == high { force(low) } else { format!("{} to {}", force(low), force(high)) };
-    format!("load before the event: {range}")
+    let from = train.extras.steady.as_ref().map_or(String::new(), |steady| match steady.acceleration_m_per_s2 {
+        0.0 => ", from the forces on the vehicles at constant speed".to_owned(),
+        a => format!(", from the forces on the vehicles, which accelerate the train by {a:.4} m/s2"),
+    });
+    format!("load before the event: {range}{from}")
 }
 
 fn scenario_line(train: &Train, scenario: &Scenario) -> String {

@@ -4,6 +4,8 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::path::Path;
 
+use super::extras::Extras;
+use super::loads::{self, OwnLoad};
 use super::scenarios;
 use super::tree::{Found, Read, Sign, Table, Value};
 use super::{Coupler, Train, Vehicle};
@@ -17,7 +19,8 @@ const MOST_VEHICLES: usize = 1_000_000;
 pub(super) const KEYS: [&str; 6] = ["name", "coupler", "vehicle", "coupler_override", "load", "scenario"];
 const COUPLER_KEYS: [&str; 3] = ["stiffness", "rated_load", "rated_buff"];
 const OVERRIDE_KEYS: [&str; 4] = ["at", "stiffness", "rated_load", "rated_buff"];
-const VEHICLE_KEYS: [&str; 5] = ["label", "count", "mass", "held", "length"];
+const VEHICLE_KEYS: [&str; 9] =
+    ["label", "count", "mass", "held", "length", "tractive_effort", "rolling_resistance", "grade", "brake_force"];
 
 /// Reads the whole train, going on after a problem as far as what follows can be judged without it.
 ///
@@ -26,12 +29,15 @@ const VEHICLE_KEYS: [&str; 5] = ["label", "count", "mass", "held", "length"];
 pub(super) fn train(found: &Found, root: &Table, path: &Path) -> Read<Train> {
     let name = root.get("name").map_or_else(|| Ok(stem(path)), |v| v.name().map(str::to_owned));
     let base = base_coupler(root);
-    let vehicles = vehicles(found, root)?;
+    let (groups, vehicles) = vehicles(found, root)?;
     let couplers = couplers(root, &base.unwrap_or(PLACEHOLDER), vehicles.len() - 1);
     let weakest_n = couplers.iter().map(|c| c.rated_draft_n).fold(f64::INFINITY, f64::min);
-    let load_n = load(root, weakest_n);
+    let own: Vec<OwnLoad> = groups.iter().flat_map(|g| std::iter::repeat_n(g.load, g.count)).collect();
+    let load = loads::read(root, &vehicles, &couplers, &own, weakest_n);
     let scenarios = scenarios::read(root, &vehicles, weakest_n)?;
-    Ok(Train { name: name?, initial_force_n: vec![load_n?; couplers.len()], vehicles, couplers, scenarios })
+    let (initial_force_n, steady) = load?;
+    let extras = Extras { steady };
+    Ok(Train { name: name?, initial_force_n, vehicles, couplers, scenarios, extras })
 }
 
 fn stem(path: &Path) -> String {
@@ -157,9 +163,10 @@ struct Group<'s> {
     mass_kg: f64,
     held: Option<Value<'s>>,
     length_m: Option<f64>,
+    load: OwnLoad,
 }
 
-fn vehicles(found: &Found, root: &Table) -> Read<Vec<Vehicle>> {
+fn vehicles<'s>(found: &Found, root: &Table<'s>) -> Read<(Vec<Group<'s>>, Vec<Vehicle>)> {
     let right = "add a [[vehicle]] table for each vehicle or group alike, from the head: at least two vehicles";
     let Some(value) = root.get("vehicle") else {
         return Err(found.note(Problem::of_file("the train has no vehicles", right)));
@@ -183,7 +190,10 @@ fn vehicles(found: &Found, root: &Table) -> Read<Vec<Vehicle>> {
         (2, [Group { held: Some(_), .. }, Group { held: Some(tail), .. }]) => {
             Err(tail.wrong("both vehicles of the train are held, so nothing in it moves", "hold one of them, or none"))
         }
-        _ => Ok(numbered(&groups)),
+        _ => {
+            let vehicles = numbered(&groups);
+            Ok((groups, vehicles))
+        }
     }
 }
 
@@ -195,6 +205,7 @@ fn group<'s>(table: &Table<'s>) -> Read<Group<'s>> {
     let mass = mass.and_then(|v| v.quantity(Dimension::Mass, Sign::Positive));
     let length = table.get("length").map(|v| v.quantity(Dimension::Length, Sign::Positive)).transpose();
     let held = table.get("held").map_or(Ok(None), |v| v.flag().map(|held| held.then_some(v)));
+    let load = loads::own(table, held.as_ref().is_ok_and(Option::is_some));
     let count = count?;
     Ok(Group {
         label: label.unwrap_or(None),
@@ -202,6 +213,7 @@ fn group<'s>(table: &Table<'s>) -> Read<Group<'s>> {
         mass_kg: mass.unwrap_or(1.0),
         held: held.unwrap_or(None),
         length_m: length.unwrap_or(None),
+        load: load.unwrap_or_default(),
     })
 }
 
@@ -244,14 +256,4 @@ fn numbered(groups: &[Group]) -> Vec<Vehicle> {
         }
     }
     vehicles
-}
-
-fn load(root: &Table, weakest_n: f64) -> Read<f64> {
-    let Some(value) = root.get("load") else { return Ok(0.0) };
-    let table = value.table("[load]", &["uniform"])?;
-    let uniform = table.require("uniform", "add uniform = \"0.6 MN\", the force in every coupler, draft positive")?;
-    Ok(match uniform.amount(Dimension::Force, Sign::Any)? {
-        Amount::Si(value) => value,
-        Amount::Share(share) => share * weakest_n,
-    })
 }

@@ -5,7 +5,9 @@
 //! (buff).
 
 mod describe;
+mod extras;
 mod file;
+mod loads;
 mod scenarios;
 mod tree;
 
@@ -19,6 +21,8 @@ use crate::error::{InputError, Problem};
 use crate::scenario::Scenario;
 
 pub use describe::{describe, warnings};
+pub use extras::{Extras, Steady};
+pub use loads::steady_forces;
 
 /// A commented train file to start from, with every key explained; it runs as it is.
 pub const TEMPLATE: &str = include_str!("template.toml");
@@ -64,6 +68,8 @@ pub struct Train {
     pub initial_force_n: Vec<f64>,
     /// At least one.
     pub scenarios: Vec<Scenario>,
+    /// What it has beyond linear springs under a given load; all absent by default.
+    pub extras: Extras,
 }
 
 /// Reads a train file.

@@ -37,6 +37,7 @@ impl Found {
 pub(super) enum Sign {
     Positive,
     NonZero,
+    NotNegative,
     Any,
 }
 
@@ -243,11 +244,15 @@ impl<'s> Value<'s> {
             .map_err(|bad| self.wrong(format!("{} {}", self.key, bad.found), bad.right))?;
         let (Amount::Si(value) | Amount::Share(value)) = amount;
         let found = match sign {
-            Sign::Positive if value < 0.0 => "is negative",
+            Sign::Positive | Sign::NotNegative if value < 0.0 => "is negative",
             Sign::Positive | Sign::NonZero if value == 0.0 => "is zero",
             _ => return Ok(amount),
         };
-        let right = if sign == Sign::Positive { "expected more than zero" } else { "expected a force other than zero" };
+        let right = match sign {
+            Sign::Positive => "expected more than zero",
+            Sign::NotNegative => "expected zero or more",
+            _ => "expected a force other than zero",
+        };
         Err(self.wrong(format!("{} {found}", self.key), right))
     }
 

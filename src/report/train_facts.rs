@@ -33,6 +33,9 @@ pub fn train_facts(train: &Train) -> Vec<[String; 2]> {
         ["rated in draft".to_owned(), span(couplers.iter().map(|c| c.rated_draft_n), given_force)],
         ["rated in buff".to_owned(), span(couplers.iter().map(|c| c.rated_buff_n), given_force)],
         ["load before the event".to_owned(), load(train)],
+    ]);
+    rows.extend(steady(train));
+    rows.extend([
         [unit.to_owned(), brief_time(wave.time_unit_s)],
         ["wave speed".to_owned(), speed],
         ["one-way transit of the train".to_owned(), brief_time(wave.transit_s)],
@@ -60,6 +63,22 @@ fn span(values: impl Iterator<Item = f64>, write: impl Fn(f64) -> String) -> Str
     if low == high { write(low) } else { format!("{} to {}", write(low), write(high)) }
 }
 
+/// Where the load comes from, if the file gives the forces on the vehicles.
+fn steady(train: &Train) -> Vec<[String; 2]> {
+    let Some(steady) = &train.extras.steady else { return Vec::new() };
+    let sum = |sign: f64| steady.outside_n.iter().map(|f| (sign * f).max(0.0)).sum::<f64>();
+    let acceleration = match steady.acceleration_m_per_s2 {
+        0.0 => "none: the speed is constant".to_owned(),
+        a => format!("{} m/s\u{b2}", without_zeros(&digits(a, 0.0, 4))),
+    };
+    vec![
+        ["forces on the vehicles, forward and backward".to_owned(), {
+            format!("{} and {}", given_force(sum(1.0)), given_force(sum(-1.0)))
+        }],
+        ["acceleration before the event".to_owned(), acceleration],
+    ]
+}
+
 fn load(train: &Train) -> String {
     let forces = || train.initial_force_n.iter().copied();
     if forces().all(|f| f == 0.0) {
@@ -69,5 +88,7 @@ fn load(train: &Train) -> String {
     if equal(&train.initial_force_n, |&f| f) {
         return format!("{} in {}", one(train.initial_force_n[0]), count(train.couplers.len(), "coupler"));
     }
-    span(forces(), one)
+    let widest = train.initial_force_n.iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+    let largest = widest.map_or(String::new(), |(i, f)| format!(", largest in coupler {}: {}", i + 1, one(*f)));
+    format!("{}{largest}", span(forces(), one))
 }

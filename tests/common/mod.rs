@@ -2,7 +2,7 @@
 
 #![allow(dead_code)] // Each test binary uses its own part.
 
-use trainsafe::consist::{Coupler, Train, Vehicle};
+use trainsafe::consist::{Coupler, Extras, Train, Vehicle};
 use trainsafe::scenario::{Event, Scenario};
 
 /// [P] figure 4: 50 unit masses between a held head and a held tail, pulled by 1; coupler 51 breaks.
@@ -47,6 +47,7 @@ pub fn uniform(name: &str, n: usize, mass_kg: f64, stiffness_n_per_m: f64, rated
         couplers: vec![coupler; n - 1],
         initial_force_n: vec![load_n; n - 1],
         scenarios: Vec::new(),
+        extras: Extras::default(),
     }
 }
 

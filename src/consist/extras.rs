@@ -1,0 +1,17 @@
+//! What a train may have beyond linear springs under a given load.
+
+/// All of it is absent by default, and what is absent changes no result.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Extras {
+    /// The forces from outside that the steady state comes from; `None` where the file gives the couplers' forces.
+    pub steady: Option<Steady>,
+}
+
+/// The steady state of a hauled train.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Steady {
+    /// Forces from outside on each vehicle, N, forward positive: traction, running resistance, grade, brakes.
+    pub outside_n: Vec<f64>,
+    /// Acceleration of the whole train, m/s2, forward positive; 0 where a vehicle is held.
+    pub acceleration_m_per_s2: f64,
+}

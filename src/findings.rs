@@ -1,7 +1,10 @@
 //! What an analysis found: utilisations, exceedances, safe load factors, in SI units, named as in `result.json`.
 
+mod limits;
+
 use std::time::Instant;
 
+pub use limits::LimitFindings;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -128,6 +131,9 @@ pub struct CouplerFindings {
     /// Bound on |force| over all time, N, where asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub all_time_bound_n: Option<f64>,
+    /// Which capacities besides the rating it passes, where the train has any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limits: Option<LimitFindings>,
 }
 
 /// What the continuum model says of the same case.
@@ -275,6 +281,7 @@ fn case_findings(
             }
         }
     }
+    limits::find(train, &mut couplers, error_bound_n);
     let worst = couplers.iter().reduce(|a, b| if b.utilisation > a.utilisation { b } else { a }).cloned();
     Ok(CaseFindings {
         broken_coupler: broken.map(|b| b + 1),
@@ -331,6 +338,7 @@ fn coupler_findings(
         exceeds,
         first_exceeds_s: first.map(|t| t * scales.time_s),
         all_time_bound_n,
+        limits: None,
     }
 }
 

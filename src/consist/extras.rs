@@ -5,7 +5,16 @@
 pub struct Extras {
     /// The forces from outside that the steady state comes from; `None` where the file gives the couplers' forces.
     pub steady: Option<Steady>,
+    /// Capacities beside the rating, coupler by coupler; empty if there are none.
+    pub limits: Vec<Limits>,
 }
+
+/// Names of the capacities beside the rating, in rising order.
+pub const LIMITS: [&str; 3] = ["fatigue", "proof", "ultimate"];
+
+/// A coupler's capacities beside its rating, N, in either sense, in the order of [`LIMITS`]; `None` where not given.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Limits(pub [Option<f64>; 3]);
 
 /// The steady state of a hauled train.
 #[derive(Clone, Debug, PartialEq)]

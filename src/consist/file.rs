@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::path::Path;
 
-use super::extras::Extras;
+use super::extras::{Extras, LIMITS, Limits};
 use super::loads::{self, OwnLoad};
 use super::scenarios;
 use super::tree::{Found, Read, Sign, Table, Value};
@@ -17,8 +17,8 @@ const MOST_VEHICLES: usize = 1_000_000;
 
 /// Keys of the whole file.
 pub(super) const KEYS: [&str; 6] = ["name", "coupler", "vehicle", "coupler_override", "load", "scenario"];
-const COUPLER_KEYS: [&str; 3] = ["stiffness", "rated_load", "rated_buff"];
-const OVERRIDE_KEYS: [&str; 4] = ["at", "stiffness", "rated_load", "rated_buff"];
+const COUPLER_KEYS: [&str; 4] = ["stiffness", "rated_load", "rated_buff", "limits"];
+const OVERRIDE_KEYS: [&str; 5] = ["at", "stiffness", "rated_load", "rated_buff", "limits"];
 const VEHICLE_KEYS: [&str; 9] =
     ["label", "count", "mass", "held", "length", "tractive_effort", "rolling_resistance", "grade", "brake_force"];
 
@@ -30,13 +30,16 @@ pub(super) fn train(found: &Found, root: &Table, path: &Path) -> Read<Train> {
     let name = root.get("name").map_or_else(|| Ok(stem(path)), |v| v.name().map(str::to_owned));
     let base = base_coupler(root);
     let (groups, vehicles) = vehicles(found, root)?;
-    let couplers = couplers(root, &base.unwrap_or(PLACEHOLDER), vehicles.len() - 1);
+    let ratings = couplers(root, &base.unwrap_or(PLACEHOLDER), vehicles.len() - 1);
+    let couplers: Vec<Coupler> = ratings.iter().map(Ratings::coupler).collect();
     let weakest_n = couplers.iter().map(|c| c.rated_draft_n).fold(f64::INFINITY, f64::min);
     let own: Vec<OwnLoad> = groups.iter().flat_map(|g| std::iter::repeat_n(g.load, g.count)).collect();
     let load = loads::read(root, &vehicles, &couplers, &own, weakest_n);
     let scenarios = scenarios::read(root, &vehicles, weakest_n)?;
     let (initial_force_n, steady) = load?;
-    let extras = Extras { steady };
+    let limits: Vec<Limits> = ratings.iter().map(|r| r.limits).collect();
+    let limited = limits.iter().any(|l| *l != Limits::default());
+    let extras = Extras { steady, limits: if limited { limits } else { Vec::new() } };
     Ok(Train { name: name?, initial_force_n, vehicles, couplers, scenarios, extras })
 }
 
@@ -49,13 +52,26 @@ struct CouplerKeys<'s> {
     stiffness: Option<Value<'s>>,
     draft: Option<Value<'s>>,
     buff: Option<Value<'s>>,
+    limits: Option<Value<'s>>,
 }
 
 impl<'s> CouplerKeys<'s> {
     fn of(table: &Table<'s>) -> Self {
-        let [stiffness, draft, buff] = COUPLER_KEYS.map(|key| table.get(key));
-        CouplerKeys { stiffness, draft, buff }
+        let [stiffness, draft, buff, limits] = COUPLER_KEYS.map(|key| table.get(key));
+        CouplerKeys { stiffness, draft, buff, limits }
     }
+}
+
+/// A `limits` table.
+fn limits(value: &Value) -> Read<Limits> {
+    let table = value.table("limits", &LIMITS)?;
+    let quantity = |key| table.get(key).map(|v| v.quantity(Dimension::Force, Sign::Positive)).transpose();
+    let [fatigue, proof, ultimate] = LIMITS.map(quantity);
+    let limits = Limits([fatigue?, proof?, ultimate?]);
+    if limits == Limits::default() {
+        return Err(value.wrong("limits is empty", "give it fatigue, proof or ultimate: fatigue = \"970 kN\""));
+    }
+    Ok(limits)
 }
 
 /// The ratings that hold unless overridden; a share in `buff` is of whichever draft rating the coupler has.
@@ -64,10 +80,12 @@ struct Ratings {
     stiffness_n_per_m: f64,
     draft_n: f64,
     buff: Amount,
+    limits: Limits,
 }
 
 /// Stands in for a `[coupler]` that was wrong, so that what refers to it can still be looked at.
-const PLACEHOLDER: Ratings = Ratings { stiffness_n_per_m: 1.0, draft_n: 1.0, buff: Amount::Share(1.0) };
+const PLACEHOLDER: Ratings =
+    Ratings { stiffness_n_per_m: 1.0, draft_n: 1.0, buff: Amount::Share(1.0), limits: Limits([None; 3]) };
 
 impl Ratings {
     fn coupler(&self) -> Coupler {
@@ -90,10 +108,11 @@ fn base_coupler(root: &Table) -> Read<Ratings> {
         .require("rated_load", "add rated_load = \"1.5 MN\", the capacity in draft")
         .and_then(|v| v.quantity(Dimension::Force, Sign::Positive));
     let buff = keys.buff.map_or(Ok(Amount::Share(1.0)), |v| v.amount(Dimension::Force, Sign::Positive));
-    Ok(Ratings { stiffness_n_per_m: stiffness?, draft_n: draft?, buff: buff? })
+    let limits = keys.limits.as_ref().map_or(Ok(Limits::default()), limits);
+    Ok(Ratings { stiffness_n_per_m: stiffness?, draft_n: draft?, buff: buff?, limits: limits? })
 }
 
-fn couplers(root: &Table, base: &Ratings, count: usize) -> Vec<Coupler> {
+fn couplers(root: &Table, base: &Ratings, count: usize) -> Vec<Ratings> {
     let mut ratings = vec![*base; count];
     let overrides = root.get("coupler_override").and_then(|v| v.tables("[[coupler_override]]", &OVERRIDE_KEYS).ok());
     let mut seen = HashMap::new();
@@ -101,7 +120,7 @@ fn couplers(root: &Table, base: &Ratings, count: usize) -> Vec<Coupler> {
         // A problem in it has been noted: the other overrides can be read all the same.
         let _ = apply_override(&table, base, &mut ratings, &mut seen);
     }
-    ratings.iter().map(Ratings::coupler).collect()
+    ratings
 }
 
 /// Where each key of each coupler was overridden.
@@ -110,14 +129,15 @@ type Seen = HashMap<(usize, &'static str), Range<usize>>;
 fn apply_override(table: &Table, base: &Ratings, ratings: &mut [Ratings], seen: &mut Seen) -> Read<()> {
     let keys = CouplerKeys::of(table);
     if COUPLER_KEYS.iter().all(|key| table.get(key).is_none()) {
-        table.wrong("[[coupler_override]] overrides nothing", "give it stiffness, rated_load or rated_buff");
+        table.wrong("[[coupler_override]] overrides nothing", "give it a key of [coupler], such as rated_load");
     }
     let stiffness = keys.stiffness.map(|v| v.quantity(Dimension::Stiffness, Sign::Positive)).transpose();
     let draft = keys.draft.map(|v| v.amount(Dimension::Force, Sign::Positive)).transpose();
     let buff = keys.buff.map(|v| v.amount(Dimension::Force, Sign::Positive)).transpose();
+    let limits = keys.limits.as_ref().map(limits).transpose();
     let right = format!("expected a coupler's number from 1 to {}, or a list of them", ratings.len());
     let at = table.require("at", &right).and_then(|v| coupler_list(&v, ratings.len(), &right));
-    let (at, stiffness, draft, buff) = (at?, stiffness?, draft?, buff?);
+    let (at, stiffness, draft, buff, limits) = (at?, stiffness?, draft?, buff?, limits?);
     for i in at {
         for key in COUPLER_KEYS {
             let Some(span) = table.key_span(key) else { continue };
@@ -134,6 +154,9 @@ fn apply_override(table: &Table, base: &Ratings, ratings: &mut [Ratings], seen: 
             Some(Amount::Share(share)) => share * base.draft_n,
             None => coupler.draft_n,
         };
+        if let Some(Limits(own)) = limits {
+            coupler.limits = Limits(std::array::from_fn(|l| own[l].or(coupler.limits.0[l])));
+        }
     }
     Ok(())
 }

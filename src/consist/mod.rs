@@ -21,7 +21,7 @@ use crate::error::{InputError, Problem};
 use crate::scenario::Scenario;
 
 pub use describe::{describe, warnings};
-pub use extras::{Extras, Steady};
+pub use extras::{Extras, LIMITS, Limits, Steady};
 pub use loads::steady_forces;
 
 /// A commented train file to start from, with every key explained; it runs as it is.

@@ -12,6 +12,7 @@
 mod couplers_csv;
 mod figures;
 mod files;
+mod limits;
 mod markdown;
 mod numbers;
 mod result_json;

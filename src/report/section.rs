@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::limits;
 use super::markdown::Picture;
 use super::numbers::{brief_time, digits, down, force, given_force, percent, time};
 use super::words;
@@ -24,6 +25,8 @@ pub struct Section {
     undecided: Option<Table>,
     breaks: Option<Table>,
     often: Option<Table>,
+    limits: String,
+    limited: Option<Table>,
     figures: Vec<Figure>,
     rod: String,
     methods: Vec<String>,
@@ -60,6 +63,8 @@ pub fn section(train: &Train, scenario: &ScenarioFindings, pictures: &[Picture])
         undecided: single.and_then(|case| table(words::undecided(case), |c| undecided_row(c, case))),
         breaks: if single.is_none() { table(harmful(scenario), break_row) } else { None },
         often: if single.is_none() { often(scenario) } else { None },
+        limits: limits::sentence(scenario),
+        limited: single.and_then(|case| table(limits::passing(case), |c| limits::row(train, c, case))),
         figures: pictures.iter().map(|p| Figure { file: p.file.clone(), caption: p.caption.clone() }).collect(),
         rod: words::rod(scenario),
         methods: methods(cases),

@@ -17,6 +17,7 @@ pub mod chain;
 pub mod consist;
 pub mod error;
 pub mod findings;
+pub mod play;
 pub mod report;
 pub mod rod;
 pub mod scenario;

@@ -19,6 +19,7 @@ pub mod plan;
 pub mod propagator;
 pub mod statics;
 pub mod sums;
+pub mod taylor;
 pub mod watch;
 
 use crate::chain::Scene;

@@ -1,19 +1,24 @@
 //! What an analysis found: utilisations, exceedances, safe load factors, in SI units, named as in `result.json`.
 
+mod cascade;
+mod general;
 mod limits;
 
 use std::time::Instant;
 
+pub use cascade::{CascadeBreak, CascadeFindings};
+use general::Solved;
 pub use limits::LimitFindings;
 use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::chain::Scene;
 use crate::consist::Train;
+use crate::play::Rule;
 use crate::rod::Rod;
 use crate::scenario::{self, Event, Part, Scales, Scenario};
 use crate::solve::watch::{Side, SpringPeaks};
-use crate::solve::{self, Ask, Method, SolveError, solve};
+use crate::solve::{self, Ask, Method, SolveError, solve, taylor};
 
 /// The longest that an analysis may take by its estimate, s.
 const MOST_SECONDS: f64 = 3600.0;
@@ -57,16 +62,19 @@ pub struct Analysis {
 pub struct ScenarioFindings {
     /// The scenario's name.
     pub name: String,
-    /// `"break"` or `"pulse"`.
+    /// `"break"`, `"pulse"` or `"impact"`.
     pub kind: &'static str,
-    /// One per broken coupler, or one for a pulse.
+    /// One per broken coupler, or one for a pulse or an impact.
     pub cases: Vec<CaseFindings>,
 }
 
 /// What one event does to every coupler.
 #[derive(Clone, Debug, Serialize)]
 pub struct CaseFindings {
-    /// The coupler that breaks, counted from 1; `None` for a pulse.
+    /// The kind of its scenario.
+    #[serde(skip)]
+    pub kind: &'static str,
+    /// The coupler that breaks, counted from 1; `None` for a pulse or an impact.
     pub broken_coupler: Option<usize>,
     /// The method that found the largest part's forces.
     pub method: &'static str,
@@ -95,6 +103,9 @@ pub struct CaseFindings {
     /// What an elastic rod would have said; equal-mass trains only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rod: Option<RodFindings>,
+    /// What breaks next, where the scenario asks for it; all else here is of the event alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cascade: Option<CascadeFindings>,
 }
 
 /// One coupler's largest forces over 0 <= t <= horizon, t = 0 included.
@@ -206,7 +217,16 @@ fn case_estimate_s(
 ) -> Result<f64, SolveError> {
     let horizon_s = scenario::horizon_s(train, scenario, broken);
     let ask = ask(train, options);
-    scenario::parts(train, &scenario.event, broken, horizon_s).iter().map(|p| solve::estimate_s(&p.scene, &ask)).sum()
+    let mut seconds = 0.0;
+    if scenario.cascade != Rule::Keep {
+        seconds += general::estimate_s(train, scenario, broken, scenario.cascade);
+    }
+    if scenario::beyond_steps(train, &scenario.event) {
+        return Ok(seconds + general::estimate_s(train, scenario, broken, Rule::Keep));
+    }
+    let parts = scenario::parts(train, &scenario.event, broken, horizon_s);
+    let steps: f64 = parts.iter().map(|p| solve::estimate_s(&p.scene, &ask)).sum::<Result<f64, _>>()?;
+    Ok(seconds + steps)
 }
 
 /// The scenarios to run.
@@ -226,7 +246,7 @@ fn chosen<'a>(train: &'a Train, options: &Options) -> Result<Vec<&'a Scenario>, 
 fn cases(event: &Event) -> Vec<Option<usize>> {
     match event {
         Event::Break { couplers } => couplers.iter().map(|&b| Some(b)).collect(),
-        Event::Pulse { .. } => vec![None],
+        Event::Pulse { .. } | Event::Shaped { .. } | Event::Impact { .. } => vec![None],
     }
 }
 
@@ -258,13 +278,45 @@ fn case_findings(
 ) -> Result<CaseFindings, SolveError> {
     let start = Instant::now();
     let horizon_s = scenario::horizon_s(train, scenario, broken);
+    let tolerance_n = ask(train, options).tolerance * Scales::of(train).force_n;
+    let (solved, rod) = if scenario::beyond_steps(train, &scenario.event) {
+        (general::solved(train, scenario, broken, horizon_s, options)?, None)
+    } else {
+        let parts = scenario::parts(train, &scenario.event, broken, horizon_s);
+        (solved_by_parts(train, &parts, options)?, rod_findings(&parts))
+    };
+    let Solved { method, reason, error_bound_n, mut couplers, left_out } = solved;
+    let cascade = cascade::find(train, scenario, broken, horizon_s)?;
+    limits::find(train, &mut couplers, error_bound_n);
+    let worst = couplers.iter().reduce(|a, b| if b.utilisation > a.utilisation { b } else { a }).cloned();
+    Ok(CaseFindings {
+        kind: scenario.event.kind(),
+        broken_coupler: broken.map(|b| b + 1),
+        method,
+        method_reason: reason,
+        horizon_s,
+        error_bound_n,
+        tolerance_n,
+        run_time_s: start.elapsed().as_secs_f64(),
+        exceeding: couplers.iter().filter(|c| c.exceeds == Some(true)).count(),
+        undecided: couplers.iter().filter(|c| c.exceeds.is_none()).count(),
+        safe_load_factor: safe_load_factor(&scenario.event, &couplers),
+        worst,
+        couplers,
+        left_out,
+        rod,
+        cascade,
+    })
+}
+
+/// Extremes of every coupler in the parts that a break or a rectangular pulse leaves.
+fn solved_by_parts(train: &Train, parts: &[Part], options: &Options) -> Result<Solved, SolveError> {
     let scales = Scales::of(train);
     let ask = ask(train, options);
     let mut couplers = Vec::new();
     let (mut method, mut reason, mut largest) = ("none", "no coupler is left to watch".to_owned(), 0);
     let (mut error_bound_n, mut left_out) = (0.0f64, 0);
-    let parts = scenario::parts(train, &scenario.event, broken, horizon_s);
-    for part in &parts {
+    for part in parts {
         let solution = solve(&part.scene, &ask)?;
         if part.scene.initial.len() > largest {
             largest = part.scene.initial.len();
@@ -281,24 +333,7 @@ fn case_findings(
             }
         }
     }
-    limits::find(train, &mut couplers, error_bound_n);
-    let worst = couplers.iter().reduce(|a, b| if b.utilisation > a.utilisation { b } else { a }).cloned();
-    Ok(CaseFindings {
-        broken_coupler: broken.map(|b| b + 1),
-        method,
-        method_reason: reason,
-        horizon_s,
-        error_bound_n,
-        tolerance_n: ask.tolerance * scales.force_n,
-        run_time_s: start.elapsed().as_secs_f64(),
-        exceeding: couplers.iter().filter(|c| c.exceeds == Some(true)).count(),
-        undecided: couplers.iter().filter(|c| c.exceeds.is_none()).count(),
-        safe_load_factor: safe_load_factor(&scenario.event, &couplers),
-        worst,
-        couplers,
-        left_out,
-        rod: rod_findings(&parts),
-    })
+    Ok(Solved { method, reason, error_bound_n, couplers, left_out })
 }
 
 fn coupler_findings(
@@ -345,10 +380,11 @@ fn coupler_findings(
 /// The largest factor at which no coupler exceeds.
 ///
 /// After a break every force, the initial one included, is proportional to the load. Under a pulse the load stays and
-/// the rest, `F - F(0)`, is proportional to the pulse's force. `None` where nothing grows with the factor.
+/// the rest, `F - F(0)`, is proportional to the pulse's force. In an impact every force is proportional to the speed. `None`
+/// where nothing grows with the factor.
 fn safe_load_factor(event: &Event, couplers: &[CouplerFindings]) -> Option<f64> {
     let factors = couplers.iter().flat_map(|c| {
-        let initial = if matches!(event, Event::Break { .. }) { 0.0 } else { c.initial_force_n };
+        let initial = if matches!(event, Event::Break { .. } | Event::Impact { .. }) { 0.0 } else { c.initial_force_n };
         let side = |peak: Option<f64>, rating: f64, sign: f64| {
             let growth = sign * (peak? - initial);
             (growth > 0.0).then(|| ((rating - sign * initial) / growth).max(0.0))
@@ -377,6 +413,14 @@ fn rod_findings(parts: &[Part]) -> Option<RodFindings> {
 ///
 /// `scenario` is an index into the train's scenarios; `broken` and `coupler` are indices from 0. Right to a line's width.
 pub fn history(train: &Train, scenario: usize, broken: Option<usize>, coupler: usize, times_s: &[f64]) -> Vec<f64> {
+    let event = &train.scenarios[scenario].event;
+    if scenario::beyond_steps(train, event) {
+        let (scales, scenario) = (Scales::of(train), &train.scenarios[scenario]);
+        let horizon_s = scenario::horizon_s(train, scenario, broken);
+        let times: Vec<f64> = times_s.iter().map(|t| t / scales.time_s).collect();
+        let forces = taylor::history(&scenario::play(train, scenario, broken, horizon_s, Rule::Keep), coupler, &times);
+        return forces.into_iter().map(|f| f * scales.force_n).collect();
+    }
     let forces = in_part(train, scenario, broken, coupler, times_s, |scene, i, t| Some(solve::history(scene, i, t)));
     forces.unwrap_or_else(|| vec![0.0; times_s.len()])
 }
@@ -402,6 +446,9 @@ fn in_part(
     ask: impl Fn(&Scene, usize, &[f64]) -> Option<Vec<f64>>,
 ) -> Option<Vec<f64>> {
     let scenario = &train.scenarios[scenario];
+    if scenario::beyond_steps(train, &scenario.event) {
+        return None;
+    }
     let horizon_s = scenario::horizon_s(train, scenario, broken);
     let scales = Scales::of(train);
     let parts = scenario::parts(train, &scenario.event, broken, horizon_s);

@@ -74,6 +74,14 @@ impl Drive {
         Drive::Lines(vec![[0.0, force], [duration, force]])
     }
 
+    /// The same in other units.
+    pub fn scaled(&self, time: f64, force: f64) -> Drive {
+        match self {
+            Drive::Lines(points) => Drive::Lines(points.iter().map(|p| [p[0] * time, p[1] * force]).collect()),
+            Drive::HalfSine { peak, duration } => Drive::HalfSine { peak: peak * force, duration: duration * time },
+        }
+    }
+
     /// Smooth stretches that together are `0 <= t <= horizon`.
     pub fn stretches(&self, horizon: f64) -> Vec<Stretch> {
         let quiet = |from, to| Stretch { from, to, course: Course::Line(0.0, 0.0) };

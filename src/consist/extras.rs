@@ -5,6 +5,8 @@
 pub struct Extras {
     /// The forces from outside that the steady state comes from; `None` where the file gives the couplers' forces.
     pub steady: Option<Steady>,
+    /// Dashpots beside the couplers' springs, N s/m, coupler by coupler; empty if there are none.
+    pub dashpot_n_s_per_m: Vec<f64>,
     /// Capacities beside the rating, coupler by coupler; empty if there are none.
     pub limits: Vec<Limits>,
 }

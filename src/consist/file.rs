@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::path::Path;
 
-use super::extras::{Extras, LIMITS, Limits};
+use super::extras::{Extras, LIMITS, Limits, Steady};
 use super::loads::{self, OwnLoad};
 use super::scenarios;
 use super::tree::{Found, Read, Sign, Table, Value};
@@ -17,8 +17,8 @@ const MOST_VEHICLES: usize = 1_000_000;
 
 /// Keys of the whole file.
 pub(super) const KEYS: [&str; 6] = ["name", "coupler", "vehicle", "coupler_override", "load", "scenario"];
-const COUPLER_KEYS: [&str; 4] = ["stiffness", "rated_load", "rated_buff", "limits"];
-const OVERRIDE_KEYS: [&str; 5] = ["at", "stiffness", "rated_load", "rated_buff", "limits"];
+const COUPLER_KEYS: [&str; 5] = ["stiffness", "rated_load", "rated_buff", "limits", "damping"];
+const OVERRIDE_KEYS: [&str; 6] = ["at", "stiffness", "rated_load", "rated_buff", "limits", "damping"];
 const VEHICLE_KEYS: [&str; 9] =
     ["label", "count", "mass", "held", "length", "tractive_effort", "rolling_resistance", "grade", "brake_force"];
 
@@ -35,12 +35,21 @@ pub(super) fn train(found: &Found, root: &Table, path: &Path) -> Read<Train> {
     let weakest_n = couplers.iter().map(|c| c.rated_draft_n).fold(f64::INFINITY, f64::min);
     let own: Vec<OwnLoad> = groups.iter().flat_map(|g| std::iter::repeat_n(g.load, g.count)).collect();
     let load = loads::read(root, &vehicles, &couplers, &own, weakest_n);
-    let scenarios = scenarios::read(root, &vehicles, weakest_n)?;
+    let scenarios = scenarios::read(root, &vehicles, weakest_n, path)?;
     let (initial_force_n, steady) = load?;
-    let limits: Vec<Limits> = ratings.iter().map(|r| r.limits).collect();
-    let limited = limits.iter().any(|l| *l != Limits::default());
-    let extras = Extras { steady, limits: if limited { limits } else { Vec::new() } };
+    let extras = extras(&ratings, steady);
     Ok(Train { name: name?, initial_force_n, vehicles, couplers, scenarios, extras })
+}
+
+fn extras(ratings: &[Ratings], steady: Option<Steady>) -> Extras {
+    let some = |any: bool| if any { ratings } else { &[] };
+    let limited = some(ratings.iter().any(|r| r.limits != Limits::default()));
+    let damped = some(ratings.iter().any(|r| r.damping_n_s_per_m > 0.0));
+    Extras {
+        steady,
+        dashpot_n_s_per_m: damped.iter().map(|r| r.damping_n_s_per_m).collect(),
+        limits: limited.iter().map(|r| r.limits).collect(),
+    }
 }
 
 fn stem(path: &Path) -> String {
@@ -53,12 +62,17 @@ struct CouplerKeys<'s> {
     draft: Option<Value<'s>>,
     buff: Option<Value<'s>>,
     limits: Option<Value<'s>>,
+    damping: Option<Value<'s>>,
 }
 
 impl<'s> CouplerKeys<'s> {
     fn of(table: &Table<'s>) -> Self {
-        let [stiffness, draft, buff, limits] = COUPLER_KEYS.map(|key| table.get(key));
-        CouplerKeys { stiffness, draft, buff, limits }
+        let [stiffness, draft, buff, limits, damping] = COUPLER_KEYS.map(|key| table.get(key));
+        CouplerKeys { stiffness, draft, buff, limits, damping }
+    }
+
+    fn damping(&self) -> Read<Option<f64>> {
+        self.damping.as_ref().map(|v| v.quantity(Dimension::Damping, Sign::NotNegative)).transpose()
     }
 }
 
@@ -81,11 +95,17 @@ struct Ratings {
     draft_n: f64,
     buff: Amount,
     limits: Limits,
+    damping_n_s_per_m: f64,
 }
 
 /// Stands in for a `[coupler]` that was wrong, so that what refers to it can still be looked at.
-const PLACEHOLDER: Ratings =
-    Ratings { stiffness_n_per_m: 1.0, draft_n: 1.0, buff: Amount::Share(1.0), limits: Limits([None; 3]) };
+const PLACEHOLDER: Ratings = Ratings {
+    stiffness_n_per_m: 1.0,
+    draft_n: 1.0,
+    buff: Amount::Share(1.0),
+    limits: Limits([None; 3]),
+    damping_n_s_per_m: 0.0,
+};
 
 impl Ratings {
     fn coupler(&self) -> Coupler {
@@ -101,6 +121,7 @@ fn base_coupler(root: &Table) -> Read<Ratings> {
     let value = root.require("coupler", "add a [coupler] table with stiffness and rated_load")?;
     let table = value.table("[coupler]", &COUPLER_KEYS)?;
     let keys = CouplerKeys::of(&table);
+    let damping = keys.damping();
     let stiffness = table
         .require("stiffness", "add stiffness = \"30 MN/m\", that of the whole connection between two vehicles")
         .and_then(|v| v.quantity(Dimension::Stiffness, Sign::Positive));
@@ -109,7 +130,13 @@ fn base_coupler(root: &Table) -> Read<Ratings> {
         .and_then(|v| v.quantity(Dimension::Force, Sign::Positive));
     let buff = keys.buff.map_or(Ok(Amount::Share(1.0)), |v| v.amount(Dimension::Force, Sign::Positive));
     let limits = keys.limits.as_ref().map_or(Ok(Limits::default()), limits);
-    Ok(Ratings { stiffness_n_per_m: stiffness?, draft_n: draft?, buff: buff?, limits: limits? })
+    Ok(Ratings {
+        stiffness_n_per_m: stiffness?,
+        draft_n: draft?,
+        buff: buff?,
+        limits: limits?,
+        damping_n_s_per_m: damping?.unwrap_or(0.0),
+    })
 }
 
 fn couplers(root: &Table, base: &Ratings, count: usize) -> Vec<Ratings> {
@@ -131,13 +158,14 @@ fn apply_override(table: &Table, base: &Ratings, ratings: &mut [Ratings], seen: 
     if COUPLER_KEYS.iter().all(|key| table.get(key).is_none()) {
         table.wrong("[[coupler_override]] overrides nothing", "give it a key of [coupler], such as rated_load");
     }
+    let damping = keys.damping();
     let stiffness = keys.stiffness.map(|v| v.quantity(Dimension::Stiffness, Sign::Positive)).transpose();
     let draft = keys.draft.map(|v| v.amount(Dimension::Force, Sign::Positive)).transpose();
     let buff = keys.buff.map(|v| v.amount(Dimension::Force, Sign::Positive)).transpose();
     let limits = keys.limits.as_ref().map(limits).transpose();
     let right = format!("expected a coupler's number from 1 to {}, or a list of them", ratings.len());
     let at = table.require("at", &right).and_then(|v| coupler_list(&v, ratings.len(), &right));
-    let (at, stiffness, draft, buff, limits) = (at?, stiffness?, draft?, buff?, limits?);
+    let (at, stiffness, draft, buff, limits, damping) = (at?, stiffness?, draft?, buff?, limits?, damping?);
     for i in at {
         for key in COUPLER_KEYS {
             let Some(span) = table.key_span(key) else { continue };
@@ -149,6 +177,7 @@ fn apply_override(table: &Table, base: &Ratings, ratings: &mut [Ratings], seen: 
         let coupler = &mut ratings[i];
         coupler.stiffness_n_per_m = stiffness.unwrap_or(coupler.stiffness_n_per_m);
         coupler.buff = buff.unwrap_or(coupler.buff);
+        coupler.damping_n_s_per_m = damping.unwrap_or(coupler.damping_n_s_per_m);
         coupler.draft_n = match draft {
             Some(Amount::Si(value)) => value,
             Some(Amount::Share(share)) => share * base.draft_n,

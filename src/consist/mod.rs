@@ -8,6 +8,7 @@ mod describe;
 mod extras;
 mod file;
 mod loads;
+mod record;
 mod scenarios;
 mod tree;
 

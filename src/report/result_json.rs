@@ -40,6 +40,7 @@ fn shorten(scenario: &ScenarioFindings) -> ScenarioFindings {
         method_reason: c.method_reason.clone(),
         worst: c.worst.clone(),
         rod: c.rod.clone(),
+        cascade: c.cascade.clone(),
         ..*c
     };
     ScenarioFindings { name: scenario.name.clone(), cases: scenario.cases.iter().map(case).collect(), ..*scenario }

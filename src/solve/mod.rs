@@ -105,6 +105,9 @@ pub enum SolveError {
     /// The method needs equal masses and equal stiffnesses.
     #[error("the method {0} is for equal masses and stiffnesses, and this train's differ: use modal or propagator")]
     NotEqual(&'static str),
+    /// The method is for steps of force on undamped chains.
+    #[error("the method {0} is for breaks and rectangular pulses without dashpots: leave the choice to the program")]
+    StepsOnly(&'static str),
     /// The method would take too long or too much memory.
     #[error("the method {method} would take about {seconds:.0} s and {gigabytes:.1} GB here: {advice}")]
     TooMuch {

@@ -18,10 +18,14 @@ pub struct Breakage {
     pub force: Vec<f64>,
     /// The exact instant of each is no further away than this.
     pub uncertainty: f64,
+    /// Speeds of the masses against the steady motion.
+    pub velocity: Vec<f64>,
     /// Kinetic energy against the steady motion; breaking does not change it.
     pub kinetic: f64,
     /// Energy of the springs just before and just after.
     pub strain: [f64; 2],
+    /// What each of the springs that break had of it.
+    pub energy: Vec<f64>,
 }
 
 /// What breaks within a step.
@@ -212,6 +216,8 @@ impl<'a> Breaks<'a> {
     fn tear(&mut self, found: Found, time: f64, state: &mut State) {
         let steady = &self.play.scene.initial;
         let before = strain(state, steady);
+        let own = |i: usize| 0.5 * (steady[i] + state.force[0][i + 1]).powi(2) / state.stiffness[i + 1];
+        let energy = found.torn.iter().map(|t| own(t.0)).collect();
         for (i, ..) in &found.torn {
             state.break_spring(*i, steady[*i]);
             self.near[*i] = [None; 2];
@@ -221,8 +227,10 @@ impl<'a> Breaks<'a> {
             springs: found.torn.iter().map(|t| t.0).collect(),
             force: found.torn.iter().map(|t| t.1).collect(),
             uncertainty: found.torn.iter().map(|t| t.2).fold(0.0, f64::max),
+            velocity: state.velocity[0].clone(),
             kinetic: kinetic(state),
             strain: [before, strain(state, steady)],
+            energy,
         });
     }
 }

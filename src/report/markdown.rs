@@ -29,6 +29,8 @@ pub type Pictures = Vec<Vec<Picture>>;
 struct Report {
     name: String,
     several: bool,
+    damped: bool,
+    cascades: bool,
     sections: Vec<Section>,
     train: Vec<[String; 2]>,
 }
@@ -42,6 +44,8 @@ pub fn markdown(train: &Train, analysis: &Analysis, pictures: &Pictures) -> Resu
     let report = Report {
         name: train.name.clone(),
         several: analysis.scenarios.len() > 1,
+        damped: !train.extras.dashpot_n_s_per_m.is_empty(),
+        cascades: analysis.scenarios.iter().flat_map(|s| &s.cases).any(|c| c.cascade.is_some()),
         sections: analysis.scenarios.iter().enumerate().map(|(i, s)| section(train, s, of(i))).collect(),
         train: train_facts(train),
     };

@@ -7,8 +7,10 @@
 //! | `result.json` | the same for programs |
 //! | `figure-N-envelope.svg` | largest draft and buff along the train; N is the scenario's place in the train file |
 //! | `figure-N-force.svg` | the worst coupler's force over time |
+//! | `figure-N-cascade.svg` | where and when couplers break one after the other, where a scenario follows that |
 //! | `figure-N-breaks.svg` | the worst utilisation by broken coupler, where several breaks were examined |
 
+mod cascade;
 mod couplers_csv;
 mod figures;
 mod files;
@@ -75,6 +77,10 @@ fn pictures(train: &Train, scenario: &ScenarioFindings) -> Vec<Picture> {
     };
     let several = scenario.cases.len() > 1;
     let mut all = Vec::new();
+    if let Some(cascade) = case.cascade.as_ref().filter(|c| !several && !c.breaks.is_empty()) {
+        let caption = "Where and when couplers break: time against place.".to_owned();
+        all.push(picture("cascade", caption, &|n| figures::cascade(case, cascade, train.couplers.len(), n)));
+    }
     if several {
         let caption = "Utilisation of the worst coupler, by which coupler breaks.".to_owned();
         all.push(picture("breaks", caption, &|n| figures::breaks(scenario, train.couplers.len(), n)));
@@ -118,6 +124,6 @@ fn remove_stale_figures(dir: &Path, shown: &[String]) {
 fn is_figure(name: &str) -> bool {
     let parts = name.strip_prefix("figure-").and_then(|n| n.strip_suffix(".svg")).and_then(|n| n.split_once('-'));
     parts.is_some_and(|(number, kind)| {
-        number.bytes().all(|b| b.is_ascii_digit()) && ["breaks", "envelope", "force"].contains(&kind)
+        number.bytes().all(|b| b.is_ascii_digit()) && ["breaks", "cascade", "envelope", "force"].contains(&kind)
     })
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::cascade;
 use super::limits;
 use super::markdown::Picture;
 use super::numbers::{brief_time, digits, down, force, given_force, percent, time};
@@ -21,6 +22,8 @@ pub struct Section {
     event: String,
     verdict: String,
     safe_load: String,
+    cascade: String,
+    sequence: Option<Table>,
     exceeding: Option<Table>,
     undecided: Option<Table>,
     breaks: Option<Table>,
@@ -59,6 +62,8 @@ pub fn section(train: &Train, scenario: &ScenarioFindings, pictures: &[Picture])
         event: event.map(|e| words::event(train, e)).unwrap_or_default(),
         verdict: single.map_or_else(|| words::verdict_each(scenario), words::verdict),
         safe_load: event.filter(|_| watched).map(|e| words::safe_load(train, e, factor)).unwrap_or_default(),
+        cascade: cascade::sentence(scenario),
+        sequence: single.and_then(sequence),
         exceeding: single.and_then(|case| table(words::exceeding(case), |c| exceeding_row(c, case))),
         undecided: single.and_then(|case| table(words::undecided(case), |c| undecided_row(c, case))),
         breaks: if single.is_none() { table(harmful(scenario), break_row) } else { None },
@@ -72,6 +77,12 @@ pub fn section(train: &Train, scenario: &ScenarioFindings, pictures: &[Picture])
         horizon: horizon(cases),
         run_time: run_time(cases),
     }
+}
+
+/// The couplers that break after the event, in order.
+fn sequence(case: &CaseFindings) -> Option<Table> {
+    let found = case.cascade.as_ref()?;
+    table(found.breaks.iter().collect(), |b| cascade::row(b, case, found))
 }
 
 fn table<T>(items: Vec<T>, row: impl Fn(T) -> Vec<String>) -> Option<Table> {

@@ -28,8 +28,16 @@ pub fn train_facts(train: &Train) -> Vec<[String; 2]> {
     rows.extend(length(train).map(|l| ["length over couplers".to_owned(), format!("{} m", four(l))]));
     rows.extend(held(train).map(|h| ["held at their speed".to_owned(), h]));
     let stiffness = span(couplers.iter().map(|c| c.stiffness_n_per_m), |k| format!("{}/m", given_force(k)));
+    rows.extend([["stiffness of a coupler".to_owned(), stiffness]]);
+    let dashpots = &train.extras.dashpot_n_s_per_m;
+    if !dashpots.is_empty() {
+        let written = span(dashpots.iter().copied(), |c| format!("{}\u{b7}s/m", given_force(c)));
+        rows.push([
+            "dashpot of a coupler".to_owned(),
+            format!("{written}, damping ratio c / 2\u{221a}(km) {}", ratios(train)),
+        ]);
+    }
     rows.extend([
-        ["stiffness of a coupler".to_owned(), stiffness],
         ["rated in draft".to_owned(), span(couplers.iter().map(|c| c.rated_draft_n), given_force)],
         ["rated in buff".to_owned(), span(couplers.iter().map(|c| c.rated_buff_n), given_force)],
         ["load before the event".to_owned(), load(train)],
@@ -41,6 +49,17 @@ pub fn train_facts(train: &Train) -> Vec<[String; 2]> {
         ["one-way transit of the train".to_owned(), brief_time(wave.transit_s)],
     ]);
     rows
+}
+
+/// The share of critical damping that each coupler would have between its lighter vehicle and a wall.
+fn ratios(train: &Train) -> String {
+    let ratio = |(i, c): (usize, &f64)| {
+        let live = [i, i + 1].into_iter().map(|v| &train.vehicles[v]).filter(|v| !v.held);
+        let mass = live.map(|v| v.mass_kg).fold(f64::INFINITY, f64::min);
+        c / (2.0 * (train.couplers[i].stiffness_n_per_m * mass).sqrt())
+    };
+    let all = train.extras.dashpot_n_s_per_m.iter().enumerate().map(ratio);
+    span(all, |r| without_zeros(&digits(r, 0.0, 3)))
 }
 
 fn equal<T>(items: &[T], value: impl Fn(&T) -> f64) -> bool {

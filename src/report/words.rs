@@ -161,6 +161,7 @@ fn verdict_exceeding(case: &CaseFindings) -> String {
     let first = exceeding(case).into_iter().reduce(|a, b| if time_of(b) < time_of(a) { b } else { a });
     let first = first.map_or(String::new(), |c| {
         let when = match c.first_exceeds_s {
+            Some(0.0) if case.kind == "impact" => "at once, as the vehicles meet".to_owned(),
             Some(0.0) => "before anything happens, under the load alone".to_owned(),
             Some(t) => moment(t, case),
             None => "at a time not found".to_owned(),

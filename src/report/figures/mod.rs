@@ -4,11 +4,13 @@
 //! apart; in print without colour the lines differ by dashes and the markers by shape. The same findings give the same bytes.
 
 mod breaks;
+mod cascade;
 mod envelope;
 mod history;
 mod place;
 
 pub use breaks::breaks;
+pub use cascade::cascade;
 pub use envelope::envelope;
 pub use history::{history, window};
 

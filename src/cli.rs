@@ -51,6 +51,9 @@ pub struct Analyze {
     /// Exit with status 1 if some coupler exceeds, or cannot be told not to
     #[arg(long)]
     pub fail_on_exceed: bool,
+    /// Add a map to each scenario: the smallest overloading force by duration of the pulse, or the safe load by broken coupler
+    #[arg(long)]
+    pub map: bool,
     #[command(flatten)]
     pub solver: Solver,
 }

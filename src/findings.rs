@@ -3,12 +3,14 @@
 mod cascade;
 mod general;
 mod limits;
+mod map;
 
 use std::time::Instant;
 
 pub use cascade::{CascadeBreak, CascadeFindings};
 use general::Solved;
 pub use limits::LimitFindings;
+pub use map::{MapFindings, MapPoint};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -36,11 +38,20 @@ pub struct Options {
     pub verdict_only: bool,
     /// Report the all-time bound of every coupler's force.
     pub all_time_bound: bool,
+    /// Add a map to every scenario: overloading force by duration, or safe load by broken coupler.
+    pub map: bool,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Options { tolerance: 1e-9, method: None, scenario: None, verdict_only: false, all_time_bound: false }
+        Options {
+            tolerance: 1e-9,
+            method: None,
+            scenario: None,
+            verdict_only: false,
+            all_time_bound: false,
+            map: false,
+        }
     }
 }
 
@@ -66,6 +77,9 @@ pub struct ScenarioFindings {
     pub kind: &'static str,
     /// One per broken coupler, or one for a pulse or an impact.
     pub cases: Vec<CaseFindings>,
+    /// What it looks like around the event, where asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub map: Option<MapFindings>,
 }
 
 /// What one event does to every coupler.
@@ -267,7 +281,9 @@ fn scenario_findings(train: &Train, scenario: &Scenario, options: &Options) -> R
         .map(|&b| case_findings(train, scenario, b, options))
         .collect::<Result<Vec<_>, _>>()
         .map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
-    Ok(ScenarioFindings { name: scenario.name.clone(), kind: scenario.event.kind(), cases })
+    let map = if options.map { map::find(train, scenario, options) } else { Ok(None) };
+    let map = map.map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
+    Ok(ScenarioFindings { name: scenario.name.clone(), kind: scenario.event.kind(), cases, map })
 }
 
 fn case_findings(

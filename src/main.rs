@@ -59,6 +59,7 @@ fn options(method: Option<&str>, args: &cli::Analyze) -> Options {
         scenario: args.scenario.clone(),
         verdict_only: args.solver.verdict_only,
         all_time_bound: args.solver.all_time_bound,
+        map: args.map,
     }
 }
 

@@ -1,6 +1,6 @@
 //! What the report says of couplers that break one after the other.
 
-use super::numbers::{digits, force, percent, time};
+use super::numbers::{digits, force, time};
 use super::words::{count, moment, sense};
 use crate::findings::{CascadeBreak, CascadeFindings, CaseFindings, ScenarioFindings};
 
@@ -88,15 +88,12 @@ fn of_many(cascades: &[(&CaseFindings, &CascadeFindings)]) -> String {
 }
 
 /// A row of the sequence.
-pub fn row(b: &CascadeBreak, case: &CaseFindings, cascade: &CascadeFindings) -> Vec<String> {
-    let rated = case.couplers.iter().find(|c| c.coupler == b.coupler);
-    let rating = rated.map(|c| if b.force_n < 0.0 { c.rated_buff_n } else { c.rated_draft_n });
+pub fn row(b: &CascadeBreak, cascade: &CascadeFindings) -> Vec<String> {
     vec![
         time(b.time_s),
         format!("{}{}", b.coupler, if b.together { " (with others)" } else { "" }),
         b.between.join(", "),
         format!("{} in {}", force(b.force_n, cascade.error_bound_n), sense(b.force_n)),
-        rating.map(|r| format!("{} %", percent((b.force_n.abs() / r).max(1.0)))).unwrap_or_default(),
         joules(b.energy_j),
     ]
 }

@@ -8,6 +8,7 @@
 //! | `figure-N-envelope.svg` | largest draft and buff along the train; N is the scenario's place in the train file |
 //! | `figure-N-force.svg` | the worst coupler's force over time |
 //! | `figure-N-cascade.svg` | where and when couplers break one after the other, where a scenario follows that |
+//! | `figure-N-map.svg`, `map-N.csv` | overloading force by duration, or safe load by broken coupler, where asked for |
 //! | `figure-N-breaks.svg` | the worst utilisation by broken coupler, where several breaks were examined |
 
 mod cascade;
@@ -15,6 +16,7 @@ mod couplers_csv;
 mod figures;
 mod files;
 mod limits;
+mod map_csv;
 mod markdown;
 mod numbers;
 mod result_json;
@@ -57,6 +59,13 @@ pub fn write(train: &Train, analysis: &Analysis, dir: &Path) -> Result<Vec<PathB
     let mut all: Vec<(String, Vec<u8>)> =
         pictures.into_iter().flatten().map(|p| (p.file, p.svg.into_bytes())).collect();
     let shown: Vec<String> = all.iter().map(|(name, _)| name.clone()).collect();
+    for scenario in &analysis.scenarios {
+        if let (Some(map), Some((index, _))) = (&scenario.map, words::source(train, scenario)) {
+            let name = format!("map-{}.csv", index + 1);
+            let rows = map_csv::map_csv(map).map_err(io::Error::other).map_err(failed(&name))?;
+            all.push((name, rows));
+        }
+    }
     all.push(("couplers.csv".to_owned(), rows));
     all.push(("result.json".to_owned(), json.into_bytes()));
     all.push(("report.md".to_owned(), report.into_bytes()));
@@ -89,6 +98,15 @@ fn pictures(train: &Train, scenario: &ScenarioFindings) -> Vec<Picture> {
         let over = if several { ", over all breaks" } else { "" };
         let caption = format!("Largest draft and buff of every coupler{over}, against the ratings.");
         all.push(picture("envelope", caption, &|n| figures::envelope(train, scenario, n)));
+    }
+    if let Some(map) = &scenario.map {
+        let what = if map.over == "duration_s" {
+            "The smallest force, of this pulse's shape and sense, that overloads a coupler, against its duration"
+        } else {
+            "The factor on the load up to which no coupler exceeds, against which coupler breaks"
+        };
+        let caption = format!("{what}; the numbers are in map-{number}.csv.");
+        all.push(picture("map", caption, &|n| figures::map(map, n)));
     }
     let when = match case.broken_coupler.filter(|_| several) {
         Some(b) => format!(", when coupler {b} breaks"),
@@ -124,6 +142,6 @@ fn remove_stale_figures(dir: &Path, shown: &[String]) {
 fn is_figure(name: &str) -> bool {
     let parts = name.strip_prefix("figure-").and_then(|n| n.strip_suffix(".svg")).and_then(|n| n.split_once('-'));
     parts.is_some_and(|(number, kind)| {
-        number.bytes().all(|b| b.is_ascii_digit()) && ["breaks", "cascade", "envelope", "force"].contains(&kind)
+        number.bytes().all(|b| b.is_ascii_digit()) && ["breaks", "cascade", "envelope", "force", "map"].contains(&kind)
     })
 }

@@ -43,5 +43,10 @@ fn shorten(scenario: &ScenarioFindings) -> ScenarioFindings {
         cascade: c.cascade.clone(),
         ..*c
     };
-    ScenarioFindings { name: scenario.name.clone(), cases: scenario.cases.iter().map(case).collect(), ..*scenario }
+    ScenarioFindings {
+        name: scenario.name.clone(),
+        cases: scenario.cases.iter().map(case).collect(),
+        map: scenario.map.clone(),
+        ..*scenario
+    }
 }

@@ -82,7 +82,7 @@ pub fn section(train: &Train, scenario: &ScenarioFindings, pictures: &[Picture])
 /// The couplers that break after the event, in order.
 fn sequence(case: &CaseFindings) -> Option<Table> {
     let found = case.cascade.as_ref()?;
-    table(found.breaks.iter().collect(), |b| cascade::row(b, case, found))
+    table(found.breaks.iter().collect(), |b| cascade::row(b, found))
 }
 
 fn table<T>(items: Vec<T>, row: impl Fn(T) -> Vec<String>) -> Option<Table> {

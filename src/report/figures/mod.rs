@@ -7,12 +7,14 @@ mod breaks;
 mod cascade;
 mod envelope;
 mod history;
+mod map;
 mod place;
 
 pub use breaks::breaks;
 pub use cascade::cascade;
 pub use envelope::envelope;
 pub use history::{history, window};
+pub use map::map;
 
 use kuva::plot::legend::{LegendEntry, LegendPosition, LegendShape};
 use kuva::plot::line::{LinePlot, LineStyle};

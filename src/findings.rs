@@ -20,7 +20,7 @@ use crate::play::Rule;
 use crate::rod::Rod;
 use crate::scenario::{self, Event, Part, Scales, Scenario};
 use crate::solve::watch::{Side, SpringPeaks};
-use crate::solve::{self, Ask, Method, SolveError, solve, taylor};
+use crate::solve::{self, Ask, Method, SolveError, damped_modes, solve, taylor};
 
 /// The longest that an analysis may take by its estimate, s.
 const MOST_SECONDS: f64 = 3600.0;
@@ -235,10 +235,13 @@ fn case_estimate_s(
     if scenario.cascade != Rule::Keep {
         seconds += general::estimate_s(train, scenario, broken, scenario.cascade);
     }
-    if scenario::beyond_steps(train, &scenario.event) {
+    if scenario::beyond_steps(&train.extras.dashpot_n_s_per_m, &scenario.event) {
         return Ok(seconds + general::estimate_s(train, scenario, broken, Rule::Keep));
     }
     let parts = scenario::parts(train, &scenario.event, broken, horizon_s);
+    if train.extras.damping_ratio > 0.0 {
+        return Ok(seconds + parts.iter().map(|p| damped_modes::estimate_s(&p.scene)).sum::<f64>());
+    }
     let steps: f64 = parts.iter().map(|p| solve::estimate_s(&p.scene, &ask)).sum::<Result<f64, _>>()?;
     Ok(seconds + steps)
 }
@@ -295,11 +298,12 @@ fn case_findings(
     let start = Instant::now();
     let horizon_s = scenario::horizon_s(train, scenario, broken);
     let tolerance_n = ask(train, options).tolerance * Scales::of(train).force_n;
-    let (solved, rod) = if scenario::beyond_steps(train, &scenario.event) {
+    let (solved, rod) = if scenario::beyond_steps(&train.extras.dashpot_n_s_per_m, &scenario.event) {
         (general::solved(train, scenario, broken, horizon_s, options)?, None)
     } else {
         let parts = scenario::parts(train, &scenario.event, broken, horizon_s);
-        (solved_by_parts(train, &parts, options)?, rod_findings(&parts))
+        let rod = if train.extras.damping_ratio > 0.0 { None } else { rod_findings(&parts) };
+        (solved_by_parts(train, &parts, options)?, rod)
     };
     let Solved { method, reason, error_bound_n, mut couplers, left_out } = solved;
     let cascade = cascade::find(train, scenario, broken, horizon_s)?;
@@ -333,10 +337,14 @@ fn solved_by_parts(train: &Train, parts: &[Part], options: &Options) -> Result<S
     let (mut method, mut reason, mut largest) = ("none", "no coupler is left to watch".to_owned(), 0);
     let (mut error_bound_n, mut left_out) = (0.0f64, 0);
     for part in parts {
-        let solution = solve(&part.scene, &ask)?;
+        let solution = match train.extras.damping_ratio {
+            0.0 => solve(&part.scene, &ask)?,
+            ratio => general::damped(&part.scene, ratio, &ask)?,
+        };
         if part.scene.initial.len() > largest {
             largest = part.scene.initial.len();
-            (method, reason) = (solution.method.name(), solution.reason.clone());
+            method = if train.extras.damping_ratio > 0.0 { "damped-modes" } else { solution.method.name() };
+            reason = solution.reason.clone();
         }
         error_bound_n = error_bound_n.max(solution.error_bound * scales.force_n);
         for (i, spring) in solution.springs.iter().enumerate() {
@@ -430,14 +438,17 @@ fn rod_findings(parts: &[Part]) -> Option<RodFindings> {
 /// `scenario` is an index into the train's scenarios; `broken` and `coupler` are indices from 0. Right to a line's width.
 pub fn history(train: &Train, scenario: usize, broken: Option<usize>, coupler: usize, times_s: &[f64]) -> Vec<f64> {
     let event = &train.scenarios[scenario].event;
-    if scenario::beyond_steps(train, event) {
+    if scenario::beyond_steps(&train.extras.dashpot_n_s_per_m, event) {
         let (scales, scenario) = (Scales::of(train), &train.scenarios[scenario]);
         let horizon_s = scenario::horizon_s(train, scenario, broken);
         let times: Vec<f64> = times_s.iter().map(|t| t / scales.time_s).collect();
         let forces = taylor::history(&scenario::play(train, scenario, broken, horizon_s, Rule::Keep), coupler, &times);
         return forces.into_iter().map(|f| f * scales.force_n).collect();
     }
-    let forces = in_part(train, scenario, broken, coupler, times_s, |scene, i, t| Some(solve::history(scene, i, t)));
+    let forces = in_part(train, scenario, broken, coupler, times_s, |scene, i, t| match train.extras.damping_ratio {
+        0.0 => Some(solve::history(scene, i, t)),
+        ratio => Some(damped_modes::Damped::new(scene, ratio).history(i, t)),
+    });
     forces.unwrap_or_else(|| vec![0.0; times_s.len()])
 }
 
@@ -449,6 +460,9 @@ pub fn rod_history(
     coupler: usize,
     times_s: &[f64],
 ) -> Option<Vec<f64>> {
+    if train.extras.damping_ratio > 0.0 {
+        return None;
+    }
     in_part(train, scenario, broken, coupler, times_s, |scene, i, t| Some(Rod::new(scene)?.history(i, t)))
 }
 
@@ -462,7 +476,7 @@ fn in_part(
     ask: impl Fn(&Scene, usize, &[f64]) -> Option<Vec<f64>>,
 ) -> Option<Vec<f64>> {
     let scenario = &train.scenarios[scenario];
-    if scenario::beyond_steps(train, &scenario.event) {
+    if scenario::beyond_steps(&train.extras.dashpot_n_s_per_m, &scenario.event) {
         return None;
     }
     let horizon_s = scenario::horizon_s(train, scenario, broken);

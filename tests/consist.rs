@@ -106,7 +106,7 @@ fn the_template_parses_with_and_without_its_optional_keys() {
     let hauled = parse(&hauled);
     assert!(hauled.extras.steady.is_some_and(|s| s.outside_n[0] > 0.0 && s.outside_n[104] < 0.0));
     let all = all.replace("\n#+ ", "\n");
-    let keys = "damping rise fall cascade buff_breaks vehicles speed limits tractive_effort brake_force rolling_resistance grade name stiffness rated_load rated_buff label count mass held length at uniform kind coupler horizon force \
+    let keys = "damping_ratio damping rise fall cascade buff_breaks vehicles speed limits tractive_effort brake_force rolling_resistance grade name stiffness rated_load rated_buff label count mass held length at uniform kind coupler horizon force \
                 duration shape";
     for key in keys.split(' ') {
         assert!(all.lines().any(|line| line.split(['=', ' ']).next() == Some(key)), "{key} is not in the template");

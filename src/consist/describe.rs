@@ -93,6 +93,9 @@ fn couplers(train: &Train) -> String {
     let draft = range(train.couplers.iter().map(|c| c.rated_draft_n).collect(), Dimension::Force);
     let buff = range(train.couplers.iter().map(|c| c.rated_buff_n).collect(), Dimension::Force);
     let damping = match train.extras.dashpot_n_s_per_m.clone() {
+        _ if train.extras.damping_ratio > 0.0 => {
+            format!("; damping ratio {} of every mode", train.extras.damping_ratio)
+        }
         none if none.is_empty() => String::new(),
         some => format!("; dashpots {}", range(some, Dimension::Damping)),
     };

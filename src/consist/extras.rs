@@ -7,6 +7,8 @@ pub struct Extras {
     pub steady: Option<Steady>,
     /// Dashpots beside the couplers' springs, N s/m, coupler by coupler; empty if there are none.
     pub dashpot_n_s_per_m: Vec<f64>,
+    /// Share of critical damping of every mode, under 1; 0 without. Never together with dashpots.
+    pub damping_ratio: f64,
     /// Capacities beside the rating, coupler by coupler; empty if there are none.
     pub limits: Vec<Limits>,
 }

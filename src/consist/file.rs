@@ -9,14 +9,17 @@ use super::loads::{self, OwnLoad};
 use super::scenarios;
 use super::tree::{Found, Read, Sign, Table, Value};
 use super::{Coupler, Train, Vehicle};
-use crate::error::{Problem, printable};
+use crate::error::{Problem, printable, quoted};
+use crate::play::Rule;
+use crate::scenario::{self, Scenario};
 use crate::units::{Amount, Dimension};
 
 /// More vehicles than this are refused.
 const MOST_VEHICLES: usize = 1_000_000;
 
 /// Keys of the whole file.
-pub(super) const KEYS: [&str; 6] = ["name", "coupler", "vehicle", "coupler_override", "load", "scenario"];
+pub(super) const KEYS: [&str; 7] =
+    ["name", "damping_ratio", "coupler", "vehicle", "coupler_override", "load", "scenario"];
 const COUPLER_KEYS: [&str; 5] = ["stiffness", "rated_load", "rated_buff", "limits", "damping"];
 const OVERRIDE_KEYS: [&str; 6] = ["at", "stiffness", "rated_load", "rated_buff", "limits", "damping"];
 const VEHICLE_KEYS: [&str; 9] =
@@ -37,8 +40,28 @@ pub(super) fn train(found: &Found, root: &Table, path: &Path) -> Read<Train> {
     let load = loads::read(root, &vehicles, &couplers, &own, weakest_n);
     let scenarios = scenarios::read(root, &vehicles, weakest_n, path)?;
     let (initial_force_n, steady) = load?;
-    let extras = extras(&ratings, steady);
+    let mut extras = extras(&ratings, steady);
+    extras.damping_ratio = damping_ratio(root, &extras, &scenarios)?;
     Ok(Train { name: name?, initial_force_n, vehicles, couplers, scenarios, extras })
+}
+
+/// The damping ratio of every mode; it fits neither dashpots nor what only they fit.
+fn damping_ratio(root: &Table, extras: &Extras, scenarios: &[Scenario]) -> Read<f64> {
+    let Some(value) = root.get("damping_ratio") else { return Ok(0.0) };
+    let ratio = value.ratio()?;
+    if ratio > 0.0 && !extras.dashpot_n_s_per_m.is_empty() {
+        let help = "keep one of them: damping_ratio is of every mode alike, damping of each coupler";
+        return Err(value.wrong("damping_ratio beside dashpots", help));
+    }
+    let beyond = |s: &&Scenario| s.cascade != Rule::Keep || scenario::beyond_steps(&extras.dashpot_n_s_per_m, &s.event);
+    match scenarios.iter().find(beyond).filter(|_| ratio > 0.0) {
+        None => Ok(ratio),
+        Some(other) => {
+            let title = "damping_ratio is for breaks and rectangular pulses without a cascade";
+            let help = "give [coupler] a damping = \"200 kN*s/m\" instead, for scenario";
+            Err(value.wrong(title, format!("{help} {}", quoted(&other.name))))
+        }
+    }
 }
 
 fn extras(ratings: &[Ratings], steady: Option<Steady>) -> Extras {
@@ -47,6 +70,7 @@ fn extras(ratings: &[Ratings], steady: Option<Steady>) -> Extras {
     let damped = some(ratings.iter().any(|r| r.damping_n_s_per_m > 0.0));
     Extras {
         steady,
+        damping_ratio: 0.0,
         dashpot_n_s_per_m: damped.iter().map(|r| r.damping_n_s_per_m).collect(),
         limits: limited.iter().map(|r| r.limits).collect(),
     }

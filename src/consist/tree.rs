@@ -213,6 +213,18 @@ impl<'s> Value<'s> {
         number.ok_or_else(|| self.wrong(title(&integer.to_string().chars().take(40).collect::<String>()), right))
     }
 
+    /// A plain number from 0 to under 1.
+    pub(super) fn ratio(&self) -> Read<f64> {
+        let right = "expected a number from 0 to under 1, without quotes and unit: 0.2";
+        let text = match self.value {
+            DeValue::Integer(number) => number.to_string(),
+            DeValue::Float(number) => number.to_string(),
+            _ => return Err(self.wrong_type(right)),
+        };
+        let ratio = text.parse::<f64>().ok().filter(|r| (0.0..1.0).contains(r));
+        ratio.ok_or_else(|| self.wrong(format!("{} is {}", self.key, quoted(&text)), right))
+    }
+
     /// A quantity in SI units.
     pub(super) fn quantity(&self, dimension: Dimension, sign: Sign) -> Read<f64> {
         match self.read_amount(dimension, sign, false)? {

@@ -1,10 +1,11 @@
 //! Cases that steps of force on an undamped chain at rest cannot stand for: the whole train by Taylor series.
 
 use super::{CouplerFindings, Options, coupler_findings};
+use crate::chain::Scene;
 use crate::consist::Train;
 use crate::play::Rule;
 use crate::scenario::{self, Event, Scales, Scenario};
-use crate::solve::{SolveError, taylor};
+use crate::solve::{Ask, Method, Solution, SolveError, damped_modes, taylor};
 
 /// What was found of every coupler.
 pub(super) struct Solved {
@@ -44,6 +45,32 @@ pub(super) fn solved(
         error_bound_n: outcome.error_bound * scales.force_n,
         couplers: couplers.collect(),
         left_out: 0,
+    })
+}
+
+/// A part whose modes are all damped alike.
+///
+/// # Errors
+/// As for [`solved`].
+pub(super) fn damped(scene: &Scene, ratio: f64, ask: &Ask) -> Result<Solution, SolveError> {
+    if let Some(method) = ask.method {
+        return Err(SolveError::StepsOnly(method.name()));
+    }
+    let seconds = damped_modes::estimate_s(scene);
+    let gigabytes = 64e-9 * (scene.initial.len() as f64).powi(2);
+    if seconds > 3600.0 || gigabytes > 4.0 {
+        let advice = "dashpots instead of a damping ratio take less".to_owned();
+        return Err(SolveError::TooMuch { method: "damped-modes", seconds, gigabytes, advice });
+    }
+    let damped = damped_modes::Damped::new(scene, ratio);
+    let (springs, work) = damped.peaks();
+    Ok(Solution {
+        method: Method::Modal,
+        reason: "every mode has the same damping ratio".to_owned(),
+        error_bound: damped.error_bound(),
+        springs: springs.into_iter().map(Some).collect(),
+        all_time_bounds: None,
+        work,
     })
 }
 

@@ -86,7 +86,8 @@ fn lasting(event: &Event, duration: f64) -> Event {
 
 /// The rod's safe factor: `None` where there is no rod, or nothing bounds it.
 fn rod_factor(train: &Train, scenario: &Scenario, broken: Option<usize>) -> Option<f64> {
-    if scenario::beyond_steps(train, &scenario.event) {
+    let extras = &train.extras;
+    if extras.damping_ratio > 0.0 || scenario::beyond_steps(&extras.dashpot_n_s_per_m, &scenario.event) {
         return None;
     }
     let horizon_s = scenario::horizon_s(train, scenario, broken);

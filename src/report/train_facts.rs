@@ -29,6 +29,9 @@ pub fn train_facts(train: &Train) -> Vec<[String; 2]> {
     rows.extend(held(train).map(|h| ["held at their speed".to_owned(), h]));
     let stiffness = span(couplers.iter().map(|c| c.stiffness_n_per_m), |k| format!("{}/m", given_force(k)));
     rows.extend([["stiffness of a coupler".to_owned(), stiffness]]);
+    if train.extras.damping_ratio > 0.0 {
+        rows.push(["damping ratio of every mode".to_owned(), train.extras.damping_ratio.to_string()]);
+    }
     let dashpots = &train.extras.dashpot_n_s_per_m;
     if !dashpots.is_empty() {
         let written = span(dashpots.iter().copied(), |c| format!("{}\u{b7}s/m", given_force(c)));

@@ -5,10 +5,9 @@ use crate::chain::Scene;
 use crate::consist::Train;
 use crate::play::{Drive, Play, Rule};
 
-/// Whether the train or the event has what steps of force on an undamped chain at rest cannot stand for.
-pub fn beyond_steps(train: &Train, event: &Event) -> bool {
-    train.extras.dashpot_n_s_per_m.iter().any(|c| *c > 0.0)
-        || matches!(event, Event::Impact { .. } | Event::Shaped { .. })
+/// Whether dashpots or the event are what steps of force on a chain at rest cannot stand for.
+pub fn beyond_steps(dashpots: &[f64], event: &Event) -> bool {
+    dashpots.iter().any(|c| *c > 0.0) || matches!(event, Event::Impact { .. } | Event::Shaped { .. })
 }
 
 /// Forces in the couplers before the event, N: none in an impact, whose vehicles roll and stand freely before they meet.

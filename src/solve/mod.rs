@@ -9,6 +9,7 @@
 
 pub mod between;
 pub mod closed_form;
+pub mod damped_modes;
 pub mod dd;
 pub mod fronts;
 

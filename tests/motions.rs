@@ -94,6 +94,41 @@ fn forces_and_breaks_are_within_their_bounds() {
     assert!(tightest < 1e4, "a bound {tightest:e} times the error says little");
 }
 
+/// What a break's instant is worth: breaks at ratings a millionth higher come later, and no force afterwards differs by more than
+/// the bound makes of that delay, the coupler's force on both its masses over the delay, carried on without growth.
+#[test]
+fn a_delayed_break_changes_forces_no_more_than_its_bound_says() {
+    for case in cases().iter().filter(|c| c["name"].as_str().is_some_and(|n| n.starts_with("cascade"))) {
+        let (early, mut late) = (play(case), play(case));
+        late.scene.rated_draft.iter_mut().chain(&mut late.scene.rated_buff).for_each(|r| *r *= 1.0 + 1e-6);
+        let (a, b) = (taylor::solve(&early).expect("short"), taylor::solve(&late).expect("short"));
+        let chain = &early.scene.chain;
+        let inverse = |v: usize| if chain.live(v) { 1.0 / chain.mass[v] } else { 0.0 };
+        let jolt = |i: usize| (inverse(i) + inverse(i + 1)).sqrt();
+        let worth = |delay: f64, i: usize, force: f64| delay * force.abs() * jolt(i);
+        let mut norm = 0.0;
+        for (x, y) in a.breakages.iter().zip(&b.breakages) {
+            assert_eq!(x.springs, y.springs);
+            norm += worth((x.time - y.time).abs(), x.springs[0], y.force[0]);
+            // The bound of the run holds what the uncertainty of each instant is worth, on the stiffest spring.
+            let stiffest = chain.stiffness.iter().fold(0.0f64, |a, k| a.max(*k)).sqrt();
+            assert!(a.error_bound >= stiffest * worth(x.uncertainty, x.springs[0], x.force[0]));
+        }
+        let from = a.breakages.iter().chain(&b.breakages).map(|x| x.time).fold(0.0, f64::max);
+        let times: Vec<f64> = (0..400).map(|n| from + 0.01 + 0.02 * f64::from(n)).filter(|t| *t < 20.0).collect();
+        let mut largest = 0.0f64;
+        for i in 0..chain.stiffness.len() {
+            let reach = (chain.stiffness[i] + early.dashpot[i].powi(2) * (inverse(i) + inverse(i + 1))).sqrt();
+            let (f, g) = (taylor::history(&early, i, &times), taylor::history(&late, i, &times));
+            for apart in f.iter().zip(&g).map(|(x, y)| (x - y).abs()) {
+                assert!(apart <= reach * norm + a.error_bound, "{}: {apart:e} {norm:e}", case["name"]);
+                largest = largest.max(apart / reach);
+            }
+        }
+        assert!(largest > 0.01 * norm, "a delay that changes nothing shows nothing: {largest:e} {norm:e}");
+    }
+}
+
 /// Between two held ends nothing does work: kinetic and elastic energy together change at breaks alone, by what the broken
 /// coupler had in it; and what is left at the last break is what the motion after it shows.
 #[test]

@@ -120,8 +120,8 @@ pub fn steady_forces(vehicles: &[Vehicle], couplers: &[Coupler], outside_n: &[f6
     let mut force = Dd::ZERO;
     // Up to a constant: the force on a held head, which is not known yet, is left out.
     let mut forces: Vec<Dd> = Vec::with_capacity(couplers.len());
-    for v in 0..couplers.len() {
-        if !vehicles[v].held {
+    for (v, vehicle) in vehicles[..last].iter().enumerate() {
+        if !vehicle.held {
             force = force + push(v);
         }
         forces.push(force);

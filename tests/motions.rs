@@ -180,7 +180,8 @@ fn symmetric_couplers_break_together() {
     p.broken.clear();
     p.rule = Rule::InDraft;
     p.velocity = vec![0.75, 0.5, 0.25, -0.25, -0.5, -0.75];
-    p.scene.rated_draft = vec![0.25, 0.25, 9.0, 0.25, 0.25];
+    // Apart by less than can be told, so that it is not the same bits that decide.
+    p.scene.rated_draft = vec![0.25, 0.25, 9.0, 0.25 + 1e-14, 0.25 + 1e-14];
     let out = taylor::solve(&p).expect("short");
     assert!(!out.breakages.is_empty());
     for at in &out.breakages {

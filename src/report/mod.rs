@@ -35,6 +35,7 @@ pub use terminal_table::terminal;
 
 use crate::consist::Train;
 use crate::findings::{Analysis, ScenarioFindings};
+use crate::scenario::Event;
 use markdown::Picture;
 
 /// Writes the whole report into a folder, made if need be, and returns the files' paths, `report.md` last.
@@ -76,7 +77,8 @@ pub fn write(train: &Train, analysis: &Analysis, dir: &Path) -> Result<Vec<PathB
 
 /// The figures of a scenario that has something to show.
 fn pictures(train: &Train, scenario: &ScenarioFindings) -> Vec<Picture> {
-    let (Some((index, _)), Some((case, worst))) = (words::source(train, scenario), words::worst_case(scenario)) else {
+    let (Some((index, source)), Some((case, worst))) = (words::source(train, scenario), words::worst_case(scenario))
+    else {
         return Vec::new();
     };
     let number = index + 1;
@@ -86,9 +88,14 @@ fn pictures(train: &Train, scenario: &ScenarioFindings) -> Vec<Picture> {
     };
     let several = scenario.cases.len() > 1;
     let mut all = Vec::new();
+    let struck = match source.event {
+        Event::Impact { vehicles, at_head: true, .. } => Some(vehicles),
+        Event::Impact { vehicles, .. } => Some(train.vehicles.len() - vehicles),
+        _ => None,
+    };
     if let Some(cascade) = case.cascade.as_ref().filter(|c| !several && !c.breaks.is_empty()) {
         let caption = "Where and when couplers break: time against place.".to_owned();
-        all.push(picture("cascade", caption, &|n| figures::cascade(case, cascade, train.couplers.len(), n)));
+        all.push(picture("cascade", caption, &|n| figures::cascade(case, cascade, struck, train.couplers.len(), n)));
     }
     if several {
         let caption = "Utilisation of the worst coupler, by which coupler breaks.".to_owned();

@@ -47,7 +47,7 @@ pub fn envelope(train: &Train, scenario: &ScenarioFindings, name: &str) -> Strin
     let unit = force_unit(forces().fold(0.0, |m: f64, f| m.max(f.abs())));
     let mut figure = Figure::new(name);
     draw_extremes(&mut figure, &all, unit);
-    if train.extras.steady.is_some() {
+    if train.extras.steady.is_some() && scenario.kind != "impact" {
         let before: Vec<_> = train.initial_force_n.iter().map(|f| Some(f / unit.size)).collect();
         figure.line(steps(&before).concat(), ORANGE, 1.4, None, Some("before the event"));
     }

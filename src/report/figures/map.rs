@@ -22,17 +22,19 @@ pub fn map(map: &MapFindings, name: &str) -> String {
         all.filter(|p| p.1 <= tall).map(|(x, y)| (x, y / size.size)).collect::<Vec<_>>()
     };
     let (chain, rod) = (line(|p| p.chain), line(|p| p.rod));
+    let rod: Vec<_> = rod.into_iter().filter(|p| chain.first().is_none_or(|first| p.0 >= first.0)).collect();
     let y = range_with_air(chain.iter().chain(&rod).map(|p| p.1));
+    let first = chain.first().map_or(longest / across, |p| p.0);
     let mut figure = Figure::new(name);
     if !rod.is_empty() {
         figure.line(rod, ORANGE, 1.8, Some("6 3 6 3"), Some("elastic rod"));
     }
     figure.line(chain, BLUE, 2.0, None, Some("chain"));
     if of_pulse {
-        let x = (0.0, longest / across);
+        let x = (first, longest / across);
         let label = format!("smallest force that overloads a coupler, {}", size.name);
         let layout = figure.layout(x, y, &format!("duration of the pulse, {}", clock.name), &label);
-        return figure.svg(layout);
+        return figure.svg(layout.with_log_x());
     }
     let couplers = map.points.len();
     let x = (0.5, couplers as f64 + 0.5);

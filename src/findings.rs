@@ -218,7 +218,10 @@ pub fn estimate_s(train: &Train, options: &Options) -> Result<f64, AnalyzeError>
     for scenario in chosen(train, options)? {
         let cases = cases(&scenario.event);
         let seconds: Result<f64, _> = cases.par_iter().map(|&b| case_estimate_s(train, scenario, b, options)).sum();
-        total += seconds.map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
+        let seconds = seconds.map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
+        let mapped =
+            if options.map { map::cases(train, &scenario.event) as f64 / cases.len().max(1) as f64 } else { 0.0 };
+        total += seconds * (1.0 + mapped);
     }
     if total > MOST_SECONDS { Err(AnalyzeError::TooLong { seconds: total }) } else { Ok(total) }
 }

@@ -72,6 +72,15 @@ pub(super) fn find(train: &Train, scenario: &Scenario, options: &Options) -> Res
     Ok(Some(MapFindings { over, value, points: points.collect::<Result<_, _>>()? }))
 }
 
+/// How many cases a map has.
+pub(super) fn cases(train: &Train, event: &Event) -> usize {
+    match event {
+        Event::Impact { .. } => 0,
+        Event::Break { .. } => train.couplers.len(),
+        Event::Pulse { .. } | Event::Shaped { .. } => DURATIONS,
+    }
+}
+
 /// The same pulse with another duration, its shape drawn out or pressed together.
 fn lasting(event: &Event, duration: f64) -> Event {
     match event.clone() {

@@ -34,8 +34,7 @@ fn of_one(case: &CaseFindings, cascade: &CascadeFindings) -> String {
 }
 
 fn pieces(cascade: &CascadeFindings) -> String {
-    let named =
-        |p: &[usize; 2]| if p[0] == p[1] { format!("vehicle {}", p[0]) } else { format!("{} to {}", p[0], p[1]) };
+    let named = |p: &[usize; 2]| if p[0] == p[1] { p[0].to_string() } else { format!("{} to {}", p[0], p[1]) };
     match &cascade.pieces[..] {
         [_] => "the train stays whole".to_owned(),
         all if all.len() > TOLD => format!("the train is left in {} pieces", all.len()),

@@ -6,6 +6,9 @@
 //! | [`Method::Fronts`] | sums of travelling Bessel fronts | yes | springs behind the front x instants |
 //! | [`Method::Modal`] | sums over modes found numerically | no | the same as the closed form, and the modes |
 //! | [`Method::Propagator`] | steps that are exact in time | no | springs behind the front x steps |
+//!
+//! Beyond steps of force on undamped chains: [`taylor`] follows dashpots, initial speeds, forces of any shape and couplers that
+//! break on the way; [`damped_modes`] sums modes that all have the same damping ratio.
 
 pub mod between;
 pub mod closed_form;

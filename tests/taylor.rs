@@ -235,3 +235,92 @@ fn a_coupler_breaks_in_its_swing() {
         assert_eq!(after, [0.0, 0.0]);
     }
 }
+
+/// A rating as near to the peak as can be told: whether the coupler breaks is not decided, and from when on is said.
+#[test]
+fn a_rating_at_the_peak_is_not_decided() {
+    let mut p = play(equal(2, false, false, 0.0));
+    p.velocity = vec![0.0, 3.0];
+    let (swing, force) = (2f64.sqrt(), 3.0 / 2f64.sqrt());
+    (p.scene.rated_draft, p.scene.rated_buff, p.rule) = (vec![9.0], vec![force], Rule::InBoth);
+    let out = run(&p);
+    assert_eq!((out.springs[0].buff.exceeds(), out.breakages.len()), (None, 0));
+    let (spring, since) = out.open.expect("open");
+    // Within the bound of the peak since sqrt(2 bound / force) of a radian before it, twice over for the rounded rating.
+    let early = 2.0 * (2.0 * out.error_bound / force).sqrt() / swing;
+    assert!(spring == 0 && (since - 0.5 * PI / swing).abs() < early, "{since}");
+    for (rating, breaks) in [(1.0 - 1e-9, 1), (1.0 + 1e-9, 0)] {
+        p.scene.rated_buff = vec![force * rating];
+        let out = run(&p);
+        assert_eq!((out.breakages.len(), out.open), (breaks, None));
+    }
+}
+
+/// Chains of any shape with dashpots of any strength: the bound holds against the exponential of the whole system's matrix, which
+/// rounds more than the steps do.
+#[test]
+fn random_chains_agree_with_a_matrix_exponential() {
+    let mut seed = 7u64;
+    let mut random = move || {
+        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (seed >> 11) as f64 / (1u64 << 53) as f64
+    };
+    for round in 0..120 {
+        let masses = 2 + round % 7;
+        let (held_head, held_tail) = (round % 3 == 1, round % 5 == 2 && masses > 2);
+        let mut scene = equal(masses, held_head, held_tail, 0.0);
+        let mut between = |low: f64, high: f64| low * (high / low).powf(random());
+        scene.chain.mass.iter_mut().for_each(|m| *m = between(0.1, 10.0));
+        scene.chain.stiffness.iter_mut().for_each(|k| *k = between(0.1, 10.0));
+        scene.horizon = 6.0;
+        let mut p = play(scene);
+        p.dashpot.iter_mut().for_each(|c| *c = between(1e-3, 5.0));
+        for v in (0..masses).filter(|&v| p.scene.chain.live(v)) {
+            p.velocity[v] = between(1.0, 4.0) - 2.0;
+        }
+        p.drive = Drive::rectangle(between(0.5, 2.0), 7.0);
+        let out = run(&p);
+        let times = [0.7, 3.1, 5.9];
+        for (t, exact) in times.iter().map(|t| (t, exponential(&p, *t))) {
+            for (i, exact) in exact.iter().enumerate() {
+                let found = taylor::history(&p, i, &[*t])[0];
+                // Scaling and squaring of a matrix of norm 100 or so loses three digits or four.
+                assert!((found - exact).abs() < out.error_bound + 1e-11, "{round} {i} {t}: {found} {exact}");
+                let peaks = out.springs[i];
+                assert!(found <= peaks.draft.best.value + out.error_bound, "{round} {i} {t}");
+                assert!(-found <= peaks.buff.best.value + out.error_bound, "{round} {i} {t}");
+            }
+        }
+    }
+}
+
+/// Coupler forces from the exponential of the matrix of displacements, speeds and a constant.
+fn exponential(p: &Play, time: f64) -> Vec<f64> {
+    let chain = &p.scene.chain;
+    let n = chain.mass.len();
+    let row = |i: usize| {
+        let mut row = nalgebra::RowDVector::zeros(2 * n + 1);
+        (row[i], row[i + 1]) = (chain.stiffness[i], -chain.stiffness[i]);
+        (row[n + i], row[n + i + 1]) = (p.dashpot[i], -p.dashpot[i]);
+        row
+    };
+    let mut rates = nalgebra::DMatrix::zeros(2 * n + 1, 2 * n + 1);
+    for v in 0..n {
+        rates[(v, n + v)] = 1.0;
+        if chain.live(v) {
+            let ahead = v.checked_sub(1).map(row);
+            let behind = (v + 1 < n).then(|| row(v));
+            for j in 0..2 * n {
+                let pull = ahead.as_ref().map_or(0.0, |r| r[j]) - behind.as_ref().map_or(0.0, |r| r[j]);
+                rates[(n + v, j)] = pull / chain.mass[v];
+            }
+        }
+    }
+    let source = p.scene.source;
+    rates[(n + source, 2 * n)] = p.drive.value(0.0) / chain.mass[source];
+    let mut start = nalgebra::DVector::zeros(2 * n + 1);
+    start.rows_mut(n, n).copy_from_slice(&p.velocity);
+    start[2 * n] = 1.0;
+    let now = (rates * time).exp() * start;
+    (0..n - 1).map(|i| (row(i) * &now)[0]).collect()
+}

@@ -105,11 +105,10 @@ fn limits(value: &Value) -> Read<Limits> {
     let table = value.table("limits", &LIMITS)?;
     let quantity = |key| table.get(key).map(|v| v.quantity(Dimension::Force, Sign::Positive)).transpose();
     let [fatigue, proof, ultimate] = LIMITS.map(quantity);
-    let limits = Limits([fatigue?, proof?, ultimate?]);
-    if limits == Limits::default() {
+    if table.is_empty() {
         return Err(value.wrong("limits is empty", "give it fatigue, proof or ultimate: fatigue = \"970 kN\""));
     }
-    Ok(limits)
+    Ok(Limits([fatigue?, proof?, ultimate?]))
 }
 
 /// The ratings that hold unless overridden; a share in `buff` is of whichever draft rating the coupler has.

@@ -86,6 +86,11 @@ impl<'s> Table<'s> {
         Some(Value { found: self.found, key, value: value.get_ref(), span: value.span() })
     }
 
+    /// Whether it has no key at all.
+    pub(super) fn is_empty(&self) -> bool {
+        self.table.is_empty()
+    }
+
     /// The place of a key, if it is there.
     pub(super) fn key_span(&self, key: &str) -> Option<Range<usize>> {
         self.table.get_key_value(key).map(|(k, _)| k.span())

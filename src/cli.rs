@@ -24,6 +24,9 @@ pub enum Command {
     /// Analyse one train: a short table here, the report in a folder
     #[command(after_help = "Example: trainsafe analyze consist.toml --scenario \"the rear is hit\" --out study/rear")]
     Analyze(Analyze),
+    /// Show error against run time: every method on this train, and those that engineers know, against 30 digits
+    #[command(after_help = "Example: trainsafe accuracy consist.toml --out accuracy/consist")]
+    Accuracy(Accuracy),
     /// Say whether a train file is right, and in words what the train is and what will be run
     #[command(after_help = "Example: trainsafe check consist.toml")]
     Check {
@@ -72,6 +75,22 @@ pub struct Solver {
     /// Report the all-time bound of every coupler's force
     #[arg(long)]
     pub all_time_bound: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct Accuracy {
+    /// The train file
+    #[arg(required_unless_present = "stress")]
+    pub train: Option<PathBuf>,
+    /// Folder for the table, its CSV and the figure [default: reports/accuracy/<file stem>]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Compare on this scenario [default: the first]
+    #[arg(long, value_name = "NAME")]
+    pub scenario: Option<String>,
+    /// Run the extreme cases instead: case, method chosen, error, bound, time, verdict
+    #[arg(long, conflicts_with_all = ["train", "scenario", "out"])]
+    pub stress: bool,
 }
 
 fn share(text: &str) -> Result<f64, String> {

@@ -2,12 +2,16 @@
 
 mod cli;
 
+use std::ffi::OsStr;
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::{Duration, Instant};
 
 use clap::Parser;
+use trainsafe::accuracy::{self, AccuracyError};
 use trainsafe::solve::Method;
 use trainsafe::{Analysis, Options, Train, consist, findings, report};
 
@@ -27,6 +31,7 @@ enum Failure {
 fn main() -> ExitCode {
     let done = match Cli::parse().command {
         Command::Analyze(args) => analyze(&args),
+        Command::Accuracy(args) => accuracy(&args),
         Command::Check { train } => read(&train).and_then(|t| print(&consist::describe(&t))),
         Command::New => print(consist::TEMPLATE),
     };
@@ -37,10 +42,12 @@ fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
     let train = read(&args.train)?;
     let options = options(args.solver.method.as_deref(), args);
     let seconds = findings::estimate_s(&train, &options).map_err(|e| complain(&args.train, &e))?;
+    consist::warnings(&train).iter().for_each(|warning| say(&format!("warning: {warning}")));
     if seconds > LONG_S {
         say(&format!("this will take about {seconds:.0} s"));
     }
-    let analysis = findings::analyze(&train, &options).map_err(|e| complain(&args.train, &e))?;
+    let analysis =
+        with_clock(seconds, || findings::analyze(&train, &options)).map_err(|e| complain(&args.train, &e))?;
     if args.json {
         let json = report::json(&analysis).map_err(|e| output_failed(&e))?;
         print(&(json + "\n"))?;
@@ -50,6 +57,40 @@ fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
         print(&report::terminal(&analysis, written.last().map(PathBuf::as_path)))?;
     }
     if args.fail_on_exceed && exceeds(&analysis) { Err(Failure::Exceeds) } else { Ok(()) }
+}
+
+/// Does long work, and says every so often how long it has been at it.
+fn with_clock<T: Send>(estimate_s: f64, work: impl FnOnce() -> T + Send) -> T {
+    if estimate_s <= LONG_S {
+        return work();
+    }
+    let (done, wait) = mpsc::channel::<()>();
+    let start = Instant::now();
+    std::thread::scope(|scope| {
+        scope.spawn(move || {
+            while let Err(RecvTimeoutError::Timeout) = wait.recv_timeout(Duration::from_secs_f64(2.0 * LONG_S)) {
+                say(&format!("{:.0} s of about {estimate_s:.0} s", start.elapsed().as_secs_f64()));
+            }
+        });
+        let result = work();
+        drop(done);
+        result
+    })
+}
+
+fn accuracy(args: &cli::Accuracy) -> Result<(), Failure> {
+    let Some(path) = &args.train else {
+        return print(&accuracy::stress::terminal(&accuracy::stress::stress()));
+    };
+    let train = read(path)?;
+    let options = accuracy::Options::default();
+    let compared = accuracy::run(&train, args.scenario.as_deref(), &options).map_err(|e| complain(path, &e))?;
+    let dir = args.out.clone().unwrap_or_else(|| Path::new("reports/accuracy").join(stem(path)));
+    accuracy::write(&compared, &dir).map_err(|e| match e {
+        AccuracyError::Write { .. } => output_failed(&e),
+        _ => complain(path, &e),
+    })?;
+    print(&format!("{}\nReport: {}\n", accuracy::terminal(&compared, None), dir.join("accuracy.md").display()))
 }
 
 fn options(method: Option<&str>, args: &cli::Analyze) -> Options {
@@ -69,7 +110,11 @@ fn exceeds(analysis: &Analysis) -> bool {
 }
 
 fn default_dir(train: &Path) -> PathBuf {
-    Path::new("reports").join(train.file_stem().unwrap_or_default())
+    Path::new("reports").join(stem(train))
+}
+
+fn stem(path: &Path) -> &OsStr {
+    path.file_stem().unwrap_or_default()
 }
 
 /// The train, or its problems on standard error.

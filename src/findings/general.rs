@@ -13,7 +13,8 @@ pub(super) struct Solved {
     pub reason: String,
     pub error_bound_n: f64,
     pub couplers: Vec<CouplerFindings>,
-    pub left_out: usize,
+    /// Couplers that were left out, with their all-time bounds, N.
+    pub left_out: Vec<(usize, f64)>,
 }
 
 /// Extremes of every coupler but the broken one.
@@ -44,7 +45,7 @@ pub(super) fn solved(
         reason: reason(train, &scenario.event).to_owned(),
         error_bound_n: outcome.error_bound * scales.force_n,
         couplers: couplers.collect(),
-        left_out: 0,
+        left_out: Vec::new(),
     })
 }
 

@@ -40,7 +40,9 @@ impl WriteError {
 /// Writes all files into a folder, made if need be, and returns their paths in the same order.
 ///
 /// Every file is first written whole under a temporary name beside its place; only when all are there is each renamed, in
-/// order. So nothing half-written ever has a final name, and if the disk fills up an earlier report stays as it was.
+/// order. So nothing half-written ever has a final name, and if the disk fills up an earlier report stays as it was. A
+/// file that holds the same bytes already is left alone: some file systems flush a file to the disk when it is replaced,
+/// which takes longer than all the rest.
 ///
 /// # Errors
 /// [`WriteError`] with the path that could not be written.
@@ -48,15 +50,18 @@ pub fn write_all(dir: &Path, files: &[(String, Vec<u8>)]) -> Result<Vec<PathBuf>
     fs::create_dir_all(dir).map_err(|e| WriteError::new(dir, e))?;
     let staged = files.iter().map(|(name, content)| {
         let path = dir.join(name);
+        if fs::read(&path).is_ok_and(|old| old == *content) {
+            return Ok((None, path));
+        }
         let file = stage(dir, content).map_err(|e| WriteError::new(&path, e))?;
-        Ok((file, path))
+        Ok((Some(file), path))
     });
     let staged = staged.collect::<Result<Vec<_>, WriteError>>()?;
     staged
         .into_iter()
-        .map(|(file, path)| match file.persist(&path) {
-            Ok(_) => Ok(path),
-            Err(e) => Err(WriteError::new(&path, e.error)),
+        .map(|(file, path)| match file.map(|f| f.persist(&path)) {
+            Some(Err(e)) => Err(WriteError::new(&path, e.error)),
+            _ => Ok(path),
         })
         .collect()
 }

@@ -73,7 +73,7 @@ pub fn event(train: &Train, event: &Event) -> String {
             let label = &train.vehicles[*vehicle].label;
             let (size, lasting) = (given_force(*force_n), given_time(*duration_s));
             format!(
-                "A constant force of {size} pulls vehicle {} ({label}) {way} from t = 0 for {lasting}.",
+                "A constant force of {size} acts {way} on vehicle {} ({label}) from t = 0 for {lasting}.",
                 vehicle + 1
             )
         }

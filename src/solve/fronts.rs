@@ -18,8 +18,9 @@
 //! spring, and nothing is kept.
 
 use super::Work;
-use super::between::{BLOCK, Motion, PHASE, Search, Step, local_norms};
+use super::between::{PHASE, Search, Step};
 use super::closed_form::equal;
+use super::motion::{BLOCK, Motion, local_norms, opening};
 use super::watch::SpringPeaks;
 use crate::chain::Scene;
 
@@ -154,6 +155,8 @@ struct Fronts<'a> {
     force: Vec<[f64; INSTANTS]>,
     /// Per step of a block of instants and block of springs: a bound on the norm of `h^2 G''` around it.
     norms: [Vec<f64>; LANES],
+    /// Whether no step like that follows.
+    last: [bool; LANES],
 }
 
 impl<'a> Fronts<'a> {
@@ -172,6 +175,7 @@ impl<'a> Fronts<'a> {
             table: Table::default(),
             force: vec![[0.0; INSTANTS]; scene.initial.len()],
             norms: std::array::from_fn(|_| Vec::new()),
+            last: [false; LANES],
         }
     }
 
@@ -240,6 +244,12 @@ impl<'a> Fronts<'a> {
         }
     }
 
+    /// The step that ends at instant `n`.
+    fn step(&self, n: usize) -> Step {
+        let from = (n - 1) as f64 * self.width;
+        Step { number: n as u64, from, width: self.width, force: self.outside(n) }
+    }
+
     /// Outside force on the source during the step that ends at instant `n`.
     fn outside(&self, n: usize) -> f64 {
         if n <= self.pulse { self.scene.force } else { 0.0 }
@@ -252,6 +262,7 @@ impl<'a> Fronts<'a> {
         let latest = (first + LANES) as f64 * self.width;
         self.work.marched += (self.force.len() * last_lane) as u64;
         self.find_norms(first);
+        self.last = std::array::from_fn(|l| search.is_last(&self.step(first + l)));
         for spring in 0..self.force.len() {
             let distance = (spring as f64 + 0.5 - source).abs() + 0.5;
             // Before this the front has not come: its Bessel functions are under 1e-16.
@@ -264,8 +275,7 @@ impl<'a> Fronts<'a> {
             }
             for (l, _) in open.iter().enumerate().take(last_lane).filter(|(_, o)| **o > 0.0) {
                 let n = first + l;
-                let from = (n - 1) as f64 * self.width;
-                let step = Step { number: n as u64, from, width: self.width, force: self.outside(n) };
+                let step = self.step(n);
                 let at = |end: usize, s: usize| self.force[s][l + end];
                 search.departures_of(spring, &self.force[spring][..=l]);
                 search.consider(&step, spring, self.remainders[1][spring], self.norms[l][spring / BLOCK], at);
@@ -319,11 +329,12 @@ impl<'a> Fronts<'a> {
         let here = &self.force[spring];
         let [q0, q1] = self.bend(spring, first);
         let remainder = self.remainders[0][spring];
-        let (high, low) = (search.levels[0][spring], search.levels[1][spring]);
+        let side = |of: &[Vec<f64>; 2]| [of[0][spring], of[1][spring]];
+        let (level, crossing) = (side(&search.levels), side(&search.crossings));
+        let block = spring / BLOCK;
         std::array::from_fn(|l| {
-            let up = here[l].max(here[l + 1]) + 0.125 * q0[l].max(q1[l]).max(0.0);
-            let down = here[l].min(here[l + 1]) + 0.125 * q0[l].min(q1[l]).min(0.0);
-            (up - high).max(-down - low) + remainder * self.norms[l][spring / BLOCK]
+            let remainder = remainder * self.norms[l][block];
+            opening([here[l], here[l + 1]], [q0[l], q1[l]], remainder, level, crossing, self.last[l])
         })
     }
 }

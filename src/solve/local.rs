@@ -46,6 +46,12 @@ impl Local {
         Local { coefficient: self.coefficient.map(|c| -c), ..*self }
     }
 
+    /// Time of x, never negative.
+    #[inline]
+    pub fn time(&self, x: f64) -> f64 {
+        (self.center + self.radius * x).max(0.0)
+    }
+
     /// Value and slope (per unit of x) at x.
     #[inline]
     pub fn value_and_slope(&self, x: f64) -> (f64, f64) {

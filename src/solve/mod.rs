@@ -18,9 +18,12 @@ pub mod fronts;
 
 pub mod local;
 pub mod modal;
+pub mod motion;
 pub mod path;
 pub mod plan;
 pub mod propagator;
+pub mod search;
+pub mod series;
 pub mod statics;
 pub mod sums;
 pub mod taylor;
@@ -97,7 +100,7 @@ pub struct Solution {
     pub error_bound: f64,
     /// One per spring; `None` where it was left out.
     pub springs: Vec<Option<SpringPeaks>>,
-    /// Bound on |F| over all time, where asked for.
+    /// Bound on |F| over all time, where asked for or used to leave springs out.
     pub all_time_bounds: Option<Vec<f64>>,
     /// What it took.
     pub work: Work,
@@ -112,6 +115,9 @@ pub enum SolveError {
     /// The method is for steps of force on undamped chains.
     #[error("the method {0} is for breaks and rectangular pulses without dashpots: leave the choice to the program")]
     StepsOnly(&'static str),
+    /// Fronts cannot end a pulse so short.
+    #[error("fronts need a pulse of a fifth of sqrt(mass / stiffness) or longer: use closed-form, modal or propagator")]
+    TooShort,
     /// The method would take too long or too much memory.
     #[error("the method {method} would take about {seconds:.0} s and {gigabytes:.1} GB here: {advice}")]
     TooMuch {
@@ -136,7 +142,7 @@ pub fn solve(scene: &Scene, ask: &Ask) -> Result<Solution, SolveError> {
         return Ok(at_rest(scene, ask));
     }
     let plan = plan::choose(scene, ask)?;
-    plan::run(scene, ask, &plan)
+    Ok(plan::run(scene, ask, &plan))
 }
 
 /// Estimated time of [`solve`], s, from the count of its work.

@@ -62,37 +62,40 @@ fn vectors(path: &Path, omega: &[Dd]) -> Vec<Mode> {
         first
     };
     let cluster: Vec<usize> = (0..omega.len()).map(first_of_cluster).collect();
-    let mut modes: Vec<Mode> = (0..omega.len())
-        .into_par_iter()
-        .map(|j| {
-            let indistinct = |k: &usize| (omega[*k + 1] - omega[*k]).hi <= 1e-26 * omega[j].hi;
-            let copy = (cluster[j]..j).rev().take_while(indistinct).count();
-            path.mode(omega[j], copy)
-        })
-        .collect();
+    let mut modes: Vec<Mode> = (0..omega.len()).into_par_iter().map(|j| path.mode(omega[j], 0)).collect();
     for j in 0..modes.len() {
         let (done, rest) = modes.split_at_mut(j);
-        for other in &done[cluster[j]..] {
-            remove(&other.node, &mut rest[0].node);
+        let others = &done[cluster[j]..];
+        // Modes of one frequency live in separate places of the train; each try begins at another place.
+        for place in 1..=2 * others.len() {
+            if others.iter().map(|other| remove(&other.node, &mut rest[0].node)).product::<f64>() > 0.5 {
+                break;
+            }
+            rest[0] = path.mode(omega[j], place);
         }
+        others.iter().for_each(|other| {
+            remove(&other.node, &mut rest[0].node);
+        });
     }
     modes
 }
 
-/// Takes out of `node` its part along `other`, and restores its norm sqrt 2.
-fn remove(other: &[Dd], node: &mut [Dd]) {
+/// Takes out of `node` its part along `other`, and restores its norm sqrt 2; the share of it that is left.
+fn remove(other: &[Dd], node: &mut [Dd]) -> f64 {
     let dot = |a: &[Dd], b: &[Dd]| a.iter().zip(b).fold(Dd::ZERO, |sum, (&x, &y)| sum + x * y);
     let along = dot(other, node) * Dd::from(0.5);
     if along.abs().hi < 1e-30 {
-        return;
+        return 1.0;
     }
     for (x, &y) in node.iter_mut().zip(other) {
         *x = *x - along * y;
     }
-    let scale = Dd::from(2.0).sqrt() / dot(node, node).sqrt();
+    let rest = dot(node, node);
+    let scale = Dd::from(2.0).sqrt() / rest.sqrt();
     for x in node.iter_mut() {
         *x = *x * scale;
     }
+    0.5 * rest.hi
 }
 
 /// Growth per unit time of the energy norm of the error under a unit force: what the modes miss of that force, and their

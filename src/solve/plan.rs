@@ -3,7 +3,7 @@
 //! Every method's work is counted before it is done; a price per unit of work, measured once on one machine and the same
 //! for everyone, makes the counts comparable. The choice therefore depends on the scene alone, never on the machine's mood.
 
-use super::{Ask, Method, Solution, SolveError, closed_form, fronts, modal, propagator, sums};
+use super::{Ask, Method, Solution, SolveError, Work, closed_form, fronts, modal, propagator, search, sums};
 use crate::chain::Scene;
 
 /// Nanoseconds for one product in a sum over modes, value and slope together, as matrix products do it.
@@ -12,7 +12,8 @@ const MODE_SUM: f64 = 0.12;
 const STEP: f64 = 4.0;
 /// Nanoseconds for one spring at one instant of the travelling fronts, per front that is passing.
 const FRONT: f64 = 0.6;
-/// Nanoseconds to find one entry of one vibration mode in double-double.
+/// Nanoseconds to find one entry of one vibration mode by the closed form, and in double-double.
+const CLOSED_ENTRY: f64 = 20.0;
 const MODE_ENTRY: f64 = 600.0;
 /// Nanoseconds to look into one spring's forces between instants.
 const LOOK: f64 = 3000.0;
@@ -43,15 +44,29 @@ struct Offer {
     gigabytes: f64,
 }
 
+/// The largest frequency that a sum over modes has to follow in time: modes beyond a wide gap are not summed on its grid.
+///
+/// Estimated from each spring between its two masses alone, by the rule that [`search`] has for the modes themselves.
+fn summed_frequency(scene: &Scene, omega_max: f64) -> f64 {
+    let chain = &scene.chain;
+    let inverse = |v: usize| if chain.live(v) { 1.0 / chain.mass[v] } else { 0.0 };
+    let alone = |(i, k): (usize, &f64)| (k * (inverse(i) + inverse(i + 1))).sqrt();
+    let mut frequencies: Vec<f64> = chain.stiffness.iter().enumerate().map(alone).collect();
+    frequencies.sort_by(f64::total_cmp);
+    let summed = search::resolved_modes(&frequencies);
+    if summed == frequencies.len() { omega_max } else { (1.5 * frequencies[summed - 1]).min(omega_max) }
+}
+
 /// The methods that fit the scene.
 fn offers(scene: &Scene, omega_max: f64) -> Vec<Offer> {
     let springs = scene.initial.len() as f64;
     let equal = closed_form::equal(&scene.chain).is_some();
-    let instants = (scene.horizon * omega_max / 1.5).ceil() + 1.0;
     let passing = 1.0 + scene.horizon * omega_max / 2.0 / springs;
     let look = LOOK * springs;
-    let sums = MODE_SUM * springs * springs * instants + look;
-    let bound_of_sums = f64::EPSILON * scene.force.abs() * (10.0 + springs / 8.0) * (2.0 + springs.ln());
+    let cells = (scene.horizon * summed_frequency(scene, omega_max) / 1.5).ceil() + 1.0;
+    let sums = MODE_SUM * springs * springs * cells + look;
+    let swing = scene.force.abs() * (omega_max * scene.duration).min(2.0);
+    let bound_of_sums = 0.5 * f64::EPSILON * swing * (20.0 + springs.log2()) * (2.0 + springs.ln());
     let memory_of_modes = |bytes: f64| bytes * springs * springs / 1e9;
     let mut offers = vec![Offer {
         method: Method::Propagator,
@@ -62,7 +77,7 @@ fn offers(scene: &Scene, omega_max: f64) -> Vec<Offer> {
     if equal {
         offers.push(Offer {
             method: Method::ClosedForm,
-            nanoseconds: sums,
+            nanoseconds: price_of_modes(scene, Method::ClosedForm) + sums,
             bound: bound_of_sums,
             gigabytes: memory_of_modes(16.0),
         });
@@ -77,7 +92,7 @@ fn offers(scene: &Scene, omega_max: f64) -> Vec<Offer> {
     }
     offers.push(Offer {
         method: Method::Modal,
-        nanoseconds: MODE_ENTRY * springs * springs + sums,
+        nanoseconds: price_of_modes(scene, Method::Modal) + sums,
         bound: bound_of_sums,
         gigabytes: memory_of_modes(64.0),
     });
@@ -92,7 +107,11 @@ pub fn choose(scene: &Scene, ask: &Ask) -> Result<Plan, SolveError> {
     let omega_max = propagator::omega_max(scene);
     let offers = offers(scene, omega_max);
     if let Some(method) = ask.method {
-        let offer = offers.iter().find(|o| o.method == method).ok_or(SolveError::NotEqual(method.name()))?;
+        let unfit = match method {
+            Method::Fronts if closed_form::equal(&scene.chain).is_some() => SolveError::TooShort,
+            _ => SolveError::NotEqual(method.name()),
+        };
+        let offer = offers.iter().find(|o| o.method == method).ok_or(unfit)?;
         let o = affordable(offer, &offers)?;
         let seconds = 1e-9 * o.nanoseconds;
         return Ok(Plan { method: o.method, reason: "asked for".to_owned(), seconds, omega_max });
@@ -150,35 +169,53 @@ fn reason(chosen: &Offer, offers: &[Offer], ask: &Ask, within: bool) -> String {
 }
 
 /// Carries a plan out.
-///
-/// # Errors
-/// None at present beyond those of [`choose`].
-pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Result<Solution, SolveError> {
-    let needs_modes = matches!(plan.method, Method::ClosedForm | Method::Modal) || ask.all_time_bound;
-    let modes = needs_modes.then(|| modes(scene, plan.method));
-    let (springs, work, error_bound) = match (plan.method, &modes) {
+pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
+    let by_modes = matches!(plan.method, Method::ClosedForm | Method::Modal);
+    let bounds_pay = ask.verdict_only && 1e9 * plan.seconds > price_of_modes(scene, plan.method);
+    let mut modes = (by_modes || ask.all_time_bound || bounds_pay).then(|| modes(scene, plan.method));
+    let bounds = modes.as_ref().filter(|_| ask.all_time_bound || bounds_pay).map(|m| sums::all_time_bounds(scene, m));
+    let safe = |i: usize| {
+        let bound = bounds.as_ref().filter(|_| ask.verdict_only).map(|b| b[i]);
+        bound.is_some_and(|b| b <= scene.rated_draft[i].min(scene.rated_buff[i]))
+    };
+    let springs = 0..scene.initial.len();
+    let all_safe = springs.clone().all(safe);
+    let mut reason = plan.reason.clone();
+    let (peaks, work, error_bound) = match (plan.method, &mut modes) {
+        _ if all_safe => (Vec::new(), Work::default(), 0.0),
         (Method::ClosedForm | Method::Modal, Some(modes)) => {
-            let (springs, work) = sums::peaks(scene, modes);
-            (springs, work, sums::error_bound(scene, modes))
+            let left_out = sums::leave_out(scene, modes, 0.1 * ask.tolerance);
+            let bound = sums::error_bound(scene, modes) + left_out;
+            let (peaks, work, missed) = search::peaks(scene, modes, bound);
+            if missed > 0.0 {
+                reason += "; its search for peaks among millions of fast swings was given up, and the bound is widened";
+            }
+            (peaks, work, bound + missed)
         }
         (Method::Fronts, _) => {
-            let (springs, work) = fronts::peaks(scene);
-            (springs, work, fronts::error_bound(scene))
+            let (peaks, work) = fronts::peaks(scene);
+            (peaks, work, fronts::error_bound(scene))
         }
         _ => {
-            let (springs, work) = propagator::peaks(scene, plan.omega_max);
-            (springs, work, propagator::error_bound(scene, plan.omega_max))
+            let (peaks, work) = propagator::peaks(scene, plan.omega_max);
+            (peaks, work, propagator::error_bound(scene, plan.omega_max))
         }
     };
-    let all_time_bounds = if ask.all_time_bound { modes.map(|m| sums::all_time_bounds(scene, &m)) } else { None };
-    Ok(Solution {
+    Solution {
         method: plan.method,
-        reason: plan.reason.clone(),
+        reason,
         error_bound,
-        springs: springs.into_iter().map(Some).collect(),
-        all_time_bounds,
+        springs: springs.map(|i| peaks.get(i).copied().filter(|_| !safe(i))).collect(),
+        all_time_bounds: bounds,
         work,
-    })
+    }
+}
+
+/// Nanoseconds to find all modes, and every spring's share of them.
+fn price_of_modes(scene: &Scene, method: Method) -> f64 {
+    let springs = scene.initial.len() as f64;
+    let closed = method != Method::Modal && closed_form::equal(&scene.chain).is_some();
+    if closed { CLOSED_ENTRY * springs * springs } else { MODE_ENTRY * springs * springs }
 }
 
 /// Modes by the closed form where there is one, unless the general path is asked for.
@@ -192,9 +229,7 @@ pub fn history(scene: &Scene, spring: usize, times: &[f64]) -> Vec<f64> {
     let omega_max = propagator::omega_max(scene);
     let springs = scene.initial.len() as f64;
     let step = STEP * springs * propagator::steps(scene, omega_max);
-    let per_mode = 20.0 * springs * times.len() as f64;
-    let equal = closed_form::equal(&scene.chain).is_some();
-    let sums = per_mode + if equal { 20.0 } else { MODE_ENTRY } * springs * springs;
+    let sums = 20.0 * springs * times.len() as f64 + price_of_modes(scene, Method::ClosedForm);
     if step < sums {
         return propagator::history(scene, omega_max, spring, times);
     }

@@ -20,9 +20,11 @@
 use std::sync::OnceLock;
 
 use super::Work;
-use super::between::{BLOCK, Motion, PHASE, Search, Step, local_norms, polynomial, sine_over_root};
+use super::between::{PHASE, Search, Step};
 use super::dd::Dd;
+use super::motion::{BLOCK, Motion, local_norms, opening};
 use super::path::Path;
+use super::series::{polynomial, sine_over_root};
 use super::watch::SpringPeaks;
 use crate::chain::Scene;
 
@@ -83,7 +85,8 @@ pub fn peaks(scene: &Scene, omega: f64) -> (Vec<SpringPeaks>, Work) {
 pub fn history(scene: &Scene, omega: f64, spring: usize, times: &[f64]) -> Vec<f64> {
     let motion = Motion::new(scene);
     let search = Search::new(scene, &motion, 0.0);
-    let mut record = Record { search, spring, times, values: vec![scene.initial[spring]; times.len()], next: 0 };
+    let values = vec![scene.initial[spring]; times.len()];
+    let mut record = Record { search, spring, times, values, next: 0, horizon: scene.horizon };
     march(scene, &motion, omega, 0.0, &mut record);
     record.values
 }
@@ -103,10 +106,11 @@ impl See for Sieve<'_, '_> {
     #[inline(always)]
     fn see(&mut self, view: &View) {
         self.work.marched += view.range.len() as u64;
+        let last = self.search.is_last(&view.step);
         for block in view.range.start / BLOCK..view.range.end.div_ceil(BLOCK) {
             let norm = view.norms[block];
             let from = block * BLOCK;
-            let open = sift(view, &self.search.levels, from, norm);
+            let open = sift(view, self.search, from, norm, last);
             if open.iter().fold(0.0f64, |a, &b| if a > b { a } else { b }) > 0.0 {
                 let at = |end: usize, s: usize| view.force[end][s + 1];
                 for s in (from..from + BLOCK).filter(|s| open[s - from] > 0.0) {
@@ -118,20 +122,18 @@ impl See for Sieve<'_, '_> {
     }
 }
 
-/// How far the quick bounds of a block's springs over the step pass the levels that matter, in either sign.
+/// How far the quick bounds of a block's springs over the step pass what matters.
 #[inline(always)]
-fn sift(view: &View, levels: &[Vec<f64>; 2], from: usize, norm: f64) -> [f64; BLOCK] {
+fn sift(view: &View, search: &Search, from: usize, norm: f64, last: bool) -> [f64; BLOCK] {
     let (f0, f1) = (block(view.force[0], from + 1), block(view.force[1], from + 1));
     let (q0, q1) = (block(view.bend[0], from + 1), block(view.bend[1], from + 1));
     let remainder = block(&view.remainders[0], from);
-    let (high, low) = (block(&levels[0], from), block(&levels[1], from));
-    let more = |a: f64, b: f64| if a > b { a } else { b };
-    let less = |a: f64, b: f64| if a < b { a } else { b };
+    let (high, low) = (block(&search.levels[0], from), block(&search.levels[1], from));
+    let (over, under) = (block(&search.crossings[0], from), block(&search.crossings[1], from));
     let mut open = [0.0; BLOCK];
     for l in 0..BLOCK {
-        let up = more(f0[l], f1[l]) + 0.125 * more(more(q0[l], q1[l]), 0.0);
-        let down = less(f0[l], f1[l]) + 0.125 * less(less(q0[l], q1[l]), 0.0);
-        open[l] = more(up - high[l], -down - low[l]) + norm * remainder[l];
+        let (level, crossing) = ([high[l], low[l]], [over[l], under[l]]);
+        open[l] = opening([f0[l], f1[l]], [q0[l], q1[l]], norm * remainder[l], level, crossing, last);
     }
     open
 }
@@ -151,13 +153,15 @@ struct Record<'a> {
     times: &'a [f64],
     values: Vec<f64>,
     next: usize,
+    horizon: f64,
 }
 
 impl See for Record<'_> {
     fn see(&mut self, view: &View) {
         let from = self.next;
         let until = view.step.from + view.step.width;
-        self.next += self.times[from..].iter().take_while(|t| **t <= until).count();
+        let last = until + 0.5 * view.step.width > self.horizon;
+        self.next += self.times[from..].iter().take_while(|t| last || **t <= until).count();
         if self.next > from && view.range.contains(&self.spring) {
             let at = |end: usize, s: usize| view.force[end][s + 1];
             let values = self.search.values(&view.step, self.spring, &self.times[from..self.next], at);
@@ -515,7 +519,7 @@ fn kick_series() -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::between::cosine_of_root;
+    use super::super::series::cosine_of_root;
     use super::*;
 
     /// The kick's factor to rounding over the whole range of phases.

@@ -1,4 +1,4 @@
-//! Spring forces as sums over modes, and their extremes in continuous time.
+//! Spring forces as sums over modes.
 //!
 //! ```text
 //! step, t < D         F_i(t) = F0_i + P [ s_i - sum_j a_ij cos(omega_j t) ]
@@ -8,26 +8,19 @@
 //! [P] eqs (19) and (29), with a_ij the static share of mode j and s_i their sum. The second line is (29)'s difference of
 //! cosines as a product: a pulse far shorter than a period loses no digits.
 //!
-//! A grid of cells is laid over time and every force and its slope are found on it by matrix products. On a cell the cubic
-//! through them is off by at most `h^4 / 384 sum_j |a_ij| omega_j^4`. Modes too fast for the grid are not summed there: they
-//! count with their whole amplitude. Only cells whose bound passes the best value found anywhere, or the rating, are
-//! looked at again, with as many modes as the cell's size can resolve, and split while unresolved modes matter.
+//! Their extremes are found in [`super::search`].
 
 use nalgebra::DMatrix;
 
-use super::Work;
 use super::dd::Dd;
-use super::local::{COEFFICIENTS, Local, hermite_top};
+use super::local::{COEFFICIENTS, Local};
 use super::statics;
-use super::watch::{SpringPeaks, Watch};
 use crate::chain::Scene;
 
 /// Unit roundoff of `f64`.
-const ROUNDOFF: f64 = f64::EPSILON / 2.0;
+pub(super) const ROUNDOFF: f64 = f64::EPSILON / 2.0;
 /// A mode is resolved by a Taylor polynomial over a half width r while omega r is under this.
-const RESOLVED: f64 = 2.0;
-/// Columns of a block of the matrix products.
-const BLOCK: usize = 128;
+pub(super) const RESOLVED: f64 = 2.0;
 
 /// Frequencies, ascending, and how each mode shares a unit force among the springs.
 #[derive(Clone, Debug)]
@@ -42,44 +35,55 @@ pub struct Modes {
 }
 
 /// A stretch of time under constant force: amplitudes of cosine and sine in `tau = t - reference`.
-struct Stretch {
-    from: f64,
-    to: f64,
+pub(super) struct Stretch {
+    pub(super) from: f64,
+    pub(super) to: f64,
     reference: f64,
     sine: bool,
     /// Amplitude of each mode.
-    amplitude: Vec<f64>,
+    pub(super) amplitude: Vec<f64>,
     /// Force about which each spring swings.
-    mean: Vec<f64>,
+    pub(super) mean: Vec<f64>,
 }
 
-/// Where a spring's force might be largest, or over its rating: cell number and sign.
-struct Candidate {
-    cell: usize,
-    spring: usize,
-    negative: bool,
-    bound: f64,
+/// A mode at an instant: what it has added to the forces since the event, and q and q' / omega of its swing.
+pub(super) type Coordinates = [f64; 3];
+
+/// Takes out the modes that together cannot move any force by more than `share`; by how much they can.
+pub fn leave_out(scene: &Scene, modes: &mut Modes, share: f64) -> f64 {
+    let size = |j: usize| swing(scene, modes.omega[j]) * modes.share.column(j).amax();
+    let mut by_size: Vec<(f64, usize)> = (0..modes.omega.len()).map(|j| (size(j), j)).collect();
+    by_size.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut joint = 0.0;
+    let within = |(size, _): &&(f64, usize)| {
+        joint += size;
+        joint <= share
+    };
+    let mut out: Vec<usize> = by_size.iter().take_while(within).map(|m| m.1).collect();
+    out.sort_unstable();
+    modes.share = std::mem::replace(&mut modes.share, DMatrix::zeros(0, 0)).remove_columns_at(&out);
+    let mut j = 0;
+    modes.omega.retain(|_| {
+        j += 1;
+        out.binary_search(&(j - 1)).is_err()
+    });
+    by_size[..out.len()].iter().map(|m| m.0).sum()
 }
 
-/// Extremes of every spring's force in a scene, and the work done.
-pub fn peaks(scene: &Scene, modes: &Modes) -> (Vec<SpringPeaks>, Work) {
-    let watch = Watch::new(scene, error_bound(scene, modes));
-    let mut scan = Scan { field: Field::new(scene, modes), watch, work: Work::default() };
-    for stretch in scan.field.stretches() {
-        scan.stretch(&stretch);
-    }
-    (scan.watch.peaks, scan.work)
+/// How far a mode of unit share can move a force: `|P| (1 - cos)` during the force and `2 |P| sin(omega D / 2)` after it.
+fn swing(scene: &Scene, omega: Dd) -> f64 {
+    scene.force.abs() * (omega.hi * scene.duration).min(2.0)
 }
 
 /// Bound on |F_i| over all time.
 pub fn all_time_bounds(scene: &Scene, modes: &Modes) -> Vec<f64> {
-    let stretches = Field::new(scene, modes).stretches();
+    let mean = statics::unit_force(&scene.chain, scene.source);
     let bound = |i: usize| {
-        let of = |s: &Stretch| {
-            let swing: f64 = (0..modes.omega.len()).map(|j| (modes.share[(i, j)] * s.amplitude[j]).abs()).sum();
-            s.mean[i].abs() + swing
-        };
-        stretches.iter().map(of).fold(scene.initial[i].abs(), f64::max)
+        let added = |j: usize| modes.share[(i, j)].abs() * swing(scene, modes.omega[j]);
+        let pulse = scene.initial[i].abs() + (0..modes.omega.len()).map(added).sum::<f64>();
+        let step = (scene.initial[i] + scene.force * mean[i]).abs()
+            + scene.force.abs() * modes.share.row(i).iter().map(|a| a.abs()).sum::<f64>();
+        if scene.duration.is_finite() { pulse } else { step.max(scene.initial[i].abs()) }
     };
     (0..scene.initial.len()).map(bound).collect()
 }
@@ -95,37 +99,40 @@ pub fn history(scene: &Scene, modes: &Modes, spring: usize, times: &[f64]) -> Ve
     times.iter().map(at).collect()
 }
 
-/// Bound on the error of every force that [`peaks`] reports, up to the scene's horizon.
+/// Bound on the error of every force that [`super::search::peaks`] reports, up to the scene's horizon.
 pub fn error_bound(scene: &Scene, modes: &Modes) -> f64 {
     let m = modes.omega.len() as f64;
-    let factor = if scene.duration.is_finite() { 2.0 } else { 1.0 };
+    let fastest = modes.omega.last().map_or(0.0, |&w| swing(scene, w));
+    let acting = scene.force.abs() * scene.duration.min(scene.horizon);
     let spring = |i: usize| {
-        let size: f64 = modes.share.row(i).iter().map(|a| a.abs()).sum::<f64>();
-        // Rounding of a_ij (1), the amplitude (2), the reduced phase (2), its cosine (1), the product (1), and the sum.
-        let swing = factor * scene.force.abs() * size * (7.0 + m / 8.0 + 3.0);
-        let mean = scene.initial[i].abs() + 4.0 * scene.force.abs();
-        (swing + mean) * ROUNDOFF + factor * scene.force.abs() * modes.defect[i] * scene.horizon
+        let size: f64 =
+            modes.omega.iter().zip(modes.share.row(i).iter()).map(|(&w, a)| a.abs() * swing(scene, w)).sum();
+        // Rounding of a_ij (5), the amplitude (2), the reduced phase (2), its sine (1), the product (1), and the sum by halves.
+        let swing = size * (11.0 + m.min(PAIRWISE as f64) + (m / PAIRWISE as f64).max(1.0).log2() + 1.0);
+        // What the modes miss of the force drives an error while it acts, their residuals as long as they swing.
+        let missed = modes.defect[i] * (acting + fastest * scene.horizon);
+        (swing + scene.initial[i].abs()) * ROUNDOFF + missed
     };
     (0..scene.initial.len()).map(spring).fold(0.0, f64::max)
 }
 
 /// The forces as functions of time.
-struct Field<'a> {
-    scene: &'a Scene,
-    modes: &'a Modes,
-    omega: Vec<f64>,
-    mean: Vec<f64>,
+pub(super) struct Field<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) modes: &'a Modes,
+    pub(super) omega: Vec<f64>,
+    pub(super) mean: Vec<f64>,
 }
 
 impl<'a> Field<'a> {
-    fn new(scene: &'a Scene, modes: &'a Modes) -> Field<'a> {
+    pub(super) fn new(scene: &'a Scene, modes: &'a Modes) -> Field<'a> {
         let mean = statics::unit_force(&scene.chain, scene.source);
         let omega = modes.omega.iter().map(|w| w.hi).collect();
         Field { scene, modes, omega, mean }
     }
 
     /// The one or two stretches of constant force within the horizon.
-    fn stretches(&self) -> Vec<Stretch> {
+    pub(super) fn stretches(&self) -> Vec<Stretch> {
         let Scene { force, duration, horizon, .. } = *self.scene;
         let modes = self.omega.len();
         let mean = self.mean.iter().zip(&self.scene.initial).map(|(s, f)| f + force * s).collect();
@@ -146,156 +153,58 @@ impl<'a> Field<'a> {
         vec![step, after]
     }
 
-    /// Cosine-like and sine-like coordinates of every mode at an instant: q and q' / omega.
-    fn coordinates(&self, stretch: &Stretch, t: f64) -> Vec<[f64; 2]> {
+    /// Every mode at an instant.
+    ///
+    /// During the force `1 - cos = 2 sin^2` of half the phase: a short and hard pulse loses no digits to its mean.
+    pub(super) fn coordinates(&self, stretch: &Stretch, t: f64) -> Vec<Coordinates> {
         let tau = Dd::from(t) - Dd::from(stretch.reference);
-        let at = |(w, a): (&Dd, &f64)| {
-            let (sin, cos) = w.phase_of(tau).sin_cos();
-            if stretch.sine { [a * sin, a * cos] } else { [a * cos, -a * sin] }
+        let at = |(w, &a): (&Dd, &f64)| {
+            let phase = w.phase_of(tau);
+            let (sin, cos) = phase.sin_cos();
+            if stretch.sine {
+                [a * sin, a * sin, a * cos]
+            } else {
+                [-2.0 * a * (0.5 * phase).sin().powi(2), a * cos, -a * sin]
+            }
         };
         self.modes.omega.iter().zip(&stretch.amplitude).map(at).collect()
     }
 
     /// One spring's force at an instant, all modes, to rounding.
-    fn value(&self, stretch: &Stretch, spring: usize, t: f64) -> f64 {
+    pub(super) fn value(&self, stretch: &Stretch, spring: usize, t: f64) -> f64 {
         let coordinates = self.coordinates(stretch, t);
         let row = self.modes.share.row(spring);
-        stretch.mean[spring] + pairwise(&|j| row[j] * coordinates[j][0], 0, coordinates.len())
+        self.scene.initial[spring] + pairwise(&|j| row[j] * coordinates[j][0], 0, coordinates.len())
     }
 
     /// Taylor polynomial of a spring's force about a cell's centre, and the joint amplitude of the modes left out.
-    fn local(
+    pub(super) fn local(
         &self,
         stretch: &Stretch,
         spring: usize,
-        coordinates: &[[f64; 2]],
+        coordinates: &[Coordinates],
         resolved: usize,
         center: f64,
         radius: f64,
     ) -> (Local, f64) {
         let mut coefficient = [0.0; COEFFICIENTS];
-        for j in 0..resolved {
-            let share = self.modes.share[(spring, j)];
+        for (j, &[added, c, s]) in coordinates.iter().enumerate().take(resolved) {
             let x = self.omega[j] * radius;
-            let mut power = share;
+            let mut power = self.modes.share[(spring, j)];
+            coefficient[0] += power * added;
             // Derivatives of q in units of omega: q, q', -q, -q', ...
-            let [c, s] = coordinates[j];
             let cycle = [c, s, -c, -s];
-            for (q, sum) in coefficient.iter_mut().enumerate() {
-                *sum += power * cycle[q % 4] * INVERSE_FACTORIAL[q];
+            for (q, sum) in coefficient.iter_mut().enumerate().skip(1) {
                 power *= x;
+                *sum += power * cycle[q % 4] * INVERSE_FACTORIAL[q];
             }
         }
-        coefficient[0] += stretch.mean[spring];
-        let slack =
-            (resolved..self.omega.len()).map(|j| (self.modes.share[(spring, j)] * stretch.amplitude[j]).abs()).sum();
+        // Modes left out stand at what they have added on average.
+        let fast = resolved..self.omega.len();
+        let average = |j: usize| if stretch.sine { 0.0 } else { -stretch.amplitude[j] * self.modes.share[(spring, j)] };
+        coefficient[0] += self.scene.initial[spring] + fast.clone().map(average).sum::<f64>();
+        let slack = fast.map(|j| (self.modes.share[(spring, j)] * stretch.amplitude[j]).abs()).sum();
         (Local { coefficient, terms: COEFFICIENTS, center, radius }, slack)
-    }
-}
-
-/// A search through time for what matters.
-struct Scan<'a> {
-    field: Field<'a>,
-    watch: Watch,
-    work: Work,
-}
-
-impl Scan<'_> {
-    fn stretch(&mut self, stretch: &Stretch) {
-        if stretch.to <= stretch.from {
-            return;
-        }
-        let grid = Grid::new(&self.field, stretch);
-        let mut candidates = self.survey(stretch, &grid);
-        candidates.sort_by_key(|c| (c.cell, c.spring));
-        let mut centre = (usize::MAX, Vec::new());
-        for c in candidates {
-            let (a, b) = grid.cell(c.cell);
-            if c.bound <= self.watch.level(c.spring, c.negative) {
-                continue;
-            }
-            if centre.0 != c.cell {
-                centre = (c.cell, self.field.coordinates(stretch, 0.5 * (a + b)));
-            }
-            self.refine(stretch, &c, a, b, Some(&centre.1));
-        }
-    }
-
-    /// Forces and slopes of all springs on the grid, block by block; cells that might matter.
-    fn survey(&mut self, stretch: &Stretch, grid: &Grid) -> Vec<Candidate> {
-        let springs = self.watch.peaks.len();
-        let share = self.field.modes.share.columns(0, grid.resolved).into_owned();
-        let mut certain = vec![[Certain::default(); 2]; springs];
-        let mut candidates = Vec::new();
-        let mut start = 0;
-        while start < grid.cells {
-            let columns = (grid.cells - start).min(BLOCK) + 1;
-            let (q, dq) = grid.coordinates(&self.field, stretch, start, columns);
-            let (force, slope) = (&share * q, &share * dq);
-            self.work.mode_sums += (2 * springs * columns * grid.resolved) as u64;
-            for n in 0..columns - 1 {
-                for (spring, certain) in certain.iter_mut().enumerate() {
-                    let end = |n: usize| [force[(spring, n)] + stretch.mean[spring], slope[(spring, n)]];
-                    for (negative, certain) in [false, true].into_iter().zip(certain) {
-                        let mut c = Candidate { cell: start + n, spring, negative, bound: 0.0 };
-                        c.bound = grid.bound(&self.watch, &c, [end(n), end(n + 1)], certain);
-                        if certain.leaves_open(&self.watch, &c) {
-                            candidates.push(c);
-                        }
-                    }
-                }
-            }
-            start += columns - 1;
-            candidates.retain(|c| certain[c.spring][usize::from(c.negative)].leaves_open(&self.watch, c));
-        }
-        candidates
-    }
-
-    /// Looks into [a, b] with the modes that its width resolves, splitting while the others matter.
-    fn refine(&mut self, stretch: &Stretch, c: &Candidate, a: f64, b: f64, known: Option<&Vec<[f64; 2]>>) {
-        let (center, radius) = (0.5 * (a + b), 0.5 * (b - a));
-        let resolved = self.field.omega.partition_point(|w| w * radius <= RESOLVED);
-        let coordinates = match known {
-            Some(q) => q,
-            None => &self.field.coordinates(stretch, center),
-        };
-        let (local, slack) = self.field.local(stretch, c.spring, coordinates, resolved, center, radius);
-        self.work.refinements += 1;
-        if slack > self.watch.grain() {
-            let level = self.watch.level(c.spring, c.negative) - slack;
-            let turned = if c.negative { local.negated() } else { local };
-            if turned.largest(-1.0, 1.0, level).is_some() && radius > 1e-13 * center {
-                let at = |k: u8| a + (b - a) * f64::from(k) / 4.0;
-                for k in 0..4 {
-                    self.refine(stretch, c, at(k), at(k + 1), None);
-                }
-            }
-            return;
-        }
-        self.watch.note(c.spring, c.negative, &local, 1.0, |t| self.field.value(stretch, c.spring, t));
-    }
-}
-
-/// What samples on the grid have certainly reached, in one sign of one spring.
-#[derive(Clone, Copy)]
-struct Certain {
-    value: f64,
-    /// The cell in which the rating was certainly passed.
-    over_in: usize,
-}
-
-impl Default for Certain {
-    fn default() -> Certain {
-        Certain { value: f64::NEG_INFINITY, over_in: usize::MAX }
-    }
-}
-
-impl Certain {
-    /// Whether a cell can still hold the largest force, or the first one over the rating.
-    fn leaves_open(&self, watch: &Watch, c: &Candidate) -> bool {
-        let best = self.value.max(watch.peaks[c.spring].side(c.negative).best.value);
-        let may_cross = c.cell <= self.over_in && c.bound > watch.cautious_rating(c.spring, c.negative);
-        c.bound > best || may_cross && watch.peaks[c.spring].side(c.negative).first_over.is_none()
     }
 }
 
@@ -312,99 +221,14 @@ const INVERSE_FACTORIAL: [f64; COEFFICIENTS] = {
     table
 };
 
+/// Terms summed in a row.
+const PAIRWISE: usize = 8;
+
 /// Sum of `term(j)` over [from, to) by halves: its rounding grows as the logarithm of the number of terms.
 fn pairwise(term: &dyn Fn(usize) -> f64, from: usize, to: usize) -> f64 {
-    if to - from <= 16 {
+    if to - from <= PAIRWISE {
         return (from..to).map(term).sum();
     }
     let middle = from + (to - from) / 2;
     pairwise(term, from, middle) + pairwise(term, middle, to)
-}
-
-/// Cells of equal width over a stretch, and what each spring's force can do within one.
-struct Grid {
-    from: f64,
-    to: f64,
-    cells: usize,
-    width: f64,
-    /// Modes slow enough to be summed on the grid.
-    resolved: usize,
-    /// Per spring: how far the force can pass the cubic, and how far a grid value can be from the truth.
-    slack: Vec<[f64; 2]>,
-}
-
-impl Grid {
-    fn new(field: &Field, stretch: &Stretch) -> Grid {
-        let springs = field.scene.initial.len();
-        let amplitude = |i: usize, j: usize| (field.modes.share[(i, j)] * stretch.amplitude[j]).abs();
-        let resolved = resolved_modes(&field.omega);
-        let top = if resolved == 0 { 1.0 } else { field.omega[resolved - 1] };
-        let span = stretch.to - stretch.from;
-        let cells = (span * top / 1.5).ceil().max(1.0) as usize;
-        let width = span / cells as f64;
-        let slack = |i: usize| {
-            let cubic: f64 = (0..resolved).map(|j| amplitude(i, j) * (field.omega[j] * width).powi(4)).sum();
-            let fast: f64 = (resolved..field.omega.len()).map(|j| amplitude(i, j)).sum();
-            let rounding: f64 = 1e-12 * (0..resolved).map(|j| amplitude(i, j)).sum::<f64>();
-            [cubic / 384.0 + fast + rounding, fast + rounding]
-        };
-        Grid { from: stretch.from, to: stretch.to, cells, width, resolved, slack: (0..springs).map(slack).collect() }
-    }
-
-    fn cell(&self, n: usize) -> (f64, f64) {
-        let at = |n: usize| if n == self.cells { self.to } else { self.from + n as f64 * self.width };
-        (at(n), at(n + 1))
-    }
-
-    /// Coordinates and their rates of the resolved modes at grid points `start..start + columns`, modes x columns.
-    ///
-    /// The first is exact; the others follow by rotation, which loses a few units of rounding over a block.
-    fn coordinates(
-        &self,
-        field: &Field,
-        stretch: &Stretch,
-        start: usize,
-        columns: usize,
-    ) -> (DMatrix<f64>, DMatrix<f64>) {
-        let first = field.coordinates(stretch, self.cell(start).0);
-        let (mut q, mut dq) = (DMatrix::zeros(self.resolved, columns), DMatrix::zeros(self.resolved, columns));
-        for j in 0..self.resolved {
-            let (sin, cos) = (field.omega[j] * self.width).sin_cos();
-            let [mut c, mut s] = first[j];
-            for n in 0..columns {
-                q[(j, n)] = c;
-                dq[(j, n)] = s * field.omega[j];
-                (c, s) = (c * cos + s * sin, s * cos - c * sin);
-            }
-        }
-        (q, dq)
-    }
-
-    /// Bound on a force within a cell; raises what is certainly reached.
-    #[inline]
-    fn bound(&self, watch: &Watch, c: &Candidate, ends: [[f64; 2]; 2], certain: &mut Certain) -> f64 {
-        let [over, off] = self.slack[c.spring];
-        let sign = if c.negative { -1.0 } else { 1.0 };
-        let [left, right] = ends.map(|[f, d]| [sign * f, sign * d]);
-        let reached = left[0].max(right[0]);
-        certain.value = certain.value.max(reached - off);
-        if certain.over_in == usize::MAX && watch.certainly_over(c.spring, c.negative, certain.value) {
-            certain.over_in = c.cell;
-        }
-        // The cubic's two slope terms are at most 4/27 of the slopes.
-        let quick = reached + self.width * (4.0 / 27.0) * (left[1].max(0.0) + (-right[1]).max(0.0)) + over;
-        if quick <= certain.value.min(watch.cautious_rating(c.spring, c.negative)) {
-            return quick;
-        }
-        hermite_top(self.width, left, right).value + over
-    }
-}
-
-/// How many modes to sum on the grid: all, unless the frequencies have a gap of 4 or more above at least half of them.
-///
-/// Above such a gap modes are of stiff connections or light vehicles, and carry little force except near the event.
-fn resolved_modes(omega: &[f64]) -> usize {
-    let half = omega.len().div_ceil(2).max(1);
-    let gap = (half..omega.len()).find(|&j| omega[j] > 4.0 * omega[j - 1]);
-    gap.unwrap_or(omega.len())
 }

@@ -13,21 +13,24 @@ pub struct Side {
     pub best: Point,
     /// The first time over the rating, if the force is ever certainly (by more than the error bound) over it.
     pub first_over: Option<f64>,
-    /// Having left the initial force, it comes within the error bound of the rating, and certainly over it never.
+    /// The true force may be over the rating: it comes within the error bound of it, or stood there and was pushed on.
     pub near: bool,
     departed: bool,
 }
 
 impl Side {
-    fn at_rest(value: f64, rating: f64, bound: f64) -> Side {
+    /// Before the event. A force that stands at its rating and is first pushed on may exceed it by as little as one likes.
+    fn at_rest(value: f64, rating: f64, bound: f64, pushed_on: bool) -> Side {
         let first_over = (value > rating).then_some(0.0);
-        Side { best: Point { at: 0.0, value }, first_over, near: false, departed: value < rating - 4.0 * bound }
+        let departed = value < rating - 4.0 * bound;
+        let near = pushed_on && bound > 0.0 && value > rating - bound;
+        Side { best: Point { at: 0.0, value }, first_over, near, departed }
     }
 
     /// Over its rating, not over it, or not decided (`None`): the rating lies within the error bound of the peak.
     ///
-    /// The force before the event is known exactly, so a coupler that stands just at its rating and is only ever relieved
-    /// does not exceed it.
+    /// The force before the event is known exactly, so a coupler that stands just at its rating and is relieved, until it comes
+    /// back if ever, does not exceed it.
     pub fn exceeds(&self) -> Option<bool> {
         match (self.first_over, self.near) {
             (Some(_), _) => Some(true),
@@ -70,6 +73,7 @@ pub struct Watch {
     /// What has been seen.
     pub peaks: Vec<SpringPeaks>,
     ratings: Vec<[f64; 2]>,
+    horizon: f64,
     /// No force shown is further than this from the truth.
     bound: f64,
 }
@@ -79,12 +83,14 @@ impl Watch {
     pub fn new(scene: &Scene, bound: f64) -> Watch {
         let ratings: Vec<[f64; 2]> =
             (0..scene.initial.len()).map(|i| [scene.rated_draft[i], scene.rated_buff[i]]).collect();
-        let at_rest = |(&f, r): (&f64, &[f64; 2])| SpringPeaks {
-            draft: Side::at_rest(f, r[0], bound),
-            buff: Side::at_rest(-f, r[1], bound),
+        // A forward force pushes what is before it together and pulls at what is behind it, before anything comes back.
+        let draws = |i: usize| (i >= scene.source) == (scene.force > 0.0);
+        let at_rest = |(i, r): (usize, &[f64; 2])| SpringPeaks {
+            draft: Side::at_rest(scene.initial[i], r[0], bound, draws(i)),
+            buff: Side::at_rest(-scene.initial[i], r[1], bound, !draws(i)),
         };
-        let peaks = scene.initial.iter().zip(&ratings).map(at_rest).collect();
-        Watch { peaks, ratings, bound }
+        let peaks = ratings.iter().enumerate().map(at_rest).collect();
+        Watch { peaks, ratings, horizon: scene.horizon, bound }
     }
 
     /// The rating in one sign.
@@ -105,14 +111,50 @@ impl Watch {
         !self.peaks[spring].side(negative).departed
     }
 
+    /// Whether a value is so far under the rating that a force which takes it has left it.
+    #[inline]
+    pub fn is_low(&self, spring: usize, negative: bool, value: f64) -> bool {
+        value < self.rating(spring, negative) - 4.0 * self.bound
+    }
+
+    /// Takes note of one value of a force, at time t.
+    pub fn take(&mut self, spring: usize, negative: bool, t: f64, value: f64) {
+        let (over, cautious) = (self.certainly_over(spring, negative, value), self.cautious_rating(spring, negative));
+        let side = self.side_mut(spring, negative);
+        if over && side.first_over.is_none() {
+            side.first_over = Some(t);
+        }
+        if value > side.best.value {
+            side.best = Point { at: t, value };
+            side.near |= value > cautious;
+        }
+    }
+
     /// Takes note of a force well under the rating; whether it is.
     pub fn departs(&mut self, spring: usize, negative: bool, value: f64) -> bool {
-        let departed = value < self.rating(spring, negative) - 4.0 * self.bound;
+        let departed = self.is_low(spring, negative, value);
         if departed {
-            let peaks = &mut self.peaks[spring];
-            if negative { &mut peaks.buff } else { &mut peaks.draft }.departed = true;
+            self.side_mut(spring, negative).departed = true;
         }
         departed
+    }
+
+    /// At the end: a side that stood at its rating, and the lowest it was seen at. If it never went well below, it cannot be
+    /// told whether it passed the rating, be it by a part in 1e86.
+    pub fn settle(&mut self, spring: usize, negative: bool, lowest: f64) {
+        let undecided = self.bound > 0.0 && !self.departs(spring, negative, lowest);
+        self.side_mut(spring, negative).near |= undecided;
+    }
+
+    /// What could not be looked into leaves it open whether a side passes its rating.
+    pub fn leave_open(&mut self, spring: usize, negative: bool, upper: f64) {
+        let near = upper > self.cautious_rating(spring, negative);
+        self.side_mut(spring, negative).near |= near;
+    }
+
+    fn side_mut(&mut self, spring: usize, negative: bool) -> &mut Side {
+        let peaks = &mut self.peaks[spring];
+        if negative { &mut peaks.buff } else { &mut peaks.draft }
     }
 
     /// Below this a force is certainly not over the rating.
@@ -151,6 +193,45 @@ impl Watch {
     /// Takes note of a force over -1 <= x <= `end`, whose polynomial is right to well within the bound.
     /// `exact` gives the force at one instant as well as the method can.
     pub fn note(&mut self, spring: usize, negative: bool, local: &Local, end: f64, exact: impl Fn(f64) -> f64) {
+        let level = self.level(spring, negative);
+        if self.see(spring, negative, local, [end, level], exact) {
+            self.note_crossing(spring, negative, local);
+        }
+    }
+
+    /// The same where pieces do not come in the order of time: nothing is said of the first exceedance.
+    pub fn note_peak(&mut self, spring: usize, negative: bool, local: &Local, end: f64, exact: impl Fn(f64) -> f64) {
+        let level = self.peaks[spring].side(negative).best.value.min(self.cautious_rating(spring, negative));
+        self.see(spring, negative, local, [end, level], exact);
+    }
+
+    /// Takes note of where the force passes its rating, if no earlier instant is known and it certainly does so here.
+    pub fn note_crossing(&mut self, spring: usize, negative: bool, local: &Local) -> bool {
+        let turned;
+        let local = if negative {
+            turned = local.negated();
+            &turned
+        } else {
+            local
+        };
+        let (rating, horizon) = (self.rating(spring, negative), self.horizon);
+        let over = local.largest(-1.0, 1.0, rating + self.bound).is_some();
+        let side = self.side_mut(spring, negative);
+        if over && side.first_over.is_none() {
+            side.first_over = local.first_over(-1.0, 1.0, rating).map(|x| local.time(x).min(horizon));
+        }
+        over
+    }
+
+    /// Takes note of the largest value of a piece, if it passes the level; whether it is certainly over the rating.
+    fn see(
+        &mut self,
+        spring: usize,
+        negative: bool,
+        local: &Local,
+        [end, level]: [f64; 2],
+        exact: impl Fn(f64) -> f64,
+    ) -> bool {
         let turned;
         let (local, sign) = if negative {
             turned = local.negated();
@@ -158,30 +239,20 @@ impl Watch {
         } else {
             (local, 1.0)
         };
-        let level = self.level(spring, negative);
-        let (rating, bound, grain) = (self.rating(spring, negative), self.bound, self.grain());
-        let side = &mut self.peaks[spring];
-        let side = if negative { &mut side.buff } else { &mut side.draft };
-        let time = |x: f64| local.center + local.radius * x;
+        let (rating, bound, grain, horizon) = (self.rating(spring, negative), self.bound, self.grain(), self.horizon);
+        let side = self.side_mut(spring, negative);
         let was_departed = side.departed;
         side.departed |= local.value_and_slope(end).0 < rating - 4.0 * bound;
-        let Some(top) = local.largest(-1.0, end, level) else {
-            return;
-        };
-        let t = time(top.at).max(0.0);
+        let Some(top) = local.largest(-1.0, end, level) else { return false };
+        // A piece that ends at the horizon ends there to the last bit, whatever its own times round to.
+        let t = local.time(top.at);
+        let t = if t > horizon * (1.0 - 8.0 * f64::EPSILON) { horizon } else { t };
         let value = sign * exact(t);
-        if value > rating + bound && side.first_over.is_none() {
-            // The instant at which it is certain, brought back to the rating itself along the slope.
-            side.first_over = local.first_over(-1.0, end, rating + bound).map(|x| {
-                let (over, slope) = local.value_and_slope(x);
-                let back = if slope > 0.0 { (over - rating) / slope } else { 0.0 };
-                time(x - back).max(0.0)
-            });
-        }
         if value > side.best.value + grain {
             side.best = Point { at: t, value };
             side.near |= value > rating - bound;
         }
         side.near |= was_departed && value > rating - bound;
+        value > rating + bound
     }
 }

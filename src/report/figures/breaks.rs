@@ -19,7 +19,13 @@ pub fn breaks(scenario: &ScenarioFindings, couplers: usize, name: &str) -> Strin
     figure.line(vec![(x.0, 100.0), (x.1, 100.0)], BLACK, 1.2, Some(RATED), Some("the rating"));
     figure.line(points.iter().map(|p| p.0).collect(), BLUE, 1.0, None, None);
     figure.markers(which(false), BLUE, MarkerShape::Circle, 3.0, Some("no coupler exceeds"));
-    figure.markers(which(true), VERMILLION, MarkerShape::Diamond, marker_size(couplers), Some("some coupler exceeds"));
+    figure.markers(
+        which(true),
+        VERMILLION,
+        MarkerShape::Diamond,
+        marker_size(points.len()),
+        Some("some coupler exceeds"),
+    );
     let y = range_with_air(points.iter().map(|p| p.0.1).chain([100.0]));
     let layout =
         figure.layout(x, y, "coupler that breaks, counted from the head", "utilisation of the worst coupler, %");

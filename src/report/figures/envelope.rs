@@ -5,7 +5,7 @@ use kuva::plot::scatter::MarkerShape;
 use kuva::render::annotations::{ReferenceLine, TextAnnotation};
 use kuva::render::layout::Layout;
 
-use super::place::{Window, half_width};
+use super::place::{Window, free_beside};
 use super::{
     BLACK, BLUE, Figure, GREEN, GREY, ORANGE, RATED, TEXT_SIZE, VERMILLION, count_couplers, marker_size,
     range_with_air, steps,
@@ -56,8 +56,8 @@ pub fn envelope(train: &Train, scenario: &ScenarioFindings, name: &str) -> Strin
         let sides = [e.draft.filter(|_| e.over_draft), e.buff.filter(|_| e.over_buff)];
         sides.into_iter().flatten().map(move |f| (i as f64 + 1.0, f / unit.size))
     };
-    let over = all.iter().enumerate().flat_map(over).collect();
-    let size = marker_size(train.couplers.len());
+    let over: Vec<_> = all.iter().enumerate().flat_map(over).collect();
+    let size = marker_size(over.len());
     figure.markers(over, VERMILLION, MarkerShape::Diamond, size, Some("exceeds its rating"));
 
     let x = (0.5, train.couplers.len() as f64 + 0.5);
@@ -66,7 +66,7 @@ pub fn envelope(train: &Train, scenario: &ScenarioFindings, name: &str) -> Strin
     let layout = count_couplers(figure.layout(x, y, "coupler, counted from the head", &y_label), train.couplers.len());
     let broken = if let [case] = &scenario.cases[..] { case.broken_coupler } else { None };
     let layout = match broken {
-        Some(broken) => mark_broken(layout, broken, Window { x, y }),
+        Some(broken) => mark_broken(layout, broken, &figure.lines, Window { x, y }),
         None => layout,
     };
     figure.svg(layout)
@@ -97,16 +97,13 @@ fn draw_ratings(figure: &mut Figure, train: &Train, unit: Unit) {
     figure.line(line(|c| -c.rated_buff_n), BLACK, 1.2, Some(RATED), None);
 }
 
-/// A line where the broken coupler was, with its label on the side that has more room.
-fn mark_broken(layout: Layout, broken: usize, window: Window) -> Layout {
-    let (x, y) = (window.x, window.y);
+/// A line where the broken coupler was, with its label.
+fn mark_broken(layout: Layout, broken: usize, lines: &[Vec<(f64, f64)>], window: Window) -> Layout {
     let at = broken as f64;
     let label = format!("coupler {broken} breaks");
-    let aside = half_width(&label, window) + 0.015 * (x.1 - x.0);
-    let label_at = if at > 0.5 * (x.0 + x.1) { at - aside } else { at + aside };
+    let place = free_beside(&label, at, lines, window);
     let line = ReferenceLine::vertical(at).with_color(GREY).with_stroke_width(1.4).with_dasharray("2 3");
-    let height = y.0 + 0.52 * (y.1 - y.0);
     layout
         .with_reference_line(line)
-        .with_annotation(TextAnnotation::new(label, label_at, height).with_font_size(TEXT_SIZE))
+        .with_annotation(TextAnnotation::new(label, place.0, place.1).with_font_size(TEXT_SIZE))
 }

@@ -96,22 +96,22 @@ pub fn history(train: &Train, index: usize, case: &CaseFindings, c: &CouplerFind
     let y_label = format!("force in coupler {}, {} (draft +, buff −)", c.coupler, curves.unit.name);
     let layout = figure.layout(curves.window.x, curves.window.y, &x_label, &y_label);
     match c.first_exceeds_s.filter(|t| times.contains(t)) {
-        Some(first_s) => figure.svg(layout.with_annotation(arrow(&curves, first_s))),
+        Some(first_s) => {
+            let arrow = arrow(&curves, &figure.lines, first_s);
+            figure.svg(layout.with_annotation(arrow))
+        }
         None => figure.svg(layout),
     }
 }
 
 /// An arrow to the first exceedance, with its time.
-fn arrow(curves: &Curves, first_s: f64) -> TextAnnotation {
+fn arrow(curves: &Curves, lines: &[Points], first_s: f64) -> TextAnnotation {
     let text = match first_s {
         0.0 => "over its rating from the start".to_owned(),
         t => format!("first over its rating at {}", time(t)),
     };
     let target = curves.chain.iter().find(|p| p.0 >= first_s / curves.clock.size).copied().unwrap_or((0.0, 0.0));
-    let zero = [(curves.window.x.0, 0.0), (curves.window.x.1, 0.0)];
-    let mut lines: Vec<&[(f64, f64)]> = vec![&curves.chain, &curves.rod, &zero];
-    lines.extend(curves.rated.iter().map(Vec::as_slice));
-    let place = free_place(&text, target, &lines, curves.window);
+    let place = free_place(&text, target, lines, curves.window);
     TextAnnotation::new(text, place.0, place.1)
         .with_arrow(target.0, target.1)
         .with_arrow_padding(2.0)

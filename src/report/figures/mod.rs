@@ -41,16 +41,19 @@ struct Figure {
     name: String,
     plots: Vec<Plot>,
     legend: Vec<LegendEntry>,
+    /// Every line drawn, for labels to keep clear of.
+    lines: Vec<Vec<(f64, f64)>>,
 }
 
 impl Figure {
     fn new(name: &str) -> Figure {
-        Figure { name: name.to_owned(), plots: Vec::new(), legend: Vec::new() }
+        Figure { name: name.to_owned(), plots: Vec::new(), legend: Vec::new(), lines: Vec::new() }
     }
 
     /// A line; one without a label has no place in the legend.
     fn line(&mut self, points: Vec<(f64, f64)>, color: &str, width: f64, dash: Option<&str>, label: Option<&str>) {
         let style = dash.map_or(LineStyle::Solid, |d| LineStyle::Custom(d.to_owned()));
+        self.lines.push(points.clone());
         let line = LinePlot::new().with_data(points).with_color(color).with_stroke_width(width).with_line_style(style);
         self.plots.push(line.into());
         self.explain(label, color, LegendShape::Line, dash);
@@ -134,15 +137,18 @@ fn count_couplers(layout: Layout, couplers: usize) -> Layout {
     if couplers < 10 { layout.with_x_tick_step(1.0) } else { layout }
 }
 
-/// Size of a marker that does not hide its neighbours, one a coupler.
-fn marker_size(couplers: usize) -> f64 {
-    (300.0 / couplers as f64).clamp(2.5, 4.5)
+/// Size of a marker that does not hide its neighbours when there are so many.
+fn marker_size(count: usize) -> f64 {
+    (300.0 / count.max(1) as f64).clamp(3.2, 4.5)
 }
 
 /// The range of the values, zero included, with some air at both ends.
 fn range_with_air(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let (low, high) = values.fold((0.0f64, 0.0f64), |(l, h), v| (l.min(v), h.max(v)));
-    let air = if high > low { 0.08 * (high - low) } else { 1.0 };
+    if low == high {
+        return (-1.0, 1.0);
+    }
+    let air = 0.08 * (high - low);
     (if low < 0.0 { low - air } else { low }, if high > 0.0 { high + air } else { high })
 }
 

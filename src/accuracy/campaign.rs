@@ -1,0 +1,133 @@
+//! Random trains and scenes, each method's extremes against the reference: does every stated bound hold?
+
+mod draw;
+mod judge;
+
+use rayon::prelude::*;
+
+use super::reference::{Reference, ReferenceError};
+use crate::chain::Scene;
+use crate::solve::watch::SpringPeaks;
+use crate::solve::{Ask, Method, solve};
+pub use draw::{scene, with_ratings};
+pub use judge::{Fault, Verdict, judge};
+
+/// Every method, and at last the planner's choice, in the order of the table.
+pub const METHODS: [Option<Method>; 5] =
+    [Some(Method::ClosedForm), Some(Method::Fronts), Some(Method::Modal), Some(Method::Propagator), None];
+
+/// One method on one scene.
+#[derive(Clone, Debug)]
+pub struct Trial {
+    /// The scene's seed.
+    pub seed: u64,
+    /// The method; `None`: the planner's choice.
+    pub method: Option<Method>,
+    /// The bound that the method states.
+    pub bound: f64,
+    /// What the reference says of its results.
+    pub verdict: Verdict,
+}
+
+/// One line of the table: a method over all its scenes.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// The method; `None`: the planner's choice.
+    pub method: Option<Method>,
+    /// Scenes that it was run on.
+    pub scenes: usize,
+    /// Largest true error over stated bound: over 1 is a broken promise.
+    pub worst: f64,
+    /// The seed of that scene.
+    pub worst_seed: u64,
+    /// Median over scenes of stated bound over true error, where the error is not 0.
+    pub median: f64,
+    /// Scenes with no error at all.
+    pub exact: usize,
+    /// What is against the truth, with the seeds of the scenes concerned.
+    pub wrong: Vec<(Fault, Vec<u64>)>,
+    /// Couplers left undecided.
+    pub undecided: usize,
+    /// Of those, couplers whose peak is further from the rating than twice the bound.
+    pub needless: usize,
+}
+
+impl Row {
+    /// The method's name.
+    pub fn name(&self) -> &'static str {
+        self.method.map_or("(chosen)", Method::name)
+    }
+}
+
+/// A campaign's outcome.
+#[derive(Clone, Debug)]
+pub struct Campaign {
+    /// A row per method that was run at all.
+    pub rows: Vec<Row>,
+    /// Scenes without a reference, and why.
+    pub refused: Vec<(u64, ReferenceError)>,
+}
+
+/// Extremes by one method, or by the planner's choice, and the bound stated; `None` where the method does not apply.
+pub fn run_method(scene: &Scene, method: Option<Method>) -> Option<(Vec<SpringPeaks>, f64)> {
+    let rating = scene.rated_draft.iter().chain(&scene.rated_buff).fold(0.0f64, |a, &r| a.max(r));
+    // A method asked for by name is held to what it can do at best, the planner to its default tolerance.
+    let tolerance = if method.is_some() { f64::MIN_POSITIVE } else { 1e-9 * rating };
+    let ask = Ask { tolerance, method, verdict_only: false, all_time_bound: false };
+    let solution = solve(scene, &ask).ok()?;
+    Some((solution.springs.into_iter().collect::<Option<_>>()?, solution.error_bound))
+}
+
+/// All methods on the scene of one seed.
+///
+/// # Errors
+/// [`ReferenceError`] where there is no reference.
+pub fn trials(seed: u64) -> Result<Vec<Trial>, ReferenceError> {
+    let bare = scene(seed);
+    let reference = Reference::new(&bare)?;
+    let extremes = reference.extremes()?;
+    let scene = with_ratings(bare, &extremes, seed);
+    let trial = |&method: &Option<Method>| {
+        let (peaks, bound) = run_method(&scene, method)?;
+        Some(judge(&scene, &reference, &extremes, &peaks, bound).map(|verdict| Trial { seed, method, bound, verdict }))
+    };
+    METHODS.iter().filter_map(trial).collect()
+}
+
+/// All methods on the scenes of many seeds, in parallel; the outcome does not depend on how many threads there are.
+pub fn run(seeds: &[u64]) -> Campaign {
+    let outcomes: Vec<(u64, Result<Vec<Trial>, ReferenceError>)> =
+        seeds.par_iter().map(|&seed| (seed, trials(seed))).collect();
+    let mut all = Vec::new();
+    let mut refused = Vec::new();
+    for (seed, outcome) in outcomes {
+        match outcome {
+            Ok(trials) => all.extend(trials),
+            Err(e) => refused.push((seed, e)),
+        }
+    }
+    Campaign { rows: METHODS.iter().filter_map(|&m| row(m, &all)).collect(), refused }
+}
+
+fn row(method: Option<Method>, all: &[Trial]) -> Option<Row> {
+    let trials: Vec<&Trial> = all.iter().filter(|t| t.method == method).collect();
+    let ratio = |t: &Trial| t.verdict.error / t.bound;
+    let worst = trials.iter().copied().reduce(|a, b| if ratio(b) > ratio(a) { b } else { a })?;
+    let mut slack: Vec<f64> = trials.iter().filter(|t| t.verdict.error > 0.0).map(|t| 1.0 / ratio(t)).collect();
+    slack.sort_by(f64::total_cmp);
+    Some(Row {
+        method,
+        scenes: trials.len(),
+        worst: ratio(worst),
+        worst_seed: worst.seed,
+        median: slack.get(slack.len() / 2).copied().unwrap_or(f64::NAN),
+        exact: trials.len() - slack.len(),
+        wrong: Fault::ALL.map(|f| (f, at_fault(&trials, f))).into_iter().filter(|w| !w.1.is_empty()).collect(),
+        undecided: trials.iter().map(|t| t.verdict.undecided).sum(),
+        needless: trials.iter().map(|t| t.verdict.needless).sum(),
+    })
+}
+
+fn at_fault(trials: &[&Trial], fault: Fault) -> Vec<u64> {
+    trials.iter().filter(|t| t.verdict.wrong.iter().any(|w| w.0 == fault)).map(|t| t.seed).collect()
+}

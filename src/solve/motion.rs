@@ -1,0 +1,183 @@
+//! Bounds on a spring's force between two instants of a march, from the equations of motion.
+//!
+//! The first terms of Lidstone's series (G. J. Lidstone, *Proc. Edinb. Math. Soc.* 2 (1929) 16-19) with their remainders
+//! bound the force over a step from both sides:
+//!
+//! ```text
+//! linear + G''            |remainder| <=  5 h^4 / 384   max |G''''|
+//! linear + G'' + G''''    |remainder| <= 61 h^6 / 46080 max |G^(6)|
+//! ```
+//!
+//! whose maxima follow from the equations of motion: `h^2 G''` at any instant of the step is the same mix of its values at both
+//! ends as G is ([`super::between`]), so its norm over the springs around is at most `1 / cos(theta/2)` times the larger of
+//! theirs, and `h^4 G'''' = -X h^2 G''`, `h^6 G^(6) = X^2 h^2 G''`.
+
+use super::local::hermite_top;
+use crate::chain::Scene;
+
+/// Largest value of Lidstone's second polynomial `(3 x^5 - 10 x^3 + 7 x) / 360` on [0, 1].
+const SECOND: f64 = 0.006_53;
+
+/// The equations of motion of a scene's springs: `G_i'' = -a_i (G_i - G_{i-1}) - b_i (G_i - G_{i+1}) + drive_i`.
+#[derive(Clone, Debug)]
+pub struct Motion {
+    /// `k_i / m_i`; 0 for a held mass.
+    pub ahead: Vec<f64>,
+    /// `k_i / m_{i+1}`; 0 for a held mass.
+    pub behind: Vec<f64>,
+    /// `k_i (p_i / m_i - p_{i+1} / m_{i+1})` for a unit outside force p on the source.
+    pub drive: Vec<f64>,
+    /// `1 / k_i`
+    pub compliance: Vec<f64>,
+    /// Bounds on `(A G)_i` and `(A^2 G)_i` per unit of the norm of `G_i / sqrt(k_i)`.
+    row: Vec<[f64; 2]>,
+    /// `1 / sqrt(m_source)`: the norm of accelerations and rates of extension that a unit step of force starts and keeps up.
+    pub jolt: f64,
+}
+
+impl Motion {
+    /// The motion of a scene.
+    pub fn new(scene: &Scene) -> Motion {
+        let chain = &scene.chain;
+        let springs = chain.stiffness.len();
+        let inverse = |v: usize| if chain.live(v) { 1.0 / chain.mass[v] } else { 0.0 };
+        let ahead: Vec<f64> = (0..springs).map(|i| chain.stiffness[i] * inverse(i)).collect();
+        let behind: Vec<f64> = (0..springs).map(|i| chain.stiffness[i] * inverse(i + 1)).collect();
+        let mut drive = vec![0.0; springs];
+        if scene.source < springs {
+            drive[scene.source] = ahead[scene.source];
+        }
+        if scene.source > 0 {
+            drive[scene.source - 1] = -behind[scene.source - 1];
+        }
+        let first: Vec<f64> = (0..springs).map(|i| row_norm(&ahead, &behind, &chain.stiffness, i)).collect();
+        let neighbour = |i: Option<usize>| i.and_then(|i| first.get(i)).copied().unwrap_or(0.0);
+        let second = |i: usize| {
+            let (before, after) = (neighbour(i.checked_sub(1)), neighbour(Some(i + 1)));
+            (ahead[i] + behind[i]) * first[i] + ahead[i] * before + behind[i] * after
+        };
+        let row = (0..springs).map(|i| [first[i], second(i)]).collect();
+        let compliance = chain.stiffness.iter().map(|k| 1.0 / k).collect();
+        Motion { ahead, behind, drive, compliance, row, jolt: inverse(scene.source).sqrt() }
+    }
+
+    /// The two remainders of every spring over steps of `width`, per unit of the local norm of `h^2 G''`; whole blocks of springs.
+    pub fn remainders(&self, width: f64) -> [Vec<f64>; 2] {
+        let square = width * width;
+        let factor = [5.0 / 384.0 * square, 61.0 / 46_080.0 * square * square];
+        let padding = self.row.len().next_multiple_of(BLOCK) - self.row.len();
+        [0, 1].map(|d| self.row.iter().map(|r| factor[d] * r[d]).chain(std::iter::repeat_n(0.0, padding)).collect())
+    }
+}
+
+/// `sqrt(k_i)` times the norm of row i of A in the coordinates `G_i / sqrt(k_i)`.
+fn row_norm(ahead: &[f64], behind: &[f64], stiffness: &[f64], i: usize) -> f64 {
+    let side = |c: f64, j: Option<usize>| j.and_then(|j| stiffness.get(j)).map_or(0.0, |k| c * k.sqrt());
+    let middle = (ahead[i] + behind[i]) * stiffness[i].sqrt();
+    middle.hypot(side(ahead[i], i.checked_sub(1))).hypot(side(behind[i], Some(i + 1)))
+}
+
+/// Springs whose norms are taken together.
+pub const BLOCK: usize = 8;
+/// Blocks on either side beyond which a step brings little of a motion: past 8 powers of X the series of `1 / cos(theta/2)`
+/// sums to 3e-6 at the largest phase.
+const NEAR: usize = 1;
+/// How much it brings from there, at most.
+pub const FROM_OUTSIDE: f64 = 1e-5;
+/// Blocks beyond which it brings next to nothing: past 24 powers 1e-15 of a motion.
+const FAR: usize = 3;
+const FROM_AFAR: f64 = 1e-15;
+/// `1 / cos(PHASE / 2)`, rounded up.
+pub const GROWTH: f64 = 1.37;
+
+/// Per block: a bound on the norm of `h^2 G''` around it during a step, from the squared norms of all blocks at its ends.
+#[inline(always)]
+pub fn local_norms(energy: [&[f64]; 2], norms: &mut Vec<f64>) {
+    let blocks = energy[0].len();
+    let total: f64 = energy[0].iter().sum::<f64>() + energy[1].iter().sum::<f64>();
+    let from_afar = FROM_AFAR * total.sqrt();
+    norms.clear();
+    for b in 0..blocks {
+        let sum = |reach: usize, end: usize| {
+            let around = b.saturating_sub(reach)..(b + reach + 1).min(blocks);
+            energy[end][around].iter().sum::<f64>()
+        };
+        let (near, far) = (sum(NEAR, 0).max(sum(NEAR, 1)), sum(FAR, 0).max(sum(FAR, 1)));
+        norms.push(GROWTH * near.sqrt() + FROM_OUTSIDE * far.sqrt() + from_afar);
+    }
+}
+
+/// How far a quick bound of a spring's force over a step passes what matters in either sign; negative if it does not.
+///
+/// `f` is G and `q` is `-h^2 G''` at both ends, `remainder` the first one. A force that certainly rises (or falls) through the
+/// step leaves its largest value to the next (or previous) one, unless it may pass its rating. The remainder's slope is at most
+/// half the largest second derivative of the remainder, which is an eighth of that of the force: 4.8 remainders.
+#[inline(always)]
+pub fn opening(f: [f64; 2], q: [f64; 2], remainder: f64, level: [f64; 2], crossing: [f64; 2], last: bool) -> f64 {
+    let more = |a: f64, b: f64| if a > b { a } else { b };
+    let less = |a: f64, b: f64| if a < b { a } else { b };
+    let up = more(f[0], f[1]) + 0.125 * more(more(q[0], q[1]), 0.0) - level[0];
+    let down = -less(f[0], f[1]) - 0.125 * less(less(q[0], q[1]), 0.0) - level[1];
+    let rise = f[1] - f[0];
+    let steep = rise.abs() - 0.5 * more(q[0].abs(), q[1].abs()) - 4.8 * remainder > 0.0;
+    let (rises, falls) = (steep & (rise > 0.0), steep & (rise < 0.0));
+    let no_up = falls | (rises & !last & (f[1] <= crossing[0]));
+    let no_down = rises | (falls & !last & (-f[1] <= crossing[1]));
+    let (up, down) = (if no_up { -1.0 } else { up + remainder }, if no_down { -1.0 } else { down + remainder });
+    more(up, down)
+}
+
+/// Lower and upper bound of the largest value over a step, from `G`, `h^2 G''`, `h^4 G''''` at both ends and the remainder.
+#[inline]
+pub fn bracket([left, right]: [[f64; 3]; 2], remainder: f64) -> [f64; 2] {
+    let rise = right[0] - left[0];
+    // Slopes of the cubic that has these values and second derivatives.
+    let slopes = [rise - left[1] / 3.0 - right[1] / 6.0, rise + left[1] / 6.0 + right[1] / 3.0];
+    let top = hermite_top(1.0, [left[0], slopes[0]], [right[0], slopes[1]]);
+    let second = |x: f64| x * (7.0 + x * x * (3.0 * x * x - 10.0)) / 360.0;
+    let there = top.value + second(1.0 - top.at) * left[2] + second(top.at) * right[2] - remainder;
+    let lower = there.max(left[0]).max(right[0]);
+    [lower, top.value + SECOND * (left[2].max(0.0) + right[2].max(0.0)) + remainder]
+}
+
+/// Lower bound of the slope over a step.
+///
+/// The remainder's second derivative is that of the shorter series for `h^2 G''`, `5 / 384` of the same maximum, and the
+/// remainder vanishes at both ends: its slope is at most half of that.
+#[inline]
+pub fn least_slope([left, right]: [[f64; 3]; 2], remainder: f64) -> f64 {
+    let first = right[0] - left[0] - left[1] / 3.0 - right[1] / 6.0;
+    let last = first + 0.5 * (left[1] + right[1]);
+    let turns = left[1] < 0.0 && right[1] > 0.0;
+    let between = if turns { first - 0.5 * left[1] * left[1] / (right[1] - left[1]) } else { first };
+    let of_remainder = 0.5 * (5.0 / 384.0) / (61.0 / 46_080.0) * remainder;
+    // The slope of Lidstone's second polynomial lies between -8 / 360 and 7 / 360.
+    first.min(last).min(between) - 8.0 / 360.0 * (left[2].abs() + right[2].abs()) - of_remainder
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::between::PHASE;
+    use super::*;
+
+    /// For G = sin(theta x + phase) the bracket holds its largest value over 0 <= x <= 1, and is as narrow as its remainder says.
+    #[test]
+    fn bracket_holds() {
+        for n in 0..200 {
+            let (theta, phase) = (PHASE * f64::from(n % 10 + 1) / 10.0, 0.11 * f64::from(n));
+            let jet = |x: f64| {
+                let g = (theta * x + phase).sin();
+                [g, -theta.powi(2) * g, theta.powi(4) * g]
+            };
+            let remainder = 61.0 / 46_080.0 * theta.powi(6);
+            let [lower, upper] = bracket([jet(0.0), jet(1.0)], remainder);
+            let top = (0..=1000).map(|k| jet(f64::from(k) / 1000.0)[0]).fold(-1.0, f64::max);
+            assert!(lower <= top + 1e-15 && top <= upper, "{lower} {top} {upper}");
+            assert!(upper - lower <= 2.0 * remainder + 2.0 * SECOND * theta.powi(4));
+            let slope = |k: i32| theta * (theta * f64::from(k) / 1000.0 + phase).cos();
+            let least = (0..=1000).map(slope).fold(9.0, f64::min);
+            let bound = least_slope([jet(0.0), jet(1.0)], remainder);
+            assert!(bound <= least && least - bound < 0.1 * theta.powi(4), "{bound} {least}");
+        }
+    }
+}

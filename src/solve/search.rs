@@ -1,0 +1,391 @@
+//! Extremes of sums over modes, in continuous time.
+//!
+//! A grid of cells is laid over time and every force and its slope are found on it by matrix products. On a cell the cubic
+//! through them is off by at most `h^4 / 384 sum_j |a_ij| omega_j^4`. Modes too fast for the grid are not summed there: they
+//! count with their whole amplitude. Only cells whose bound passes the best value found anywhere, or the rating, are
+//! looked at again, with as many modes as the cell's size can resolve. Where modes too fast even for that matter, cells are
+//! split, the one with the highest bound first: a fast swing on a slow one reaches its bound near the slow one's top, and all
+//! other cells are done with.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+use nalgebra::DMatrix;
+
+use super::Work;
+use super::local::{Local, hermite_top};
+use super::sums::{Coordinates, Field, Modes, RESOLVED, ROUNDOFF, Stretch};
+use super::watch::{SpringPeaks, Watch};
+use crate::chain::Scene;
+
+/// Columns of a block of the matrix products.
+const BLOCK: usize = 128;
+/// Looks into cells, times modes, after which a search gives up and widens its bound instead.
+const MOST_LOOKS: u64 = 40_000_000;
+
+/// Where a spring's force might be largest, or over its rating: cell number and sign.
+struct Candidate {
+    cell: usize,
+    spring: usize,
+    negative: bool,
+    bound: f64,
+}
+
+/// Extremes of every spring's force in a scene from values that are within `bound` of the truth, the work done, and how
+/// much further than `bound` an extreme can be because the search for it was given up.
+pub fn peaks(scene: &Scene, modes: &Modes, bound: f64) -> (Vec<SpringPeaks>, Work, f64) {
+    let watch = Watch::new(scene, bound);
+    let lowest = watch.peaks.iter().map(|p| [p.draft.best.value, p.buff.best.value]).collect();
+    let mut scan =
+        Scan { field: Field::new(scene, modes), watch, work: Work::default(), lowest, looks: 0, missed: 0.0 };
+    for stretch in scan.field.stretches() {
+        scan.stretch(&stretch);
+    }
+    for (spring, lowest) in scan.lowest.iter().enumerate() {
+        for (negative, &lowest) in [false, true].into_iter().zip(lowest) {
+            if scan.watch.at_rating(spring, negative) {
+                scan.watch.settle(spring, negative, lowest);
+            }
+        }
+    }
+    (scan.watch.peaks, scan.work, scan.missed)
+}
+
+/// A search through time for what matters.
+struct Scan<'a> {
+    field: Field<'a>,
+    watch: Watch,
+    work: Work,
+    /// The lowest that each side was seen at.
+    lowest: Vec<[f64; 2]>,
+    /// Looks times modes so far.
+    looks: u64,
+    /// How far an extreme may lie over what was found, because the search for it was given up.
+    missed: f64,
+}
+
+impl Scan<'_> {
+    fn stretch(&mut self, stretch: &Stretch) {
+        if stretch.to <= stretch.from {
+            return;
+        }
+        let grid = Grid::new(&self.field, stretch);
+        let (mut candidates, certain) = self.survey(stretch, &grid);
+        candidates.sort_by_key(|c| (c.cell, c.spring));
+        let low_in = |c: &Candidate| certain[c.spring][usize::from(c.negative)].low_in;
+        let mut centre = (usize::MAX, Vec::new());
+        let mut with_fast_modes: Vec<Candidate> = Vec::new();
+        for c in candidates {
+            let (a, b) = grid.cell(c.cell);
+            if low_in(&c) < c.cell {
+                self.watch.departs(c.spring, c.negative, self.lowest[c.spring][usize::from(c.negative)]);
+            }
+            if c.bound <= self.watch.level(c.spring, c.negative) {
+                continue;
+            }
+            if grid.unresolved[c.spring] > self.watch.grain() {
+                with_fast_modes.push(c);
+                continue;
+            }
+            if centre.0 != c.cell {
+                centre = (c.cell, self.field.coordinates(stretch, 0.5 * (a + b)));
+            }
+            let (local, _) = self.look(stretch, c.spring, &centre.1, a, b);
+            let exact = |t: f64| self.field.value(stretch, c.spring, t);
+            self.watch.note(c.spring, c.negative, &local, 1.0, exact);
+        }
+        with_fast_modes.sort_by_key(|c| (c.spring, c.negative, c.cell));
+        for side in with_fast_modes.chunk_by(|a, b| (a.spring, a.negative) == (b.spring, b.negative)) {
+            // Until a force that stood at its rating has left it, another level matters.
+            let early = side.partition_point(|c| c.cell <= low_in(c));
+            for part in [&side[..early], &side[early..]] {
+                if let Some(c) = part.first() {
+                    let cells: Vec<Interval> = part.iter().map(|c| Interval::new(c.bound, grid.cell(c.cell))).collect();
+                    self.best_first(stretch, (c.spring, c.negative), cells.clone());
+                    self.first_crossing(stretch, (c.spring, c.negative), cells);
+                }
+            }
+        }
+    }
+
+    /// Forces and slopes of all springs on the grid, block by block; cells that might matter, and what is certain.
+    fn survey(&mut self, stretch: &Stretch, grid: &Grid) -> (Vec<Candidate>, Vec<[Certain; 2]>) {
+        let springs = self.watch.peaks.len();
+        let share = self.field.modes.share.columns(0, grid.resolved).into_owned();
+        let mut certain = vec![[Certain::default(); 2]; springs];
+        let mut candidates = Vec::new();
+        let mut start = 0;
+        while start < grid.cells {
+            let columns = (grid.cells - start).min(BLOCK) + 1;
+            let (q, dq) = grid.coordinates(&self.field, stretch, start, columns);
+            let (force, slope) = (&share * q, &share * dq);
+            self.work.mode_sums += (2 * springs * columns * grid.resolved) as u64;
+            for n in 0..columns - 1 {
+                for (spring, certain) in certain.iter_mut().enumerate() {
+                    let end = |n: usize| [force[(spring, n)] + stretch.mean[spring], slope[(spring, n)]];
+                    for (negative, certain) in [false, true].into_iter().zip(certain) {
+                        let mut c = Candidate { cell: start + n, spring, negative, bound: 0.0 };
+                        c.bound = grid.bound(&self.watch, &c, [end(n), end(n + 1)], certain);
+                        if certain.leaves_open(&self.watch, &c) {
+                            candidates.push(c);
+                        }
+                    }
+                }
+            }
+            start += columns - 1;
+            candidates.retain(|c| certain[c.spring][usize::from(c.negative)].leaves_open(&self.watch, c));
+        }
+        for (lowest, certain) in self.lowest.iter_mut().zip(&certain) {
+            lowest.iter_mut().zip(certain).for_each(|(l, c)| *l = l.min(c.lowest));
+        }
+        (candidates, certain)
+    }
+
+    /// A side's polynomial on [a, b] from the modes that its width resolves, and how far the others can move it.
+    fn look(&mut self, stretch: &Stretch, spring: usize, at: &[Coordinates], a: f64, b: f64) -> (Local, f64) {
+        let (center, radius) = (0.5 * (a + b), 0.5 * (b - a));
+        let resolved = self.field.omega.partition_point(|w| w * radius <= RESOLVED);
+        self.work.refinements += 1;
+        self.looks += self.field.omega.len() as u64;
+        self.field.local(stretch, spring, at, resolved, center, radius)
+    }
+
+    /// Looks into an interval: splits it in four, each with its bound, or takes note of it when all modes are resolved.
+    fn split(&mut self, stretch: &Stretch, (spring, negative): (usize, bool), of: &Interval) -> Vec<Interval> {
+        let (a, b) = (of.from, of.to);
+        let at = self.field.coordinates(stretch, 0.5 * (a + b));
+        let (local, slack) = self.look(stretch, spring, &at, a, b);
+        if slack <= self.watch.grain() {
+            let exact = |t: f64| self.field.value(stretch, spring, t);
+            self.watch.note_peak(spring, negative, &local, 1.0, exact);
+            return Vec::new();
+        }
+        let turned = if negative { local.negated() } else { local };
+        let quarter = |k: u8| {
+            let x = |k: u8| -1.0 + 0.5 * f64::from(k);
+            let top = turned.largest(x(k), x(k + 1), f64::NEG_INFINITY).map_or(f64::INFINITY, |top| top.value);
+            let time = |k: u8| if k == 4 { b } else { a + (b - a) * f64::from(k) / 4.0 };
+            Interval { upper: top + slack, from: time(k), to: time(k + 1) }
+        };
+        (0..4).map(quarter).collect()
+    }
+
+    /// The largest value of a side over intervals, the most promising first.
+    fn best_first(&mut self, stretch: &Stretch, side: (usize, bool), cells: Vec<Interval>) {
+        let mut heap: BinaryHeap<Interval> = cells.into();
+        while let Some(interval) = heap.pop() {
+            let best = self.watch.peaks[side.0].side(side.1).best.value;
+            let over = self.watch.certainly_over(side.0, side.1, best);
+            let goal = if over { best + self.watch.grain() } else { self.watch.level(side.0, side.1) };
+            if interval.upper <= goal {
+                return;
+            }
+            if self.looks > MOST_LOOKS || interval.is_too_small() {
+                self.give_up(stretch, side, &interval);
+                return;
+            }
+            heap.extend(self.split(stretch, side, &interval));
+        }
+    }
+
+    /// Where a side that certainly passes its rating first does, among intervals in the order of time.
+    fn first_crossing(&mut self, stretch: &Stretch, (spring, negative): (usize, bool), cells: Vec<Interval>) {
+        let peaks = *self.watch.peaks[spring].side(negative);
+        if peaks.first_over.is_some() || !self.watch.certainly_over(spring, negative, peaks.best.value) {
+            return;
+        }
+        let mut open: Vec<Interval> = cells.into_iter().rev().collect();
+        while let Some(interval) = open.pop() {
+            if interval.upper <= self.watch.rating(spring, negative) || interval.from > peaks.best.at {
+                continue;
+            }
+            if self.looks > MOST_LOOKS || interval.is_too_small() {
+                break;
+            }
+            let (a, b) = (interval.from, interval.to);
+            let at = self.field.coordinates(stretch, 0.5 * (a + b));
+            let (local, slack) = self.look(stretch, spring, &at, a, b);
+            if slack > self.watch.grain() {
+                open.extend(self.split(stretch, (spring, negative), &interval).into_iter().rev());
+            } else if self.watch.note_crossing(spring, negative, &local) {
+                return;
+            }
+        }
+        // Given up: the latest that it can be.
+        self.watch.take(spring, negative, peaks.best.at, peaks.best.value);
+    }
+
+    /// Takes what the force is at one instant, and how much larger it may be, for an interval that is not looked into.
+    fn give_up(&mut self, stretch: &Stretch, (spring, negative): (usize, bool), interval: &Interval) {
+        let t = 0.5 * (interval.from + interval.to);
+        let value = self.field.value(stretch, spring, t);
+        self.watch.take(spring, negative, t, if negative { -value } else { value });
+        self.watch.leave_open(spring, negative, interval.upper);
+        let best = self.watch.peaks[spring].side(negative).best.value;
+        self.missed = self.missed.max(interval.upper - best);
+    }
+}
+
+/// A piece of time with an upper bound on a side's force.
+#[derive(Clone, Debug)]
+struct Interval {
+    upper: f64,
+    from: f64,
+    to: f64,
+}
+
+impl Interval {
+    fn new(upper: f64, (from, to): (f64, f64)) -> Interval {
+        Interval { upper, from, to }
+    }
+
+    /// Times cannot be told apart any further.
+    fn is_too_small(&self) -> bool {
+        self.to - self.from <= 2e-13 * self.to
+    }
+}
+
+impl PartialEq for Interval {
+    fn eq(&self, other: &Interval) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Interval {}
+
+impl PartialOrd for Interval {
+    fn partial_cmp(&self, other: &Interval) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+/// By bound; of equal ones the earlier is greater.
+impl Ord for Interval {
+    fn cmp(&self, other: &Interval) -> Ordering {
+        self.upper.total_cmp(&other.upper).then(other.from.total_cmp(&self.from))
+    }
+}
+
+/// What samples on the grid have certainly reached, in one sign of one spring.
+#[derive(Clone, Copy)]
+struct Certain {
+    value: f64,
+    /// The cell in which the rating was certainly passed.
+    over_in: usize,
+    /// The lowest sample, and the first cell that begins with one well under the rating.
+    lowest: f64,
+    low_in: usize,
+}
+
+impl Default for Certain {
+    fn default() -> Certain {
+        Certain { value: f64::NEG_INFINITY, over_in: usize::MAX, lowest: f64::INFINITY, low_in: usize::MAX }
+    }
+}
+
+impl Certain {
+    /// Whether a cell can still hold the largest force, or the first one over the rating.
+    fn leaves_open(&self, watch: &Watch, c: &Candidate) -> bool {
+        let best = self.value.max(watch.peaks[c.spring].side(c.negative).best.value);
+        let may_cross = c.cell <= self.over_in && c.bound > watch.cautious_rating(c.spring, c.negative);
+        c.bound > best || may_cross && watch.peaks[c.spring].side(c.negative).first_over.is_none()
+    }
+}
+
+/// Cells of equal width over a stretch, and what each spring's force can do within one.
+struct Grid {
+    from: f64,
+    to: f64,
+    cells: usize,
+    width: f64,
+    /// Modes slow enough to be summed on the grid.
+    resolved: usize,
+    /// Per spring: how far the force can pass the cubic, and how far a grid value can be from the truth.
+    slack: Vec<[f64; 2]>,
+    /// Per spring: the joint amplitude of the modes that a cell does not resolve.
+    unresolved: Vec<f64>,
+}
+
+impl Grid {
+    fn new(field: &Field, stretch: &Stretch) -> Grid {
+        let springs = field.scene.initial.len();
+        let amplitude = |i: usize, j: usize| (field.modes.share[(i, j)] * stretch.amplitude[j]).abs();
+        let resolved = resolved_modes(&field.omega);
+        let top = if resolved == 0 { 1.0 } else { field.omega[resolved - 1] };
+        let span = stretch.to - stretch.from;
+        let cells = (span * top / 1.5).ceil().max(1.0) as usize;
+        let width = span / cells as f64;
+        let slack = |i: usize| {
+            let cubic: f64 = (0..resolved).map(|j| amplitude(i, j) * (field.omega[j] * width).powi(4)).sum();
+            let fast: f64 = (resolved..field.omega.len()).map(|j| amplitude(i, j)).sum();
+            let swinging: f64 = (0..resolved).map(|j| amplitude(i, j)).sum();
+            let rounding = 1e-12 * swinging + 8.0 * ROUNDOFF * stretch.mean[i].abs();
+            [cubic / 384.0 + fast + rounding, fast + rounding]
+        };
+        let slow = field.omega.partition_point(|w| 0.5 * w * width <= RESOLVED);
+        let unresolved = (0..springs).map(|i| (slow..field.omega.len()).map(|j| amplitude(i, j)).sum()).collect();
+        let slack = (0..springs).map(slack).collect();
+        Grid { from: stretch.from, to: stretch.to, cells, width, resolved, slack, unresolved }
+    }
+
+    fn cell(&self, n: usize) -> (f64, f64) {
+        let at = |n: usize| if n == self.cells { self.to } else { self.from + n as f64 * self.width };
+        (at(n), at(n + 1))
+    }
+
+    /// Coordinates and their rates of the resolved modes at grid points `start..start + columns`, modes x columns.
+    ///
+    /// The first is exact; the others follow by rotation, which loses a few units of rounding over a block.
+    fn coordinates(
+        &self,
+        field: &Field,
+        stretch: &Stretch,
+        start: usize,
+        columns: usize,
+    ) -> (DMatrix<f64>, DMatrix<f64>) {
+        let first = field.coordinates(stretch, self.cell(start).0);
+        let (mut q, mut dq) = (DMatrix::zeros(self.resolved, columns), DMatrix::zeros(self.resolved, columns));
+        for j in 0..self.resolved {
+            let (sin, cos) = (field.omega[j] * self.width).sin_cos();
+            let [_, mut c, mut s] = first[j];
+            for n in 0..columns {
+                q[(j, n)] = c;
+                dq[(j, n)] = s * field.omega[j];
+                (c, s) = (c * cos + s * sin, s * cos - c * sin);
+            }
+        }
+        (q, dq)
+    }
+
+    /// Bound on a force within a cell; raises what is certainly reached.
+    #[inline]
+    fn bound(&self, watch: &Watch, c: &Candidate, ends: [[f64; 2]; 2], certain: &mut Certain) -> f64 {
+        let [over, off] = self.slack[c.spring];
+        let sign = if c.negative { -1.0 } else { 1.0 };
+        let [left, right] = ends.map(|[f, d]| [sign * f, sign * d]);
+        let reached = left[0].max(right[0]);
+        certain.value = certain.value.max(reached - off);
+        certain.lowest = certain.lowest.min(left[0] + off);
+        if certain.low_in == usize::MAX && watch.is_low(c.spring, c.negative, left[0] + off) {
+            certain.low_in = c.cell;
+        }
+        if certain.over_in == usize::MAX && watch.certainly_over(c.spring, c.negative, certain.value) {
+            certain.over_in = c.cell;
+        }
+        // The cubic's two slope terms are at most 4/27 of the slopes.
+        let quick = reached + self.width * (4.0 / 27.0) * (left[1].max(0.0) + (-right[1]).max(0.0)) + over;
+        if quick <= certain.value.min(watch.cautious_rating(c.spring, c.negative)) {
+            return quick;
+        }
+        hermite_top(self.width, left, right).value + over
+    }
+}
+
+/// How many modes to sum on the grid: all, unless the frequencies have a gap of 4 or more above at least half of them.
+///
+/// Above such a gap modes are of stiff connections or light vehicles, and carry little force except near the event.
+pub fn resolved_modes(omega: &[f64]) -> usize {
+    let half = omega.len().div_ceil(2).max(1);
+    let gap = (half..omega.len()).find(|&j| omega[j] > 4.0 * omega[j - 1]);
+    gap.unwrap_or(omega.len())
+}

@@ -1,0 +1,98 @@
+//! Functions of `X = h^2 A` as power series over one step's phases.
+
+use std::sync::OnceLock;
+
+use super::between::PHASE;
+use super::dd::Dd;
+
+/// Powers of X, from the zeroth, that carry [`table`]'s functions over the largest phase to 1e-16.
+pub const POWERS: usize = 14;
+/// Coefficients of z, even and odd, that do.
+pub const DEGREE: usize = 10;
+
+/// Coefficients of z in the two functions of [`super::between`], for each power of X.
+pub struct Table {
+    /// Of `cos(z theta/2) / cos(theta/2)`: z^0, z^2, ...
+    pub even: [[f64; DEGREE]; POWERS],
+    /// Of `sin(z theta/2) / sin(theta/2)`: z^1, z^3, ...
+    pub odd: [[f64; DEGREE]; POWERS],
+}
+
+/// The table, made once.
+pub fn table() -> &'static Table {
+    static TABLE: OnceLock<Table> = OnceLock::new();
+    TABLE.get_or_init(|| {
+        // With phi = theta / 2: (-1)^m phi^2m / (2m)! / cos(phi), and (-1)^m phi^2m / (2m+1)! phi / sin(phi).
+        let quarter = Dd::from(0.25);
+        let fit = |m: usize, odd: usize| {
+            let power =
+                |x: Dd| (1..=2 * m + odd).fold(Dd::ONE, |p, q| p / Dd::from(q as f64)) * signed_power(x * quarter, m);
+            let over = |x: Dd| if odd == 1 { sine_over_root(x * quarter) } else { cosine_of_root(x * quarter) };
+            polynomial(POWERS, |x| power(x) / over(x))
+        };
+        let by_power = |odd: usize| {
+            let fits: Vec<Vec<f64>> = (0..DEGREE).map(|m| fit(m, odd)).collect();
+            std::array::from_fn(|p| std::array::from_fn(|m| fits[m][p]))
+        };
+        Table { even: by_power(0), odd: by_power(1) }
+    })
+}
+
+fn signed_power(x: Dd, m: usize) -> Dd {
+    (0..m).fold(Dd::ONE, |p, _| -(p * x))
+}
+
+/// `cos(sqrt x)`
+pub fn cosine_of_root(x: Dd) -> Dd {
+    (0..16).rev().fold(Dd::ONE, |sum, k| Dd::ONE - x * sum / Dd::from(f64::from((2 * k + 1) * (2 * k + 2))))
+}
+
+/// `sin(sqrt x) / sqrt x`
+pub fn sine_over_root(x: Dd) -> Dd {
+    (0..16).rev().fold(Dd::ONE, |sum, k| Dd::ONE - x * sum / Dd::from(f64::from((2 * k + 2) * (2 * k + 3))))
+}
+
+/// The polynomial of `terms` terms through `f` at the Chebyshev points of 0 <= x <= PHASE^2, in powers of x.
+pub fn polynomial(terms: usize, f: impl Fn(Dd) -> Dd) -> Vec<f64> {
+    let top = PHASE * PHASE;
+    let point = |k: usize| {
+        let angle = std::f64::consts::PI * (2 * k + 1) as f64 / (2 * terms) as f64;
+        Dd::from(0.5 * top * (1.0 + angle.cos()))
+    };
+    let x: Vec<Dd> = (0..terms).map(point).collect();
+    let mut difference: Vec<Dd> = x.iter().map(|&x| f(x)).collect();
+    for order in 1..terms {
+        for k in (order..terms).rev() {
+            difference[k] = (difference[k] - difference[k - 1]) / (x[k] - x[k - order]);
+        }
+    }
+    // Newton's form to powers of x.
+    let mut power = vec![Dd::ZERO; terms];
+    for k in (0..terms).rev() {
+        for m in (0..terms).rev() {
+            let lower = if m > 0 { power[m - 1] } else { difference[k] };
+            power[m] = lower - x[k] * power[m];
+        }
+    }
+    power.into_iter().map(Dd::to_f64).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Both functions to rounding over the whole range of phases and the whole step.
+    #[test]
+    fn series_are_exact_to_rounding() {
+        let table = table();
+        for (n, z) in (1..=150).flat_map(|n| [-1.0, -0.7, 0.0, 0.3, 0.9].map(|z| (n, z))) {
+            let theta = PHASE * f64::from(n) / 150.0;
+            let sum = |t: &[[f64; DEGREE]; POWERS]| {
+                t.iter().rev().fold(0.0, |s, row| s * theta * theta + row.iter().rev().fold(0.0, |r, c| r * z * z + c))
+            };
+            // Sums near 1.4: two units of rounding, twice.
+            assert!((sum(&table.even) - (z * theta / 2.0).cos() / (theta / 2.0).cos()).abs() < 9e-16);
+            assert!((z * sum(&table.odd) - (z * theta / 2.0).sin() / (theta / 2.0).sin()).abs() < 9e-16);
+        }
+    }
+}

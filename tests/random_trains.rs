@@ -1,0 +1,25 @@
+//! A sample of the campaign: stated bounds against a reference of 30 digits and more, on random trains and scenes.
+//!
+//! All 2,000 scenes: `cargo run --release --example campaign -- 2000`.
+
+use trainsafe::accuracy::campaign::{self, Fault};
+use trainsafe::solve::path::Path;
+
+/// Every extreme is within its stated bound of the truth, every verdict is true, every time is the right one.
+#[test]
+fn bounds_and_verdicts_hold_on_a_sample() {
+    // Everything is slow without optimisation: short trains here, of all kinds, over not too many periods.
+    let short = |&seed: &u64| {
+        let scene = campaign::scene(seed);
+        scene.initial.len() <= 6 && scene.horizon * Path::new(&scene.chain).omega_max() < 500.0
+    };
+    let seeds: Vec<u64> = (0..1000).filter(short).take(40).collect();
+    let outcome = campaign::run(&seeds);
+    assert!(outcome.refused.is_empty(), "no reference: {:?}", outcome.refused);
+    for row in &outcome.rows {
+        assert!(row.scenes > 5, "{} was run on {} scenes only", row.name(), row.scenes);
+        assert!(row.worst <= 1.0, "{}: error {} times the bound on seed {}", row.name(), row.worst, row.worst_seed);
+        let wrong: Vec<_> = row.wrong.iter().map(|(fault, seeds)| (Fault::name(*fault), seeds)).collect();
+        assert!(wrong.is_empty(), "{}: {wrong:?}", row.name());
+    }
+}

@@ -1,0 +1,46 @@
+//! The README's field table names every field that is written.
+
+use std::collections::BTreeSet;
+use std::process::Command;
+
+use serde_json::Value;
+
+fn keys(value: &Value, into: &mut BTreeSet<String>) {
+    match value {
+        Value::Object(map) => map.iter().for_each(|(key, inner)| {
+            into.insert(key.clone());
+            keys(inner, into);
+        }),
+        Value::Array(list) => list.iter().for_each(|inner| keys(inner, into)),
+        _ => {}
+    }
+}
+
+#[test]
+fn every_field_is_documented() {
+    let root = env!("CARGO_MANIFEST_DIR");
+    let readme = std::fs::read_to_string(format!("{root}/README.md")).expect("the README");
+    let table = readme.split("## Fields of").nth(1).and_then(|t| t.split("\n## ").next()).expect("the field table");
+    let documented: BTreeSet<&str> = table
+        .lines()
+        .filter_map(|line| line.strip_prefix("| ")?.split(" | ").next())
+        .flat_map(|cell| cell.split('`').skip(1).step_by(2))
+        .collect();
+    let dir = tempfile::tempdir().expect("a folder");
+    let mut written = BTreeSet::new();
+    for train in ["paper-figure-4", "mixed-manifest-train"] {
+        let out = dir.path().join(train);
+        let run = Command::new(env!("CARGO_BIN_EXE_trainsafe"))
+            .args(["analyze", &format!("{root}/trains/{train}.toml"), "--all-time-bound", "--out"])
+            .arg(&out)
+            .output()
+            .expect("it runs");
+        assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+        let json = std::fs::read_to_string(out.join("result.json")).expect("JSON");
+        keys(&serde_json::from_str(&json).expect("JSON"), &mut written);
+        let csv = std::fs::read_to_string(out.join("couplers.csv")).expect("CSV");
+        written.extend(csv.lines().next().expect("a header").split(',').map(str::to_owned));
+    }
+    let missing: Vec<&String> = written.iter().filter(|w| !documented.contains(w.as_str())).collect();
+    assert!(missing.is_empty(), "fields without a line in the README: {missing:?}");
+}

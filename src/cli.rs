@@ -67,6 +67,9 @@ pub struct Analyze {
     /// Report the all-time bound of every coupler's force
     #[arg(long)]
     pub all_time_bound: bool,
+    /// Add a map to each scenario: the smallest overloading force by duration of the pulse, or the safe load by broken coupler
+    #[arg(long)]
+    pub map: bool,
     #[command(flatten)]
     pub solver: Solver,
 }

@@ -1,17 +1,27 @@
 //! What an analysis found: utilisations, exceedances, safe load factors, in SI units, named as in `result.json`.
 
+mod cascade;
+mod general;
+mod limits;
+mod map;
+
 use std::time::Instant;
 
+pub use cascade::{CascadeBreak, CascadeFindings};
+use general::Solved;
+pub use limits::LimitFindings;
+pub use map::{MapFindings, MapPoint};
 use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::chain::Scene;
 use crate::consist::Train;
+use crate::play::Rule;
 use crate::rod::Rod;
 use crate::scenario::{self, Event, Part, Scales, Scenario};
 use crate::solve::memo::Memo;
 use crate::solve::watch::{Side, SpringPeaks};
-use crate::solve::{self, Ask, Method, SolveError};
+use crate::solve::{self, Ask, Method, SolveError, damped_modes, taylor};
 
 /// The longest that an analysis may take by its estimate, s.
 const MOST_SECONDS: f64 = 3600.0;
@@ -35,11 +45,20 @@ pub struct Options {
     pub verdict_only: bool,
     /// Report the all-time bound of every coupler's force.
     pub all_time_bound: bool,
+    /// Add a map to every scenario: overloading force by duration, or safe load by broken coupler.
+    pub map: bool,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Options { tolerance: 1e-9, method: None, scenario: None, verdict_only: false, all_time_bound: false }
+        Options {
+            tolerance: 1e-9,
+            method: None,
+            scenario: None,
+            verdict_only: false,
+            all_time_bound: false,
+            map: false,
+        }
     }
 }
 
@@ -61,16 +80,22 @@ pub struct Analysis {
 pub struct ScenarioFindings {
     /// The scenario's name.
     pub name: String,
-    /// `"break"` or `"pulse"`.
+    /// `"break"`, `"pulse"` or `"impact"`.
     pub kind: &'static str,
-    /// One per broken coupler, or one for a pulse.
+    /// One per broken coupler, or one for a pulse or an impact.
     pub cases: Vec<CaseFindings>,
+    /// What it looks like around the event, where asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub map: Option<MapFindings>,
 }
 
 /// What one event does to every coupler.
 #[derive(Clone, Debug, Serialize)]
 pub struct CaseFindings {
-    /// The coupler that breaks, counted from 1; `None` for a pulse.
+    /// The kind of its scenario.
+    #[serde(skip)]
+    pub kind: &'static str,
+    /// The coupler that breaks, counted from 1; `None` for a pulse or an impact.
     pub broken_coupler: Option<usize>,
     /// The method that found the largest part's forces.
     pub method: &'static str,
@@ -99,6 +124,9 @@ pub struct CaseFindings {
     /// What an elastic rod would have said; equal-mass trains only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rod: Option<RodFindings>,
+    /// What breaks next, where the scenario asks for it; all else here is of the event alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cascade: Option<CascadeFindings>,
 }
 
 /// One coupler's largest forces over 0 <= t <= horizon, t = 0 included.
@@ -135,6 +163,9 @@ pub struct CouplerFindings {
     /// Bound on |force| over all time, N, where asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub all_time_bound_n: Option<f64>,
+    /// Which capacities besides the rating it passes, where the train has any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limits: Option<LimitFindings>,
 }
 
 /// What the continuum model says of the same case.
@@ -198,7 +229,8 @@ pub fn estimate_s(train: &Train, options: &Options) -> Result<f64, AnalyzeError>
         let sample: Vec<_> = cases.iter().step_by(cases.len().div_ceil(SAMPLE).max(1)).collect();
         let seconds: Result<f64, _> = sample.par_iter().map(|&&b| case_estimate_s(train, scenario, b, options)).sum();
         let seconds = seconds.map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
-        total += seconds * cases.len() as f64 / sample.len().max(1) as f64;
+        let mapped = if options.map { map::cases(train, &scenario.event) } else { 0 };
+        total += seconds * (cases.len() + mapped) as f64 / sample.len().max(1) as f64;
     }
     if total > MOST_SECONDS { Err(AnalyzeError::TooLong { seconds: total }) } else { Ok(total) }
 }
@@ -211,7 +243,19 @@ fn case_estimate_s(
 ) -> Result<f64, SolveError> {
     let horizon_s = scenario::horizon_s(train, scenario, broken);
     let ask = ask(train, options);
-    scenario::parts(train, &scenario.event, broken, horizon_s).iter().map(|p| solve::estimate_s(&p.scene, &ask)).sum()
+    let mut seconds = 0.0;
+    if scenario.cascade != Rule::Keep {
+        seconds += general::estimate_s(train, scenario, broken, scenario.cascade);
+    }
+    if scenario::beyond_steps(&train.extras.dashpot_n_s_per_m, &scenario.event) {
+        return Ok(seconds + general::estimate_s(train, scenario, broken, Rule::Keep));
+    }
+    let parts = scenario::parts(train, &scenario.event, broken, horizon_s);
+    if train.extras.damping_ratio > 0.0 {
+        return Ok(seconds + parts.iter().map(|p| damped_modes::estimate_s(&p.scene)).sum::<f64>());
+    }
+    let steps: f64 = parts.iter().map(|p| solve::estimate_s(&p.scene, &ask)).sum::<Result<f64, _>>()?;
+    Ok(seconds + steps)
 }
 
 /// The scenarios to run.
@@ -231,7 +275,7 @@ fn chosen<'a>(train: &'a Train, options: &Options) -> Result<Vec<&'a Scenario>, 
 pub(crate) fn cases(event: &Event) -> Vec<Option<usize>> {
     match event {
         Event::Break { couplers } => couplers.iter().map(|&b| Some(b)).collect(),
-        Event::Pulse { .. } => vec![None],
+        Event::Pulse { .. } | Event::Shaped { .. } | Event::Impact { .. } => vec![None],
     }
 }
 
@@ -257,7 +301,9 @@ fn scenario_findings(
         .map(|&b| case_findings(train, scenario, b, options, memo))
         .collect::<Result<Vec<_>, _>>()
         .map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
-    Ok(ScenarioFindings { name: scenario.name.clone(), kind: scenario.event.kind(), cases })
+    let map = if options.map { map::find(train, scenario, options, memo) } else { Ok(None) };
+    let map = map.map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
+    Ok(ScenarioFindings { name: scenario.name.clone(), kind: scenario.event.kind(), cases, map })
 }
 
 /// One case of a train: what the event, or the break of one coupler, does to every coupler.
@@ -270,17 +316,56 @@ pub(crate) fn case_findings(
 ) -> Result<CaseFindings, SolveError> {
     let start = Instant::now();
     let horizon_s = scenario::horizon_s(train, scenario, broken);
+    let tolerance_n = ask(train, options).tolerance * Scales::of(train).force_n;
+    let (solved, rod) = if scenario::beyond_steps(&train.extras.dashpot_n_s_per_m, &scenario.event) {
+        (general::solved(train, scenario, broken, horizon_s, options)?, None)
+    } else {
+        let parts = scenario::parts(train, &scenario.event, broken, horizon_s);
+        let rod = if train.extras.damping_ratio > 0.0 { None } else { rod_findings(&parts) };
+        (solved_by_parts(train, &parts, options, memo)?, rod)
+    };
+    let Solved { method, reason, error_bound_n, mut couplers, left_out } = solved;
+    let cascade = cascade::find(train, scenario, broken, horizon_s)?;
+    limits::find(train, &mut couplers, error_bound_n);
+    // Utilisations that the error bound does not tell apart, as symmetry makes them, are alike: the first coupler counts.
+    let apart = |a: &CouplerFindings| a.utilisation + error_bound_n / a.rated_draft_n.min(a.rated_buff_n);
+    let worst = couplers.iter().reduce(|a, b| if b.utilisation > apart(a) { b } else { a }).cloned();
+    Ok(CaseFindings {
+        kind: scenario.event.kind(),
+        broken_coupler: broken.map(|b| b + 1),
+        method,
+        method_reason: reason,
+        horizon_s,
+        error_bound_n,
+        tolerance_n,
+        run_time_s: start.elapsed().as_secs_f64(),
+        exceeding: couplers.iter().filter(|c| c.exceeds == Some(true)).count(),
+        undecided: couplers.iter().filter(|c| c.exceeds.is_none()).count(),
+        safe_load_factor: safe_load_factor(train, &scenario.event, &couplers, &left_out),
+        worst,
+        couplers,
+        left_out: left_out.len(),
+        rod,
+        cascade,
+    })
+}
+
+/// Extremes of every coupler in the parts that a break or a rectangular pulse leaves.
+fn solved_by_parts(train: &Train, parts: &[Part], options: &Options, memo: &Memo) -> Result<Solved, SolveError> {
     let scales = Scales::of(train);
     let ask = ask(train, options);
     let mut couplers = Vec::new();
     let (mut method, mut reason, mut largest) = ("none", "no coupler is left to watch".to_owned(), 0);
     let (mut error_bound_n, mut left_out) = (0.0f64, Vec::new());
-    let parts = scenario::parts(train, &scenario.event, broken, horizon_s);
-    for part in &parts {
-        let solution = memo.solve(&part.scene, &ask)?;
+    for part in parts {
+        let solution = match train.extras.damping_ratio {
+            0.0 => memo.solve(&part.scene, &ask)?,
+            ratio => general::damped(&part.scene, ratio, &ask)?,
+        };
         if part.scene.initial.len() > largest {
             largest = part.scene.initial.len();
-            (method, reason) = (solution.method.name(), solution.reason.clone());
+            method = if train.extras.damping_ratio > 0.0 { "damped-modes" } else { solution.method.name() };
+            reason = solution.reason.clone();
         }
         error_bound_n = error_bound_n.max(solution.error_bound * scales.force_n);
         for (i, spring) in solution.springs.iter().enumerate() {
@@ -296,25 +381,7 @@ pub(crate) fn case_findings(
             }
         }
     }
-    // Utilisations that the error bound does not tell apart, as symmetry makes them, are alike: the first coupler counts.
-    let apart = |a: &CouplerFindings| a.utilisation + error_bound_n / a.rated_draft_n.min(a.rated_buff_n);
-    let worst = couplers.iter().reduce(|a, b| if b.utilisation > apart(a) { b } else { a }).cloned();
-    Ok(CaseFindings {
-        broken_coupler: broken.map(|b| b + 1),
-        method,
-        method_reason: reason,
-        horizon_s,
-        error_bound_n,
-        tolerance_n: ask.tolerance * scales.force_n,
-        run_time_s: start.elapsed().as_secs_f64(),
-        exceeding: couplers.iter().filter(|c| c.exceeds == Some(true)).count(),
-        undecided: couplers.iter().filter(|c| c.exceeds.is_none()).count(),
-        safe_load_factor: safe_load_factor(train, &scenario.event, &couplers, &left_out),
-        worst,
-        couplers,
-        left_out: left_out.len(),
-        rod: rod_findings(&parts),
-    })
+    Ok(Solved { method, reason, error_bound_n, couplers, left_out })
 }
 
 fn coupler_findings(
@@ -354,21 +421,23 @@ fn coupler_findings(
         exceeds,
         first_exceeds_s: first.map(|t| t * scales.time_s),
         all_time_bound_n,
+        limits: None,
     }
 }
 
 /// The largest factor at which no coupler exceeds.
 ///
 /// After a break every force, the initial one included, is proportional to the load. Under a pulse the load stays and
-/// the rest, `F - F(0)`, is proportional to the pulse's force. `None` where nothing grows with the factor. Couplers left out
-/// (with their all-time bounds, N) count by these: then it is a factor at which none exceeds, and a larger one may be.
+/// the rest, `F - F(0)`, is proportional to the pulse's force. In an impact every force is proportional to the speed. `None`
+/// where nothing grows with the factor. Couplers left out (with their all-time bounds, N) count by these: then it is a factor at
+/// which none exceeds, and a larger one may be.
 fn safe_load_factor(
     train: &Train,
     event: &Event,
     couplers: &[CouplerFindings],
     left_out: &[(usize, f64)],
 ) -> Option<f64> {
-    let proportional = matches!(event, Event::Break { .. });
+    let proportional = matches!(event, Event::Break { .. } | Event::Impact { .. });
     let factor = |rating: f64, initial: f64, peak: f64| {
         let growth = peak - initial;
         (growth > 0.0).then(|| ((rating - initial) / growth).max(0.0))
@@ -407,7 +476,18 @@ fn rod_findings(parts: &[Part]) -> Option<RodFindings> {
 ///
 /// `scenario` is an index into the train's scenarios; `broken` and `coupler` are indices from 0. Right to a line's width.
 pub fn history(train: &Train, scenario: usize, broken: Option<usize>, coupler: usize, times_s: &[f64]) -> Vec<f64> {
-    let forces = in_part(train, scenario, broken, coupler, times_s, |scene, i, t| Some(solve::history(scene, i, t)));
+    let event = &train.scenarios[scenario].event;
+    if scenario::beyond_steps(&train.extras.dashpot_n_s_per_m, event) {
+        let (scales, scenario) = (Scales::of(train), &train.scenarios[scenario]);
+        let horizon_s = scenario::horizon_s(train, scenario, broken);
+        let times: Vec<f64> = times_s.iter().map(|t| t / scales.time_s).collect();
+        let forces = taylor::history(&scenario::play(train, scenario, broken, horizon_s, Rule::Keep), coupler, &times);
+        return forces.into_iter().map(|f| f * scales.force_n).collect();
+    }
+    let forces = in_part(train, scenario, broken, coupler, times_s, |scene, i, t| match train.extras.damping_ratio {
+        0.0 => Some(solve::history(scene, i, t)),
+        ratio => Some(damped_modes::Damped::new(scene, ratio).history(i, t)),
+    });
     forces.unwrap_or_else(|| vec![0.0; times_s.len()])
 }
 
@@ -419,6 +499,9 @@ pub fn rod_history(
     coupler: usize,
     times_s: &[f64],
 ) -> Option<Vec<f64>> {
+    if train.extras.damping_ratio > 0.0 {
+        return None;
+    }
     in_part(train, scenario, broken, coupler, times_s, |scene, i, t| Some(Rod::new(scene)?.history(i, t)))
 }
 
@@ -432,6 +515,9 @@ fn in_part(
     ask: impl Fn(&Scene, usize, &[f64]) -> Option<Vec<f64>>,
 ) -> Option<Vec<f64>> {
     let scenario = &train.scenarios[scenario];
+    if scenario::beyond_steps(&train.extras.dashpot_n_s_per_m, &scenario.event) {
+        return None;
+    }
     let horizon_s = scenario::horizon_s(train, scenario, broken);
     let scales = Scales::of(train);
     let parts = scenario::parts(train, &scenario.event, broken, horizon_s);

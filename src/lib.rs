@@ -9,7 +9,8 @@
 //! Nothing below knows what is above it. [`consist`] reads and validates a train file; [`chain`] holds coupled masses
 //! and springs in the model's own units; [`scenario`] cuts a train and an event into scenes; [`solve`] finds every
 //! coupler's largest force in a scene, with a bound on its error; [`findings`] turns those into utilisations and
-//! verdicts; [`report`] writes them down. [`fleet`] does all of it for many trains and what-ifs.
+//! verdicts; [`report`] writes them down. [`fleet`] does all of it for many trains and what-ifs. [`play`] is a scene with all
+//! that the paper's chain has not: dashpots, speeds, forces of any shape, couplers that break one after the other.
 #![doc = include_str!("equations.md")]
 
 pub mod accuracy;
@@ -18,6 +19,7 @@ pub mod consist;
 pub mod error;
 pub mod findings;
 pub mod fleet;
+pub mod play;
 pub mod report;
 pub mod rod;
 pub mod scenario;

@@ -1,7 +1,12 @@
-//! What happens to the train: a coupler breaks, or a force pulse strikes a vehicle.
+//! What happens to the train: a coupler breaks, a force strikes a vehicle, or vehicles run into it.
+
+mod plays;
 
 use crate::chain::{Chain, Scene};
 use crate::consist::Train;
+use crate::play::{Drive, Rule};
+
+pub use plays::{beyond_steps, initial_force_n, play};
 
 /// One named event to run, with how long to watch.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,6 +17,8 @@ pub struct Scenario {
     pub event: Event,
     /// How long forces are followed, s; `None`: four one-way wave transits of the longest part.
     pub horizon_s: Option<f64>,
+    /// What breaks after the event: nothing, unless the file says `cascade = true`.
+    pub cascade: Rule,
 }
 
 /// The event at t = 0.
@@ -31,14 +38,37 @@ pub enum Event {
         /// How long it acts, s; finite and > 0.
         duration_s: f64,
     },
+    /// An outside force of any other course on one vehicle.
+    Shaped {
+        /// Index from 0; never a held vehicle.
+        vehicle: usize,
+        /// `"half-sine"`, `"triangle"`, `"trapezoid"` or `"record"`.
+        shape: &'static str,
+        /// Largest force of either sign, with its sign, N.
+        force_n: f64,
+        /// From t = 0 to its end, s.
+        duration_s: f64,
+        /// Its course, in s and N.
+        drive: Drive,
+    },
+    /// Vehicles at one end arrive at a speed and couple to the standing rest.
+    Impact {
+        /// How many arrive; at least one stands.
+        vehicles: usize,
+        /// At the head; at the tail if not.
+        at_head: bool,
+        /// How fast they come toward the rest, m/s; finite and > 0.
+        speed_m_per_s: f64,
+    },
 }
 
 impl Event {
-    /// The contract's name of the kind: `"break"` or `"pulse"`.
+    /// The kind as the file names it: `"break"`, `"pulse"` or `"impact"`.
     pub fn kind(&self) -> &'static str {
         match self {
             Event::Break { .. } => "break",
-            Event::Pulse { .. } => "pulse",
+            Event::Pulse { .. } | Event::Shaped { .. } => "pulse",
+            Event::Impact { .. } => "impact",
         }
     }
 }
@@ -83,7 +113,7 @@ impl Scales {
     }
 }
 
-/// The parts that an event leaves, each with the step or pulse of force that it feels; parts without a coupler left out.
+/// The parts that a break or a rectangular pulse leaves, each with the step or pulse of force that it feels; parts without a coupler left out.
 ///
 /// A break of coupler b takes its force F_b from both sides: the front part feels `+F_b` on its last vehicle, the rear
 /// part `-F_b` on its first, and all else goes on as before (superposition on the steady state).
@@ -109,7 +139,9 @@ pub fn parts(train: &Train, event: &Event, broken: Option<usize>, horizon_s: f64
     };
     let parts = match (event, broken) {
         (Event::Pulse { vehicle, force_n, duration_s }, _) => vec![cut(0..=last, *vehicle, *force_n, *duration_s)],
-        (Event::Break { .. }, None) => vec![],
+        // The others are no steps of force from rest: see [`play`].
+        (Event::Break { .. } | Event::Shaped { .. } | Event::Impact { .. }, None) => vec![],
+        (Event::Shaped { .. } | Event::Impact { .. }, Some(_)) => vec![],
         (Event::Break { .. }, Some(b)) => {
             let lost = train.initial_force_n[b];
             vec![cut(0..=b, b, lost, f64::INFINITY), cut(b + 1..=last, b + 1, -lost, f64::INFINITY)]

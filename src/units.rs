@@ -27,6 +27,14 @@ pub enum Dimension {
     Time,
     /// m
     Length,
+    /// m/s
+    Speed,
+    /// N s/m
+    Damping,
+    /// N/kg: a force on a vehicle in proportion to its mass
+    Resistance,
+    /// Rise over run
+    Grade,
 }
 
 /// A quantity as read.
@@ -59,6 +67,10 @@ const fn metric(symbol: &'static str, exponent: i32) -> Unit {
     Unit { symbol, exponent, factor: 1.0, divisor: 1.0 }
 }
 
+const fn divided(symbol: &'static str, factor: f64, exponent: i32, divisor: f64) -> Unit {
+    Unit { symbol, exponent, factor, divisor }
+}
+
 const fn exact(symbol: &'static str, factor: f64, exponent: i32) -> Unit {
     Unit { symbol, exponent, factor, divisor: 1.0 }
 }
@@ -80,15 +92,36 @@ const STIFFNESSES: &[Unit] = &[
     metric("kN/m", 3),
     metric("MN/m", 6),
     metric("kN/mm", 6),
-    Unit { symbol: "lbf/in", exponent: -9, factor: POUND_FORCE, divisor: 254.0 },
-    Unit { symbol: "kip/in", exponent: -6, factor: POUND_FORCE, divisor: 254.0 },
+    divided("lbf/in", POUND_FORCE, -9, 254.0),
+    divided("kip/in", POUND_FORCE, -6, 254.0),
 ];
 const TIMES: &[Unit] = &[metric("s", 0), metric("ms", -3), exact("min", 60.0, 0)];
 const LENGTHS: &[Unit] = &[metric("m", 0), metric("mm", -3), exact("ft", 3048.0, -4), exact("in", 254.0, -4)];
+const SPEEDS: &[Unit] = &[metric("m/s", 0), divided("km/h", 5.0, 0, 18.0), exact("mph", 44_704.0, -5)];
+const DAMPINGS: &[Unit] = &[
+    metric("N*s/m", 0),
+    metric("kN*s/m", 3),
+    metric("MN*s/m", 6),
+    divided("lbf*s/in", POUND_FORCE, -9, 254.0),
+    divided("kip*s/in", POUND_FORCE, -6, 254.0),
+];
+const RESISTANCES: &[Unit] =
+    &[metric("N/kg", 0), metric("N/t", -3), metric("kN/t", 0), divided("lbf/ton_us", POUND_FORCE, -8, 2.0 * POUND)];
+const GRADES: &[Unit] = &[metric("%", -2), metric("\u{2030}", -3)];
 
 impl Dimension {
-    const ALL: [Dimension; 5] =
-        [Dimension::Mass, Dimension::Force, Dimension::Stiffness, Dimension::Time, Dimension::Length];
+    /// All of them.
+    pub const ALL: [Dimension; 9] = [
+        Dimension::Mass,
+        Dimension::Force,
+        Dimension::Stiffness,
+        Dimension::Time,
+        Dimension::Length,
+        Dimension::Speed,
+        Dimension::Damping,
+        Dimension::Resistance,
+        Dimension::Grade,
+    ];
 
     fn table(self) -> &'static [Unit] {
         match self {
@@ -97,6 +130,10 @@ impl Dimension {
             Dimension::Stiffness => STIFFNESSES,
             Dimension::Time => TIMES,
             Dimension::Length => LENGTHS,
+            Dimension::Speed => SPEEDS,
+            Dimension::Damping => DAMPINGS,
+            Dimension::Resistance => RESISTANCES,
+            Dimension::Grade => GRADES,
         }
     }
 
@@ -124,6 +161,10 @@ impl fmt::Display for Dimension {
             Dimension::Stiffness => "stiffness",
             Dimension::Time => "time",
             Dimension::Length => "length",
+            Dimension::Speed => "speed",
+            Dimension::Damping => "damping",
+            Dimension::Resistance => "resistance",
+            Dimension::Grade => "grade",
         })
     }
 }
@@ -174,7 +215,7 @@ pub fn parse(text: &str, dimension: Dimension, share: bool) -> Result<Amount, Ba
     if unit.is_empty() {
         return Err(bad("has no unit", with_units(number, dimension, share)));
     }
-    if unit == "%" {
+    if unit == "%" && dimension != Dimension::Grade {
         if !share {
             return Err(bad("is a share, but of what?", with_units(number, dimension, share)));
         }

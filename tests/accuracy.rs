@@ -4,7 +4,8 @@ use trainsafe::accuracy::peers::Peer;
 use trainsafe::accuracy::reference::Reference;
 use trainsafe::accuracy::{self, Options, Origin};
 use trainsafe::chain::{Chain, Scene};
-use trainsafe::consist::{Coupler, Train, Vehicle};
+use trainsafe::consist::{Coupler, Extras, Train, Vehicle};
+use trainsafe::play::Rule;
 use trainsafe::scenario::{Event, Scenario};
 use trainsafe::solve::dd::Dd;
 
@@ -192,12 +193,14 @@ fn train(vehicles: usize) -> Train {
         name: name.to_owned(),
         event: Event::Break { couplers },
         horizon_s: None,
+        cascade: Rule::Keep,
     };
     Train {
         name: "eleven cars".to_owned(),
         vehicles: (0..vehicles).map(car).collect(),
         couplers: vec![coupler; vehicles - 1],
         initial_force_n: vec![8e5; vehicles - 1],
+        extras: Extras::default(),
         scenarios: vec![
             scenario("near the rear", vec![4, vehicles.saturating_sub(3)]),
             scenario("the only one", vec![0]),

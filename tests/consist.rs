@@ -100,9 +100,13 @@ fn the_template_parses_with_and_without_its_optional_keys() {
     let all = TEMPLATE.replace("\n#: ", "\n");
     let full = parse(&all);
     assert_eq!((full.vehicles[0].held, full.vehicles[104].length_m), (true, Some(10.9)));
-    assert_eq!((full.vehicles.len(), full.scenarios.len()), (105, 2));
+    assert_eq!((full.vehicles.len(), full.scenarios.len()), (105, 3));
     assert_eq!((full.couplers[52].rated_draft_n, full.couplers[52].rated_buff_n), (0.9e6, 1.5e6));
-    let keys = "name stiffness rated_load rated_buff label count mass held length at uniform kind coupler horizon force \
+    let hauled = TEMPLATE.replace("\n#+ ", "\n").replace("\nuniform", "\n#");
+    let hauled = parse(&hauled);
+    assert!(hauled.extras.steady.is_some_and(|s| s.outside_n[0] > 0.0 && s.outside_n[104] < 0.0));
+    let all = all.replace("\n#+ ", "\n");
+    let keys = "damping_ratio damping rise fall cascade buff_breaks vehicles speed limits tractive_effort brake_force rolling_resistance grade name stiffness rated_load rated_buff label count mass held length at uniform kind coupler horizon force \
                 duration shape";
     for key in keys.split(' ') {
         assert!(all.lines().any(|line| line.split(['=', ' ']).next() == Some(key)), "{key} is not in the template");

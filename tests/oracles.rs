@@ -6,7 +6,8 @@ mod scenes;
 use scenes::*;
 use serde::Deserialize;
 use trainsafe::chain::{Chain, Scene};
-use trainsafe::consist::{Coupler, Vehicle};
+use trainsafe::consist::{Coupler, Extras, Vehicle};
+use trainsafe::play::Rule;
 use trainsafe::scenario::{Event, Scenario};
 use trainsafe::solve::{Ask, Method, fronts, propagator, solve};
 use trainsafe::{Options, Train, analyze};
@@ -295,7 +296,9 @@ fn figure_4_in_si_units() {
             name: "break".to_owned(),
             event: Event::Break { couplers: vec![50] },
             horizon_s: Some(100.0 * unit),
+            cascade: Rule::Keep,
         }],
+        extras: Extras::default(),
     };
     let analysis = analyze(&train, &Options::default()).expect("a train that can be analysed");
     let case = &analysis.scenarios[0].cases[0];

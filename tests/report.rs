@@ -6,6 +6,7 @@ use std::fs;
 
 use common::{breaks, figure_4, figure_5, ore_train, uniform};
 use trainsafe::findings::{CaseFindings, RodFindings};
+use trainsafe::play::Rule;
 use trainsafe::scenario::{Event, Scenario};
 use trainsafe::{Analysis, Options, Train, analyze, report};
 
@@ -68,7 +69,7 @@ fn each_break_and_a_shock_have_a_section_each() {
     train.vehicles[0].label = "tank_car | [1]".to_owned();
     train.scenarios = vec![
         breaks("each", (0..11).collect(), None),
-        Scenario { name: "the rear is hit".to_owned(), event: hit, horizon_s: Some(2.0) },
+        Scenario { name: "the rear is hit".to_owned(), event: hit, horizon_s: Some(2.0), cascade: Rule::Keep },
     ];
     insta::assert_snapshot!(markdown(&train, &analysis_of(&train)));
 }
@@ -171,7 +172,7 @@ fn the_terminal_shows_the_worst() {
 
 fn figure_5_like() -> Scenario {
     let event = Event::Pulse { vehicle: 104, force_n: -1.2e6, duration_s: 0.5 };
-    Scenario { name: "the rear is \u{1b}[31mpulled".to_owned(), event, horizon_s: None }
+    Scenario { name: "the rear is \u{1b}[31mpulled".to_owned(), event, horizon_s: None, cascade: Rule::Keep }
 }
 
 #[test]

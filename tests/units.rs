@@ -36,6 +36,20 @@ fn one_of_every_unit() {
         ("1 N/m", Dimension::Stiffness, 1.0),
         ("1 kN/m", Dimension::Stiffness, 1000.0),
         ("1 MN/m", Dimension::Stiffness, 1e6),
+        ("1 mph", Dimension::Speed, 0.44704),
+        ("18 km/h", Dimension::Speed, 5.0),
+        ("1 m/s", Dimension::Speed, 1.0),
+        ("1 N*s/m", Dimension::Damping, 1.0),
+        ("1 kN*s/m", Dimension::Damping, 1000.0),
+        ("1 MN*s/m", Dimension::Damping, 1e6),
+        ("1 lbf*s/in", Dimension::Damping, 175.126_835_246_476_4),
+        ("1 kip*s/in", Dimension::Damping, 175_126.835_246_476_4),
+        ("1 N/kg", Dimension::Resistance, 1.0),
+        ("1 N/t", Dimension::Resistance, 1e-3),
+        ("1 kN/t", Dimension::Resistance, 1.0),
+        ("2000 lbf/ton_us", Dimension::Resistance, 9.80665),
+        ("1 %", Dimension::Grade, 0.01),
+        ("1 \u{2030}", Dimension::Grade, 0.001),
         ("1 kN/mm", Dimension::Stiffness, 1e6),
         ("1 lbf/in", Dimension::Stiffness, 175.126_835_246_476_4),
         ("1 kip/in", Dimension::Stiffness, 175_126.835_246_476_37),
@@ -53,7 +67,7 @@ fn one_of_every_unit() {
         assert!(apart <= 1, "{text} is {:e}", si(text, dimension));
     }
     let tested = |d: Dimension| values.iter().filter(|v| v.1 == d).count();
-    for d in [Dimension::Mass, Dimension::Force, Dimension::Stiffness, Dimension::Time, Dimension::Length] {
+    for d in Dimension::ALL {
         assert_eq!(tested(d), d.units().count(), "every unit of {d}");
     }
 }
@@ -126,6 +140,10 @@ fn values_are_shown_as_an_engineer_writes_them() {
         (0.06, Dimension::Time, "60 ms"),
         (30.379_816, Dimension::Time, "30.38 s"),
         (10.9, Dimension::Length, "10.9 m"),
+        (0.012, Dimension::Grade, "1.2 %"),
+        (0.015, Dimension::Resistance, "15 N/t"),
+        (2.682_24, Dimension::Speed, "2.6822 m/s"),
+        (5e5, Dimension::Damping, "500 kN*s/m"),
         (1e30, Dimension::Force, "1e24 MN"),
         (1e-30, Dimension::Force, "1e-30 N"),
     ];

@@ -143,6 +143,12 @@ pub enum AccuracyError {
         /// The scenario's name.
         scenario: String,
     },
+    /// The methods compared are not made for the train or the event.
+    #[error("{scenario}: the comparison is of methods for breaks and rectangular pulses of trains without damping")]
+    BeyondSteps {
+        /// The scenario's name.
+        scenario: String,
+    },
     /// No method could be found for the scene.
     #[error(transparent)]
     Solve(#[from] SolveError),
@@ -164,8 +170,12 @@ pub enum AccuracyError {
 /// # Errors
 /// [`AccuracyError`] for an unknown scenario, one that leaves no coupler or changes no force, and a scene that the reference
 /// refuses.
-pub fn run(train: &Train, scenario: Option<&str>, options: &Options) -> Result<Accuracy, AccuracyError> {
-    let chosen = choose(train, scenario)?;
+pub fn run(train: &Train, scenario_name: Option<&str>, options: &Options) -> Result<Accuracy, AccuracyError> {
+    let chosen = choose(train, scenario_name)?;
+    let extras = &train.extras;
+    if extras.damping_ratio > 0.0 || scenario::beyond_steps(&extras.dashpot_n_s_per_m, &chosen.event) {
+        return Err(AccuracyError::BeyondSteps { scenario: chosen.name.clone() });
+    }
     let Some((broken, part)) = longest_part(train, chosen) else {
         return Err(AccuracyError::NothingToWatch { scenario: chosen.name.clone() });
     };
@@ -202,7 +212,7 @@ fn choose<'a>(train: &'a Train, scenario: Option<&str>) -> Result<&'a Scenario, 
 fn longest_part(train: &Train, scenario: &Scenario) -> Option<(Option<usize>, Part)> {
     let cases: Vec<Option<usize>> = match &scenario.event {
         Event::Break { couplers } => couplers.iter().map(|&b| Some(b)).collect(),
-        Event::Pulse { .. } => vec![None],
+        Event::Pulse { .. } | Event::Shaped { .. } | Event::Impact { .. } => vec![None],
     };
     let parts = cases.into_iter().flat_map(|broken| {
         let horizon_s = scenario::horizon_s(train, scenario, broken);

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use super::{Coupler, Train, Vehicle};
+use crate::play::Rule;
 use crate::scenario::{self, Event, Scenario};
 use crate::units::{Dimension, shown};
 
@@ -91,7 +92,14 @@ fn couplers(train: &Train) -> String {
     let stiffness = range(train.couplers.iter().map(|c| c.stiffness_n_per_m).collect(), Dimension::Stiffness);
     let draft = range(train.couplers.iter().map(|c| c.rated_draft_n).collect(), Dimension::Force);
     let buff = range(train.couplers.iter().map(|c| c.rated_buff_n).collect(), Dimension::Force);
-    format!("couplers: stiffness {stiffness}; rated {draft} in draft, {buff} in buff")
+    let damping = match train.extras.dashpot_n_s_per_m.clone() {
+        _ if train.extras.damping_ratio > 0.0 => {
+            format!("; damping ratio {} of every mode", train.extras.damping_ratio)
+        }
+        none if none.is_empty() => String::new(),
+        some => format!("; dashpots {}", range(some, Dimension::Damping)),
+    };
+    format!("couplers: stiffness {stiffness}; rated {draft} in draft, {buff} in buff{damping}")
 }
 
 fn load(train: &Train) -> String {
@@ -103,7 +111,11 @@ fn load(train: &Train) -> String {
         n => format!("{} in buff", shown(-n, Dimension::Force)),
     };
     let range = if low == high { force(low) } else { format!("{} to {}", force(low), force(high)) };
-    format!("load before the event: {range}")
+    let from = train.extras.steady.as_ref().map_or(String::new(), |steady| match steady.acceleration_m_per_s2 {
+        0.0 => ", from the forces on the vehicles at constant speed".to_owned(),
+        a => format!(", from the forces on the vehicles, which accelerate the train by {a:.4} m/s2"),
+    });
+    format!("load before the event: {range}{from}")
 }
 
 fn scenario_line(train: &Train, scenario: &Scenario) -> String {
@@ -121,6 +133,22 @@ fn scenario_line(train: &Train, scenario: &Scenario) -> String {
             let label = &train.vehicles[*vehicle].label;
             (format!("{force} {direction} on {label} for {}", shown(*duration_s, Dimension::Time)), 1)
         }
+        Event::Shaped { vehicle, shape, force_n, duration_s, .. } => {
+            let direction = if *force_n > 0.0 { "forward" } else { "backward" };
+            let [force, lasting] = [shown(force_n.abs(), Dimension::Force), shown(*duration_s, Dimension::Time)];
+            let label = &train.vehicles[*vehicle].label;
+            (format!("{shape} of up to {force} {direction} on {label}, over after {lasting}"), 1)
+        }
+        Event::Impact { vehicles, at_head, speed_m_per_s } => {
+            let end = if *at_head { "head" } else { "tail" };
+            let arrive = format!("{} at {}", count(*vehicles, "vehicle"), shown(*speed_m_per_s, Dimension::Speed));
+            (format!("{arrive} run into the {end} of the others, which stand, and couple"), 1)
+        }
+    };
+    let event = match scenario.cascade {
+        Rule::Keep => event,
+        Rule::InDraft => format!("{event}; couplers that pass their rating in draft break"),
+        Rule::InBoth => format!("{event}; couplers that pass their rating in draft or buff break"),
     };
     let [from, to] = [shortest_s(train, scenario), longest_s(train, scenario)].map(|t| shown(t, Dimension::Time));
     let horizon = if from == to { to } else { format!("{from} to {to}") };
@@ -187,7 +215,7 @@ fn doubts(train: &Train, scenario: &Scenario) -> Vec<String> {
         Event::Break { couplers } if couplers.iter().any(|&b| train.initial_force_n[b] == 0.0) => {
             doubts.push("a coupler without load breaks and nothing changes; give [load] a uniform force".to_owned());
         }
-        Event::Pulse { duration_s, .. } if *duration_s > horizon_s => {
+        Event::Pulse { duration_s, .. } | Event::Shaped { duration_s, .. } if *duration_s > horizon_s => {
             doubts.push("the pulse outlasts the horizon, so what its end does is not seen".to_owned());
         }
         _ => {}

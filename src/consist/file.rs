@@ -4,18 +4,24 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::path::Path;
 
+use super::extras::{Extras, LIMITS, Limits, Steady};
+use super::loads::{self, OwnLoad};
 use super::scenarios;
 use super::table::Row;
 use super::tree::{Found, Read, Sign, Table, Value};
 use super::{Coupler, MOST_VEHICLES, Train, Vehicle};
-use crate::error::{Problem, printable};
+use crate::error::{Problem, printable, quoted};
+use crate::play::Rule;
+use crate::scenario::{self, Scenario};
 use crate::units::{Amount, Dimension};
 
 /// Keys of the whole file.
-pub(crate) const KEYS: [&str; 7] = ["name", "coupler", "vehicle", "vehicles", "coupler_override", "load", "scenario"];
-const COUPLER_KEYS: [&str; 3] = ["stiffness", "rated_load", "rated_buff"];
-const OVERRIDE_KEYS: [&str; 4] = ["at", "stiffness", "rated_load", "rated_buff"];
-const VEHICLE_KEYS: [&str; 5] = ["label", "count", "mass", "held", "length"];
+pub(crate) const KEYS: [&str; 8] =
+    ["name", "damping_ratio", "coupler", "vehicle", "vehicles", "coupler_override", "load", "scenario"];
+const COUPLER_KEYS: [&str; 5] = ["stiffness", "rated_load", "rated_buff", "limits", "damping"];
+const OVERRIDE_KEYS: [&str; 6] = ["at", "stiffness", "rated_load", "rated_buff", "limits", "damping"];
+const VEHICLE_KEYS: [&str; 9] =
+    ["label", "count", "mass", "held", "length", "tractive_effort", "rolling_resistance", "grade", "brake_force"];
 
 /// Reads the whole train, going on after a problem as far as what follows can be judged without it.
 ///
@@ -24,17 +30,58 @@ const VEHICLE_KEYS: [&str; 5] = ["label", "count", "mass", "held", "length"];
 pub(super) fn train(found: &Found, root: &Table, rows: Option<&[Row]>, path: &Path) -> Read<Train> {
     let name = root.get("name").map_or_else(|| Ok(stem(path)), |v| v.name().map(str::to_owned));
     let base = base_coupler(root).unwrap_or(PLACEHOLDER);
-    let vehicles = match rows {
-        Some(rows) => tabled(root, rows)?,
-        None => vehicles(found, root)?,
+    let (own, vehicles): (Vec<OwnLoad>, _) = match rows {
+        Some(rows) => {
+            let vehicles = tabled(root, rows)?;
+            (vec![OwnLoad::default(); vehicles.len()], vehicles)
+        }
+        None => {
+            let (groups, vehicles) = vehicles(found, root)?;
+            (groups.iter().flat_map(|g| std::iter::repeat_n(g.load, g.count)).collect(), vehicles)
+        }
     };
     let mut ratings = vec![base; vehicles.len() - 1];
     rate_by_table(&mut ratings, rows.unwrap_or_default());
-    let couplers = couplers(root, &base, ratings);
+    let ratings = couplers(root, &base, ratings);
+    let couplers: Vec<Coupler> = ratings.iter().map(Ratings::coupler).collect();
     let weakest_n = couplers.iter().map(|c| c.rated_draft_n).fold(f64::INFINITY, f64::min);
-    let load_n = load(root, weakest_n);
-    let scenarios = scenarios::read(root, &vehicles, weakest_n)?;
-    Ok(Train { name: name?, initial_force_n: vec![load_n?; couplers.len()], vehicles, couplers, scenarios })
+    let load = loads::read(root, &vehicles, &couplers, &own, weakest_n);
+    let scenarios = scenarios::read(root, &vehicles, weakest_n, path)?;
+    let (initial_force_n, steady) = load?;
+    let mut extras = extras(&ratings, steady);
+    extras.damping_ratio = damping_ratio(root, &extras, &scenarios)?;
+    Ok(Train { name: name?, initial_force_n, vehicles, couplers, scenarios, extras })
+}
+
+/// The damping ratio of every mode; it fits neither dashpots nor what only they fit.
+fn damping_ratio(root: &Table, extras: &Extras, scenarios: &[Scenario]) -> Read<f64> {
+    let Some(value) = root.get("damping_ratio") else { return Ok(0.0) };
+    let ratio = value.ratio()?;
+    if ratio > 0.0 && !extras.dashpot_n_s_per_m.is_empty() {
+        let help = "keep one of them: damping_ratio is of every mode alike, damping of each coupler";
+        return Err(value.wrong("damping_ratio beside dashpots", help));
+    }
+    let beyond = |s: &&Scenario| s.cascade != Rule::Keep || scenario::beyond_steps(&extras.dashpot_n_s_per_m, &s.event);
+    match scenarios.iter().find(beyond).filter(|_| ratio > 0.0) {
+        None => Ok(ratio),
+        Some(other) => {
+            let title = "damping_ratio is for breaks and rectangular pulses without a cascade";
+            let help = "give [coupler] a damping = \"200 kN*s/m\" instead, for scenario";
+            Err(value.wrong(title, format!("{help} {}", quoted(&other.name))))
+        }
+    }
+}
+
+fn extras(ratings: &[Ratings], steady: Option<Steady>) -> Extras {
+    let some = |any: bool| if any { ratings } else { &[] };
+    let limited = some(ratings.iter().any(|r| r.limits != Limits::default()));
+    let damped = some(ratings.iter().any(|r| r.damping_n_s_per_m > 0.0));
+    Extras {
+        steady,
+        damping_ratio: 0.0,
+        dashpot_n_s_per_m: damped.iter().map(|r| r.damping_n_s_per_m).collect(),
+        limits: limited.iter().map(|r| r.limits).collect(),
+    }
 }
 
 fn stem(path: &Path) -> String {
@@ -46,13 +93,30 @@ struct CouplerKeys<'s> {
     stiffness: Option<Value<'s>>,
     draft: Option<Value<'s>>,
     buff: Option<Value<'s>>,
+    limits: Option<Value<'s>>,
+    damping: Option<Value<'s>>,
 }
 
 impl<'s> CouplerKeys<'s> {
     fn of(table: &Table<'s>) -> Self {
-        let [stiffness, draft, buff] = COUPLER_KEYS.map(|key| table.get(key));
-        CouplerKeys { stiffness, draft, buff }
+        let [stiffness, draft, buff, limits, damping] = COUPLER_KEYS.map(|key| table.get(key));
+        CouplerKeys { stiffness, draft, buff, limits, damping }
     }
+
+    fn damping(&self) -> Read<Option<f64>> {
+        self.damping.as_ref().map(|v| v.quantity(Dimension::Damping, Sign::NotNegative)).transpose()
+    }
+}
+
+/// A `limits` table.
+fn limits(value: &Value) -> Read<Limits> {
+    let table = value.table("limits", &LIMITS)?;
+    let quantity = |key| table.get(key).map(|v| v.quantity(Dimension::Force, Sign::Positive)).transpose();
+    let [fatigue, proof, ultimate] = LIMITS.map(quantity);
+    if table.is_empty() {
+        return Err(value.wrong("limits is empty", "give it fatigue, proof or ultimate: fatigue = \"970 kN\""));
+    }
+    Ok(Limits([fatigue?, proof?, ultimate?]))
 }
 
 /// The ratings that hold unless overridden; a share in `buff` is of whichever draft rating the coupler has.
@@ -61,10 +125,18 @@ struct Ratings {
     stiffness_n_per_m: f64,
     draft_n: f64,
     buff: Amount,
+    limits: Limits,
+    damping_n_s_per_m: f64,
 }
 
 /// Stands in for a `[coupler]` that was wrong, so that what refers to it can still be looked at.
-const PLACEHOLDER: Ratings = Ratings { stiffness_n_per_m: 1.0, draft_n: 1.0, buff: Amount::Share(1.0) };
+const PLACEHOLDER: Ratings = Ratings {
+    stiffness_n_per_m: 1.0,
+    draft_n: 1.0,
+    buff: Amount::Share(1.0),
+    limits: Limits([None; 3]),
+    damping_n_s_per_m: 0.0,
+};
 
 impl Ratings {
     fn coupler(&self) -> Coupler {
@@ -80,6 +152,7 @@ fn base_coupler(root: &Table) -> Read<Ratings> {
     let value = root.require("coupler", "add a [coupler] table with stiffness and rated_load")?;
     let table = value.table("[coupler]", &COUPLER_KEYS)?;
     let keys = CouplerKeys::of(&table);
+    let damping = keys.damping();
     let stiffness = table
         .require("stiffness", "add stiffness = \"30 MN/m\", that of the whole connection between two vehicles")
         .and_then(|v| v.quantity(Dimension::Stiffness, Sign::Positive));
@@ -87,7 +160,14 @@ fn base_coupler(root: &Table) -> Read<Ratings> {
         .require("rated_load", "add rated_load = \"1.5 MN\", the capacity in draft")
         .and_then(|v| v.quantity(Dimension::Force, Sign::Positive));
     let buff = keys.buff.map_or(Ok(Amount::Share(1.0)), |v| v.amount(Dimension::Force, Sign::Positive));
-    Ok(Ratings { stiffness_n_per_m: stiffness?, draft_n: draft?, buff: buff? })
+    let limits = keys.limits.as_ref().map_or(Ok(Limits::default()), limits);
+    Ok(Ratings {
+        stiffness_n_per_m: stiffness?,
+        draft_n: draft?,
+        buff: buff?,
+        limits: limits?,
+        damping_n_s_per_m: damping?.unwrap_or(0.0),
+    })
 }
 
 /// What a table of vehicles says of the couplers behind them.
@@ -100,14 +180,14 @@ fn rate_by_table(ratings: &mut [Ratings], rows: &[Row]) {
     }
 }
 
-fn couplers(root: &Table, base: &Ratings, mut ratings: Vec<Ratings>) -> Vec<Coupler> {
+fn couplers(root: &Table, base: &Ratings, mut ratings: Vec<Ratings>) -> Vec<Ratings> {
     let overrides = root.get("coupler_override").and_then(|v| v.tables("[[coupler_override]]", &OVERRIDE_KEYS).ok());
     let mut seen = HashMap::new();
     for table in overrides.into_iter().flatten() {
         // A problem in it has been noted: the other overrides can be read all the same.
         let _ = apply_override(&table, base, &mut ratings, &mut seen);
     }
-    ratings.iter().map(Ratings::coupler).collect()
+    ratings
 }
 
 /// Where each key of each coupler was overridden.
@@ -116,14 +196,16 @@ type Seen = HashMap<(usize, &'static str), Range<usize>>;
 fn apply_override(table: &Table, base: &Ratings, ratings: &mut [Ratings], seen: &mut Seen) -> Read<()> {
     let keys = CouplerKeys::of(table);
     if COUPLER_KEYS.iter().all(|key| table.get(key).is_none()) {
-        table.wrong("[[coupler_override]] overrides nothing", "give it stiffness, rated_load or rated_buff");
+        table.wrong("[[coupler_override]] overrides nothing", "give it a key of [coupler], such as rated_load");
     }
+    let damping = keys.damping();
     let stiffness = keys.stiffness.map(|v| v.quantity(Dimension::Stiffness, Sign::Positive)).transpose();
     let draft = keys.draft.map(|v| v.amount(Dimension::Force, Sign::Positive)).transpose();
     let buff = keys.buff.map(|v| v.amount(Dimension::Force, Sign::Positive)).transpose();
+    let limits = keys.limits.as_ref().map(limits).transpose();
     let right = format!("expected a coupler's number from 1 to {}, or a list of them", ratings.len());
     let at = table.require("at", &right).and_then(|v| coupler_list(&v, ratings.len(), &right));
-    let (at, stiffness, draft, buff) = (at?, stiffness?, draft?, buff?);
+    let (at, stiffness, draft, buff, limits, damping) = (at?, stiffness?, draft?, buff?, limits?, damping?);
     for i in at {
         for key in COUPLER_KEYS {
             let Some(span) = table.key_span(key) else { continue };
@@ -135,11 +217,15 @@ fn apply_override(table: &Table, base: &Ratings, ratings: &mut [Ratings], seen: 
         let coupler = &mut ratings[i];
         coupler.stiffness_n_per_m = stiffness.unwrap_or(coupler.stiffness_n_per_m);
         coupler.buff = buff.unwrap_or(coupler.buff);
+        coupler.damping_n_s_per_m = damping.unwrap_or(coupler.damping_n_s_per_m);
         coupler.draft_n = match draft {
             Some(Amount::Si(value)) => value,
             Some(Amount::Share(share)) => share * base.draft_n,
             None => coupler.draft_n,
         };
+        if let Some(Limits(own)) = limits {
+            coupler.limits = Limits(std::array::from_fn(|l| own[l].or(coupler.limits.0[l])));
+        }
     }
     Ok(())
 }
@@ -194,9 +280,10 @@ struct Group<'s> {
     mass_kg: f64,
     held: Option<Value<'s>>,
     length_m: Option<f64>,
+    load: OwnLoad,
 }
 
-fn vehicles(found: &Found, root: &Table) -> Read<Vec<Vehicle>> {
+fn vehicles<'s>(found: &Found, root: &Table<'s>) -> Read<(Vec<Group<'s>>, Vec<Vehicle>)> {
     let right = "add a [[vehicle]] table for each vehicle or group alike, from the head: at least two vehicles";
     if let Some(table) = root.get("vehicles") {
         return Err(table.wrong_type("expected the name of a table: vehicles = \"consist.csv\""));
@@ -223,7 +310,10 @@ fn vehicles(found: &Found, root: &Table) -> Read<Vec<Vehicle>> {
         (2, [Group { held: Some(_), .. }, Group { held: Some(tail), .. }]) => {
             Err(tail.wrong("both vehicles of the train are held, so nothing in it moves", "hold one of them, or none"))
         }
-        _ => Ok(numbered(&groups.iter().map(Group::kind).collect::<Vec<_>>())),
+        _ => {
+            let vehicles = numbered(&groups.iter().map(Group::kind).collect::<Vec<_>>());
+            Ok((groups, vehicles))
+        }
     }
 }
 
@@ -247,6 +337,7 @@ fn group<'s>(table: &Table<'s>) -> Read<Group<'s>> {
     let mass = mass.and_then(|v| v.quantity(Dimension::Mass, Sign::Positive));
     let length = table.get("length").map(|v| v.quantity(Dimension::Length, Sign::Positive)).transpose();
     let held = table.get("held").map_or(Ok(None), |v| v.flag().map(|held| held.then_some(v)));
+    let load = loads::own(table, held.as_ref().is_ok_and(Option::is_some));
     let count = count?;
     Ok(Group {
         label: label.unwrap_or(None),
@@ -254,6 +345,7 @@ fn group<'s>(table: &Table<'s>) -> Read<Group<'s>> {
         mass_kg: mass.unwrap_or(1.0),
         held: held.unwrap_or(None),
         length_m: length.unwrap_or(None),
+        load: load.unwrap_or_default(),
     })
 }
 
@@ -291,14 +383,4 @@ fn numbered(groups: &[Kind]) -> Vec<Vehicle> {
         }
     }
     vehicles
-}
-
-fn load(root: &Table, weakest_n: f64) -> Read<f64> {
-    let Some(value) = root.get("load") else { return Ok(0.0) };
-    let table = value.table("[load]", &["uniform"])?;
-    let uniform = table.require("uniform", "add uniform = \"0.6 MN\", the force in every coupler, draft positive")?;
-    Ok(match uniform.amount(Dimension::Force, Sign::Any)? {
-        Amount::Si(value) => value,
-        Amount::Share(share) => share * weakest_n,
-    })
 }

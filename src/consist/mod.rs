@@ -5,7 +5,10 @@
 //! (buff).
 
 mod describe;
+mod extras;
 mod file;
+mod loads;
+mod record;
 mod scenarios;
 mod table;
 pub(crate) mod tree;
@@ -20,6 +23,8 @@ use crate::error::{InputError, Problem};
 use crate::scenario::Scenario;
 
 pub use describe::{describe, warnings};
+pub use extras::{Extras, LIMITS, Limits, Steady};
+pub use loads::steady_forces;
 
 /// A commented train file to start from, with every key explained; it runs as it is.
 pub const TEMPLATE: &str = include_str!("template.toml");
@@ -68,6 +73,8 @@ pub struct Train {
     pub initial_force_n: Vec<f64>,
     /// At least one.
     pub scenarios: Vec<Scenario>,
+    /// What it has beyond linear springs under a given load; all absent by default.
+    pub extras: Extras,
 }
 
 /// Reads a train file.

@@ -2,32 +2,55 @@
 
 use std::collections::HashMap;
 use std::ops::Range;
+use std::path::Path;
 
-use super::Vehicle;
 use super::file::coupler_list;
 use super::tree::{Read, Sign, Table, Value};
+use super::{Vehicle, record};
 use crate::error::quoted;
+use crate::play::{Drive, Rule};
 use crate::scenario::{Event, Scenario};
 use crate::units::{Amount, Dimension};
 
 /// More breaks than this, over all scenarios, are refused.
 const MOST_CASES: usize = 1_000_000;
 
-const KEYS: [&str; 8] = ["name", "kind", "coupler", "at", "force", "duration", "shape", "horizon"];
-const BREAK_KEYS: [&str; 1] = ["coupler"];
-const PULSE_KEYS: [&str; 4] = ["at", "force", "duration", "shape"];
+const KEYS: [&str; 15] = [
+    "name",
+    "kind",
+    "coupler",
+    "at",
+    "force",
+    "duration",
+    "shape",
+    "rise",
+    "fall",
+    "record",
+    "vehicles",
+    "speed",
+    "horizon",
+    "cascade",
+    "buff_breaks",
+];
+/// Keys of one kind of scenario or another.
+const OWN_KEYS: [(&str, &[&str]); 3] = [
+    ("break", &["coupler"]),
+    ("pulse", &["at", "force", "duration", "shape", "rise", "fall", "record"]),
+    ("impact", &["at", "vehicles", "speed"]),
+];
 
 /// The scenarios, or each coupler in turn if there are none.
-pub(super) fn read(root: &Table, vehicles: &[Vehicle], weakest_n: f64) -> Read<Vec<Scenario>> {
+pub(super) fn read(root: &Table, vehicles: &[Vehicle], weakest_n: f64, path: &Path) -> Read<Vec<Scenario>> {
     let each = || Event::Break { couplers: (0..vehicles.len() - 1).collect() };
     let tables = root.get("scenario").map_or(Ok(vec![]), |v| v.tables("[[scenario]]", &KEYS))?;
     if tables.is_empty() {
         let event = each();
-        return Ok(vec![Scenario { name: default_name(&event, vehicles.len()), event, horizon_s: None }]);
+        let name = default_name(&event, vehicles.len());
+        return Ok(vec![Scenario { name, event, horizon_s: None, cascade: Rule::Keep }]);
     }
     let (mut scenarios, mut cases) = (vec![], 0);
     for table in &tables {
-        let scenario = scenario(table, vehicles, weakest_n);
+        let scenario = scenario(table, vehicles, weakest_n, path);
         if let Ok(Unnamed { event: Event::Break { couplers }, .. }) = &scenario {
             cases += couplers.len();
         }
@@ -45,33 +68,64 @@ struct Unnamed<'s> {
     name: Option<(&'s str, Value<'s>)>,
     event: Event,
     horizon_s: Option<f64>,
+    cascade: Rule,
 }
 
-fn scenario<'s>(table: &Table<'s>, vehicles: &[Vehicle], weakest_n: f64) -> Read<Unnamed<'s>> {
+fn scenario<'s>(table: &Table<'s>, vehicles: &[Vehicle], weakest_n: f64, path: &Path) -> Read<Unnamed<'s>> {
     let name = table.get("name").map(|v| v.name().map(|text| (text, v.clone()))).transpose();
     let horizon = table.get("horizon").map(|v| v.quantity(Dimension::Time, Sign::Positive)).transpose();
-    let kind = table.require("kind", "add kind = \"break\" or kind = \"pulse\"")?;
-    let event = match kind.word(&["break", "pulse"])? {
-        "break" => {
-            only_of(table, "break", &BREAK_KEYS, "pulse", &PULSE_KEYS);
-            break_of(table, vehicles.len() - 1)
-        }
-        _ => {
-            only_of(table, "pulse", &PULSE_KEYS, "break", &BREAK_KEYS);
-            pulse(table, vehicles, weakest_n)
-        }
+    let cascade = cascade(table);
+    let kind = table.require("kind", "add kind = \"break\", kind = \"pulse\" or kind = \"impact\"")?;
+    let kind = kind.word(&["break", "pulse", "impact"])?;
+    only_of(table, kind);
+    let event = match kind {
+        "break" => break_of(table, vehicles.len() - 1),
+        "impact" => impact(table, vehicles.len()),
+        _ => pulse(table, vehicles, weakest_n, path),
     };
-    Ok(Unnamed { name: name?, event: event?, horizon_s: horizon? })
+    Ok(Unnamed { name: name?, event: event?, horizon_s: horizon?, cascade: cascade? })
 }
 
-/// Notes keys that belong to the other kind.
-fn only_of(table: &Table, kind: &str, own: &[&str], other_kind: &str, other: &[&str]) {
-    for key in other {
-        if let Some(span) = table.key_span(key) {
-            let help = format!("the keys of a {kind} are name, kind, {}, horizon", own.join(", "));
-            table.note_at(span, format!("{key} is a key of a {other_kind}, and this scenario is a {kind}"), help);
+/// Whether, and which, couplers break that pass their rating.
+fn cascade(table: &Table) -> Read<Rule> {
+    let on = table.get("cascade").map_or(Ok(false), |v| v.flag());
+    let buff = table.get("buff_breaks");
+    let in_buff = buff.as_ref().map_or(Ok(false), |v| v.flag());
+    let (on, in_buff) = (on?, in_buff?);
+    if let Some(buff) = buff.filter(|_| !on) {
+        return Err(buff.wrong("buff_breaks without a cascade", "add cascade = true, or leave it out"));
+    }
+    Ok(match (on, in_buff) {
+        (false, _) => Rule::Keep,
+        (true, false) => Rule::InDraft,
+        (true, true) => Rule::InBoth,
+    })
+}
+
+/// Notes keys that belong to other kinds alone.
+fn only_of(table: &Table, kind: &str) {
+    let own = OWN_KEYS.iter().find(|(name, _)| *name == kind).map_or(&[][..], |(_, keys)| keys);
+    for (other, keys) in OWN_KEYS.iter().filter(|(name, _)| *name != kind) {
+        for key in keys.iter().filter(|key| !own.contains(*key)) {
+            if let Some(span) = table.key_span(key) {
+                let all = own.join(", ");
+                let help = format!(
+                    "the keys of {} {kind} are name, kind, {all}, horizon, cascade, buff_breaks",
+                    article(kind)
+                );
+                let title = format!(
+                    "{key} is a key of {} {other}, and this scenario is {} {kind}",
+                    article(other),
+                    article(kind)
+                );
+                table.note_at(span, title, help);
+            }
         }
     }
+}
+
+fn article(word: &str) -> &'static str {
+    if word.starts_with('i') { "an" } else { "a" }
 }
 
 fn break_of(table: &Table, count: usize) -> Read<Event> {
@@ -85,21 +139,84 @@ fn break_of(table: &Table, count: usize) -> Read<Event> {
     Ok(Event::Break { couplers })
 }
 
-fn pulse(table: &Table, vehicles: &[Vehicle], weakest_n: f64) -> Read<Event> {
+fn pulse(table: &Table, vehicles: &[Vehicle], weakest_n: f64, path: &Path) -> Read<Event> {
     let vehicle = struck(table, vehicles);
+    if let Some(record) = table.get("record") {
+        return recorded(table, &record, vehicle?, path);
+    }
     let force = table
         .require("force", "add force = \"-1.2 MN\", the outside force on that vehicle, forward positive")
         .and_then(|v| v.amount(Dimension::Force, Sign::NonZero));
     let duration = table
         .require("duration", "add duration = \"60 ms\", how long the force acts")
         .and_then(|v| v.quantity(Dimension::Time, Sign::Positive));
-    let shape = table.get("shape").map(|v| v.word(&["rectangle"])).transpose();
-    shape?;
+    let shapes = ["rectangle", "half-sine", "triangle", "trapezoid"];
+    let shape = table.get("shape").map_or(Ok(shapes[0]), |v| v.word(&shapes));
+    let (shape, duration_s) = (shape?, duration?);
+    let ramps = ramps(table, shape, duration_s)?;
     let force_n = match force? {
         Amount::Si(value) => value,
         Amount::Share(share) => share * weakest_n,
     };
-    Ok(Event::Pulse { vehicle: vehicle?, force_n, duration_s: duration? })
+    let vehicle = vehicle?;
+    let lines = |from: f64, to: f64| Drive::Lines(vec![[0.0, 0.0], [from, force_n], [to, force_n], [duration_s, 0.0]]);
+    let drive = match shape {
+        "rectangle" => return Ok(Event::Pulse { vehicle, force_n, duration_s }),
+        "half-sine" => Drive::HalfSine { peak: force_n, duration: duration_s },
+        "triangle" => lines(0.5 * duration_s, 0.5 * duration_s),
+        _ => lines(ramps[0], duration_s - ramps[1]),
+    };
+    Ok(Event::Shaped { vehicle, shape, force_n, duration_s, drive })
+}
+
+/// A trapezoid's times of rise and fall, s.
+fn ramps(table: &Table, shape: &str, duration_s: f64) -> Read<[f64; 2]> {
+    let quantity = |key| table.get(key).map(|v| v.quantity(Dimension::Time, Sign::Positive)).transpose();
+    let (rise, fall) = (quantity("rise"), quantity("fall"));
+    if shape != "trapezoid" {
+        for key in ["rise", "fall"] {
+            if let Some(span) = table.key_span(key) {
+                let help = "add shape = \"trapezoid\", or leave it out";
+                return Err(table.note_at(span, format!("{key} of a pulse that is no trapezoid"), help));
+            }
+        }
+        return Ok([0.0; 2]);
+    }
+    let needed = table.require("rise", "add rise = \"10 ms\", how long the force takes to its full size");
+    let rise_s = rise?.unwrap_or_default();
+    let needed = needed?;
+    let fall_s = fall?.unwrap_or(rise_s);
+    if rise_s + fall_s > duration_s {
+        return Err(needed.wrong("rise and fall are longer than the pulse", "expected at most the duration together"));
+    }
+    Ok([rise_s, fall_s])
+}
+
+/// A pulse whose course stands in a file of its own, beside the train file.
+fn recorded(table: &Table, record: &Value, vehicle: usize, path: &Path) -> Read<Event> {
+    for key in ["force", "duration", "shape", "rise", "fall"] {
+        if let Some(span) = table.key_span(key) {
+            return Err(table.note_at(span, format!("{key} beside a record"), "the record gives the force over time"));
+        }
+    }
+    let file = path.parent().unwrap_or(Path::new("")).join(record.name()?);
+    let points = record::read(&file).map_err(|[found, right]| record.wrong(found, right))?;
+    let force_n = points.iter().map(|p| p[1]).fold(0.0f64, |a, f| if f.abs() > a.abs() { f } else { a });
+    let duration_s = points.last().map_or(0.0, |p| p[0]);
+    Ok(Event::Shaped { vehicle, shape: "record", force_n, duration_s, drive: Drive::Lines(points) })
+}
+
+fn impact(table: &Table, count: usize) -> Read<Event> {
+    let right = "add at = \"tail\" or at = \"head\": the end that is struck";
+    let at = table.require("at", right).and_then(|v| v.word(&["head", "tail"]));
+    let most = format!("expected a whole number from 1 to {}: at least one vehicle stands", count - 1);
+    let vehicles = table
+        .require("vehicles", "add vehicles = 3, how many arrive together")
+        .and_then(|v| v.number(count - 1, |n| format!("vehicles is {n}"), &most));
+    let speed = table
+        .require("speed", "add speed = \"6 mph\", how fast they arrive")
+        .and_then(|v| v.quantity(Dimension::Speed, Sign::Positive));
+    Ok(Event::Impact { at_head: at? == "head", vehicles: vehicles?, speed_m_per_s: speed? })
 }
 
 /// The vehicle that a pulse strikes, as an index from 0.
@@ -146,7 +263,7 @@ fn named(scenarios: Vec<Unnamed>, vehicles: usize) -> Read<Vec<Scenario>> {
                 free
             }
         };
-        Scenario { name, event: scenario.event, horizon_s: scenario.horizon_s }
+        Scenario { name, event: scenario.event, horizon_s: scenario.horizon_s, cascade: scenario.cascade }
     };
     Ok(scenarios.into_iter().map(name_one).collect())
 }
@@ -163,8 +280,11 @@ fn default_name(event: &Event, vehicles: usize) -> String {
             }
             many => format!("break of {} couplers in turn", many.len()),
         },
-        Event::Pulse { vehicle: 0, .. } => "pulse at the head".to_owned(),
-        Event::Pulse { vehicle, .. } if vehicle + 1 == vehicles => "pulse at the tail".to_owned(),
-        Event::Pulse { vehicle, .. } => format!("pulse at vehicle {}", vehicle + 1),
+        Event::Pulse { vehicle: 0, .. } | Event::Shaped { vehicle: 0, .. } => "pulse at the head".to_owned(),
+        Event::Pulse { vehicle, .. } | Event::Shaped { vehicle, .. } => match vehicle + 1 {
+            last if last == vehicles => "pulse at the tail".to_owned(),
+            number => format!("pulse at vehicle {number}"),
+        },
+        Event::Impact { at_head, .. } => format!("impact at the {}", if *at_head { "head" } else { "tail" }),
     }
 }

@@ -37,6 +37,7 @@ impl Found {
 pub(crate) enum Sign {
     Positive,
     NonZero,
+    NotNegative,
     Any,
 }
 
@@ -88,6 +89,11 @@ impl<'s> Table<'s> {
     pub(crate) fn get(&self, key: &'static str) -> Option<Value<'s>> {
         let (_, value) = self.table.get_key_value(key)?;
         Some(Value { found: self.found, key, value: value.get_ref(), span: value.span() })
+    }
+
+    /// Whether it has no key at all.
+    pub(super) fn is_empty(&self) -> bool {
+        self.table.is_empty()
     }
 
     /// The place of a key, if it is there.
@@ -235,6 +241,18 @@ impl<'s> Value<'s> {
         number.ok_or_else(|| self.wrong(title(&integer.to_string().chars().take(40).collect::<String>()), right))
     }
 
+    /// A plain number from 0 to under 1.
+    pub(super) fn ratio(&self) -> Read<f64> {
+        let right = "expected a number from 0 to under 1, without quotes and unit: 0.2";
+        let text = match self.value {
+            DeValue::Integer(number) => number.to_string(),
+            DeValue::Float(number) => number.to_string(),
+            _ => return Err(self.wrong_type(right)),
+        };
+        let ratio = text.parse::<f64>().ok().filter(|r| (0.0..1.0).contains(r));
+        ratio.ok_or_else(|| self.wrong(format!("{} is {}", self.key, quoted(&text)), right))
+    }
+
     /// A quantity in SI units.
     pub(crate) fn quantity(&self, dimension: Dimension, sign: Sign) -> Read<f64> {
         match self.read_amount(dimension, sign, false)? {
@@ -266,11 +284,15 @@ impl<'s> Value<'s> {
             .map_err(|bad| self.wrong(format!("{} {}", self.key, bad.found), bad.right))?;
         let (Amount::Si(value) | Amount::Share(value)) = amount;
         let found = match sign {
-            Sign::Positive if value < 0.0 => "is negative",
+            Sign::Positive | Sign::NotNegative if value < 0.0 => "is negative",
             Sign::Positive | Sign::NonZero if value == 0.0 => "is zero",
             _ => return Ok(amount),
         };
-        let right = if sign == Sign::Positive { "expected more than zero" } else { "expected a force other than zero" };
+        let right = match sign {
+            Sign::Positive => "expected more than zero",
+            Sign::NotNegative => "expected zero or more",
+            _ => "expected a force other than zero",
+        };
         Err(self.wrong(format!("{} {found}", self.key), right))
     }
 

@@ -5,7 +5,7 @@ use std::io::Write;
 use super::cells::{number, optional, text};
 use crate::findings::{Analysis, CaseFindings, CouplerFindings, ScenarioFindings};
 
-const COLUMNS: [&str; 18] = [
+const COLUMNS: [&str; 19] = [
     "scenario",
     "broken_coupler",
     "coupler",
@@ -24,12 +24,13 @@ const COLUMNS: [&str; 18] = [
     "exceeds",
     "first_exceeds_s",
     "all_time_bound_n",
+    "limits_passed",
 ];
 
 /// Writes every coupler of every case, in the units and with the names of `result.json`.
 ///
-/// A cell is empty where there is no value; numbers read back to the same bits. The last column, `all_time_bound_n`, is
-/// there only if the bounds were asked for. A text that a spreadsheet would take for a formula (it begins with `=`, `+`,
+/// A cell is empty where there is no value; numbers read back to the same bits. The last columns are there only where they
+/// have something to say: `all_time_bound_n` if the bounds were asked for, `limits_passed` if the train has limits. A text that a spreadsheet would take for a formula (it begins with `=`, `+`,
 /// `-`, `@`, or a control character) gets an apostrophe before it, which spreadsheets show as plain text.
 ///
 /// # Errors
@@ -37,12 +38,19 @@ const COLUMNS: [&str; 18] = [
 pub fn csv(analysis: &Analysis, writer: impl Write) -> Result<(), csv::Error> {
     let cases = || analysis.scenarios.iter().flat_map(|s| s.cases.iter().map(move |c| (s, c)));
     let bounds = cases().any(|(_, case)| case.couplers.iter().any(|c| c.all_time_bound_n.is_some()));
-    let columns = COLUMNS.len() - usize::from(!bounds);
+    let limits = cases().any(|(_, case)| case.couplers.iter().any(|c| c.limits.is_some()));
+    let shown = |column: usize| match COLUMNS[column] {
+        "all_time_bound_n" => bounds,
+        "limits_passed" => limits,
+        _ => true,
+    };
+    let columns: Vec<usize> = (0..COLUMNS.len()).filter(|&c| shown(c)).collect();
     let mut out = csv::Writer::from_writer(writer);
-    out.write_record(&COLUMNS[..columns])?;
+    out.write_record(columns.iter().map(|&c| COLUMNS[c]))?;
     for (scenario, case) in cases() {
         for coupler in &case.couplers {
-            out.write_record(&row(scenario, case, coupler)[..columns])?;
+            let row = row(scenario, case, coupler);
+            out.write_record(columns.iter().map(|&c| &row[c]))?;
         }
     }
     out.flush()?;
@@ -69,5 +77,6 @@ fn row(scenario: &ScenarioFindings, case: &CaseFindings, c: &CouplerFindings) ->
         c.exceeds.map(|e| e.to_string()).unwrap_or_default(),
         optional(c.first_exceeds_s),
         optional(c.all_time_bound_n),
+        c.limits.as_ref().map(|l| l.passed.join(" ")).unwrap_or_default(),
     ]
 }

@@ -29,6 +29,9 @@ pub type Pictures = Vec<Vec<Picture>>;
 struct Report {
     name: String,
     several: bool,
+    /// `"dashpots"`, `"modes"` or nothing.
+    damped: &'static str,
+    cascades: bool,
     sections: Vec<Section>,
     train: Vec<[String; 2]>,
 }
@@ -42,6 +45,12 @@ pub fn markdown(train: &Train, analysis: &Analysis, pictures: &Pictures) -> Resu
     let report = Report {
         name: train.name.clone(),
         several: analysis.scenarios.len() > 1,
+        damped: match &train.extras {
+            extras if !extras.dashpot_n_s_per_m.is_empty() => "dashpots",
+            extras if extras.damping_ratio > 0.0 => "modes",
+            _ => "",
+        },
+        cascades: analysis.scenarios.iter().flat_map(|s| &s.cases).any(|c| c.cascade.is_some()),
         sections: analysis.scenarios.iter().enumerate().map(|(i, s)| section(train, s, of(i))).collect(),
         train: train_facts(train),
     };

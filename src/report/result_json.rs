@@ -40,7 +40,13 @@ fn shorten(scenario: &ScenarioFindings) -> ScenarioFindings {
         method_reason: c.method_reason.clone(),
         worst: c.worst.clone(),
         rod: c.rod.clone(),
+        cascade: c.cascade.clone(),
         ..*c
     };
-    ScenarioFindings { name: scenario.name.clone(), cases: scenario.cases.iter().map(case).collect(), ..*scenario }
+    ScenarioFindings {
+        name: scenario.name.clone(),
+        cases: scenario.cases.iter().map(case).collect(),
+        map: scenario.map.clone(),
+        ..*scenario
+    }
 }

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::cascade;
+use super::limits;
 use super::markdown::Picture;
 use super::numbers::{brief_time, digits, down, force, given_force, percent, time};
 use super::words;
@@ -20,10 +22,14 @@ pub struct Section {
     event: String,
     verdict: String,
     safe_load: String,
+    cascade: String,
+    sequence: Option<Table>,
     exceeding: Option<Table>,
     undecided: Option<Table>,
     breaks: Option<Table>,
     often: Option<Table>,
+    limits: String,
+    limited: Option<Table>,
     figures: Vec<Figure>,
     rod: String,
     methods: Vec<String>,
@@ -56,10 +62,14 @@ pub fn section(train: &Train, scenario: &ScenarioFindings, pictures: &[Picture])
         event: event.map(|e| words::event(train, e)).unwrap_or_default(),
         verdict: single.map_or_else(|| words::verdict_each(scenario), words::verdict),
         safe_load: event.filter(|_| watched).map(|e| words::safe_load(train, e, factor)).unwrap_or_default(),
+        cascade: cascade::sentence(scenario),
+        sequence: single.and_then(sequence),
         exceeding: single.and_then(|case| table(words::exceeding(case), |c| exceeding_row(c, case))),
         undecided: single.and_then(|case| table(words::undecided(case), |c| undecided_row(c, case))),
         breaks: if single.is_none() { table(harmful(scenario), break_row) } else { None },
         often: if single.is_none() { often(scenario) } else { None },
+        limits: limits::sentence(scenario),
+        limited: single.and_then(|case| table(limits::passing(case), |c| limits::row(train, c, case))),
         figures: pictures.iter().map(|p| Figure { file: p.file.clone(), caption: p.caption.clone() }).collect(),
         rod: words::rod(scenario),
         methods: methods(cases),
@@ -67,6 +77,12 @@ pub fn section(train: &Train, scenario: &ScenarioFindings, pictures: &[Picture])
         horizon: horizon(cases),
         run_time: run_time(cases),
     }
+}
+
+/// The couplers that break after the event, in order.
+fn sequence(case: &CaseFindings) -> Option<Table> {
+    let found = case.cascade.as_ref()?;
+    table(found.breaks.iter().collect(), |b| cascade::row(b, found))
 }
 
 fn table<T>(items: Vec<T>, row: impl Fn(T) -> Vec<String>) -> Option<Table> {

@@ -27,6 +27,10 @@ pub fn terminal(analysis: &Analysis, report: Option<&Path>) -> String {
         };
         // Writing to a String cannot fail.
         let _ = write!(out, "\n{}\n{}\n", printable(&scenario.name), printable(&verdict));
+        let next = super::cascade::sentence(scenario);
+        if !next.is_empty() {
+            let _ = writeln!(out, "What breaks next: {}", printable(&next));
+        }
         if let Some(table) = table(scenario) {
             let _ = writeln!(out, "{table}");
         }

@@ -28,16 +28,41 @@ pub fn train_facts(train: &Train) -> Vec<[String; 2]> {
     rows.extend(length(train).map(|l| ["length over couplers".to_owned(), format!("{} m", four(l))]));
     rows.extend(held(train).map(|h| ["held at their speed".to_owned(), h]));
     let stiffness = span(couplers.iter().map(|c| c.stiffness_n_per_m), |k| format!("{}/m", given_force(k)));
+    rows.extend([["stiffness of a coupler".to_owned(), stiffness]]);
+    if train.extras.damping_ratio > 0.0 {
+        rows.push(["damping ratio of every mode".to_owned(), train.extras.damping_ratio.to_string()]);
+    }
+    let dashpots = &train.extras.dashpot_n_s_per_m;
+    if !dashpots.is_empty() {
+        let written = span(dashpots.iter().copied(), |c| format!("{}\u{b7}s/m", given_force(c)));
+        rows.push([
+            "dashpot of a coupler".to_owned(),
+            format!("{written}, damping ratio c / 2\u{221a}(km) {}", ratios(train)),
+        ]);
+    }
     rows.extend([
-        ["stiffness of a coupler".to_owned(), stiffness],
         ["rated in draft".to_owned(), span(couplers.iter().map(|c| c.rated_draft_n), given_force)],
         ["rated in buff".to_owned(), span(couplers.iter().map(|c| c.rated_buff_n), given_force)],
         ["load before the event".to_owned(), load(train)],
+    ]);
+    rows.extend(steady(train));
+    rows.extend([
         [unit.to_owned(), brief_time(wave.time_unit_s)],
         ["wave speed".to_owned(), speed],
         ["one-way transit of the train".to_owned(), brief_time(wave.transit_s)],
     ]);
     rows
+}
+
+/// The share of critical damping that each coupler would have between its lighter vehicle and a wall.
+fn ratios(train: &Train) -> String {
+    let ratio = |(i, c): (usize, &f64)| {
+        let live = [i, i + 1].into_iter().map(|v| &train.vehicles[v]).filter(|v| !v.held);
+        let mass = live.map(|v| v.mass_kg).fold(f64::INFINITY, f64::min);
+        c / (2.0 * (train.couplers[i].stiffness_n_per_m * mass).sqrt())
+    };
+    let all = train.extras.dashpot_n_s_per_m.iter().enumerate().map(ratio);
+    span(all, |r| without_zeros(&digits(r, 0.0, 3)))
 }
 
 fn equal<T>(items: &[T], value: impl Fn(&T) -> f64) -> bool {
@@ -60,6 +85,22 @@ fn span(values: impl Iterator<Item = f64>, write: impl Fn(f64) -> String) -> Str
     if low == high { write(low) } else { format!("{} to {}", write(low), write(high)) }
 }
 
+/// Where the load comes from, if the file gives the forces on the vehicles.
+fn steady(train: &Train) -> Vec<[String; 2]> {
+    let Some(steady) = &train.extras.steady else { return Vec::new() };
+    let sum = |sign: f64| steady.outside_n.iter().map(|f| (sign * f).max(0.0)).sum::<f64>();
+    let acceleration = match steady.acceleration_m_per_s2 {
+        0.0 => "none: the speed is constant".to_owned(),
+        a => format!("{} m/s\u{b2}", without_zeros(&digits(a, 0.0, 4))),
+    };
+    vec![
+        ["forces on the vehicles, forward and backward".to_owned(), {
+            format!("{} and {}", given_force(sum(1.0)), given_force(sum(-1.0)))
+        }],
+        ["acceleration before the event".to_owned(), acceleration],
+    ]
+}
+
 fn load(train: &Train) -> String {
     let forces = || train.initial_force_n.iter().copied();
     if forces().all(|f| f == 0.0) {
@@ -69,5 +110,7 @@ fn load(train: &Train) -> String {
     if equal(&train.initial_force_n, |&f| f) {
         return format!("{} in {}", one(train.initial_force_n[0]), count(train.couplers.len(), "coupler"));
     }
-    span(forces(), one)
+    let widest = train.initial_force_n.iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+    let largest = widest.map_or(String::new(), |(i, f)| format!(", largest in coupler {}: {}", i + 1, one(*f)));
+    format!("{}{largest}", span(forces(), one))
 }

@@ -1,6 +1,6 @@
 //! What the findings come to, in sentences: plain text, shared by the report and the terminal.
 
-use super::numbers::{digits, down, given_force, given_time, percent, time};
+use super::numbers::{digits, down, given_force, given_time, percent, time, without_zeros};
 use crate::consist::Train;
 use crate::findings::{CaseFindings, CouplerFindings, ScenarioFindings};
 use crate::scenario::{Event, Scenario};
@@ -32,12 +32,20 @@ pub fn place(c: &CouplerFindings) -> String {
 
 /// What t = 0 is: "the break" or "the force sets in".
 pub fn since(case: &CaseFindings) -> &'static str {
-    if case.broken_coupler.is_some() { "after the break" } else { "after the force sets in" }
+    match case.kind {
+        "break" => "after the break",
+        "impact" => "after the vehicles meet",
+        _ => "after the force sets in",
+    }
 }
 
 /// "after coupler 53 breaks", "under the pulse".
 fn after(case: &CaseFindings) -> String {
-    case.broken_coupler.map_or_else(|| "under the pulse".to_owned(), |b| format!("after coupler {b} breaks"))
+    match case.broken_coupler {
+        Some(b) => format!("after coupler {b} breaks"),
+        None if case.kind == "impact" => "in the impact".to_owned(),
+        None => "under the pulse".to_owned(),
+    }
 }
 
 /// The event, in one sentence.
@@ -67,6 +75,24 @@ pub fn event(train: &Train, event: &Event) -> String {
             format!(
                 "A constant force of {size} acts {way} on vehicle {} ({label}) from t = 0 for {lasting}.",
                 vehicle + 1
+            )
+        }
+        Event::Shaped { vehicle, shape, force_n, duration_s, .. } => {
+            let way = if *force_n < 0.0 { "backward" } else { "forward" };
+            let label = &train.vehicles[*vehicle].label;
+            let (size, lasting) = (given_force(*force_n), given_time(*duration_s));
+            format!(
+                "A force pulls vehicle {} ({label}) {way} with up to {size} from t = 0 to {lasting}, its course over time: {shape}.",
+                vehicle + 1
+            )
+        }
+        Event::Impact { vehicles, at_head, speed_m_per_s } => {
+            let end = if *at_head { "head" } else { "tail" };
+            let speed = without_zeros(&digits(*speed_m_per_s, 0.0, 4));
+            format!(
+                "At t = 0 the {} at the {end} run into the others at {speed} m/s and couple; the others stand, and no coupler \
+                 carries a force before.",
+                count(*vehicles, "vehicle")
             )
         }
     }
@@ -135,6 +161,7 @@ fn verdict_exceeding(case: &CaseFindings) -> String {
     let first = exceeding(case).into_iter().reduce(|a, b| if time_of(b) < time_of(a) { b } else { a });
     let first = first.map_or(String::new(), |c| {
         let when = match c.first_exceeds_s {
+            Some(0.0) if case.kind == "impact" => "at once, as the vehicles meet".to_owned(),
             Some(0.0) => "before anything happens, under the load alone".to_owned(),
             Some(t) => moment(t, case),
             None => "at a time not found".to_owned(),
@@ -195,7 +222,8 @@ pub fn worst_case(scenario: &ScenarioFindings) -> Option<(&CaseFindings, &Couple
 /// What the safe load factor means, in one sentence.
 pub fn safe_load(train: &Train, event: &Event, factor: Option<f64>) -> String {
     let (what, cause) = match event {
-        Event::Pulse { .. } => ("force", "the force"),
+        Event::Pulse { .. } | Event::Shaped { .. } => ("force", "the force"),
+        Event::Impact { .. } => ("speed", "the speed"),
         Event::Break { .. } if train.initial_force_n.iter().all(|&f| f >= 0.0) => ("pull", "the load"),
         Event::Break { .. } if train.initial_force_n.iter().all(|&f| f <= 0.0) => ("push", "the load"),
         Event::Break { .. } => ("load", "the load"),

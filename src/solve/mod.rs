@@ -6,9 +6,13 @@
 //! | [`Method::Fronts`] | sums of travelling Bessel fronts | yes | springs behind the front x instants |
 //! | [`Method::Modal`] | sums over modes found numerically | no | the same as the closed form, and the modes |
 //! | [`Method::Propagator`] | steps that are exact in time | no | springs behind the front x steps |
+//!
+//! Beyond steps of force on undamped chains: [`taylor`] follows dashpots, initial speeds, forces of any shape and couplers that
+//! break on the way; [`damped_modes`] sums modes that all have the same damping ratio.
 
 pub mod between;
 pub mod closed_form;
+pub mod damped_modes;
 pub mod dd;
 pub mod fronts;
 pub mod local;
@@ -22,6 +26,7 @@ pub mod search;
 pub mod series;
 pub mod statics;
 pub mod sums;
+pub mod taylor;
 pub mod watch;
 
 use crate::chain::Scene;
@@ -107,6 +112,9 @@ pub enum SolveError {
     /// The method needs equal masses and equal stiffnesses.
     #[error("the method {0} is for equal masses and stiffnesses, and this train's differ: use modal or propagator")]
     NotEqual(&'static str),
+    /// The method is for steps of force on undamped chains.
+    #[error("the method {0} is for breaks and rectangular pulses without dashpots: leave the choice to the program")]
+    StepsOnly(&'static str),
     /// Fronts cannot end a pulse so short.
     #[error("fronts need a pulse of a fifth of sqrt(mass / stiffness) or longer: use closed-form, modal or propagator")]
     TooShort,

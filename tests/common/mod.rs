@@ -2,7 +2,8 @@
 
 #![allow(dead_code)] // Each test binary uses its own part.
 
-use trainsafe::consist::{Coupler, Train, Vehicle};
+use trainsafe::consist::{Coupler, Extras, Train, Vehicle};
+use trainsafe::play::Rule;
 use trainsafe::scenario::{Event, Scenario};
 
 /// [P] figure 4: 50 unit masses between a held head and a held tail, pulled by 1; coupler 51 breaks.
@@ -19,7 +20,12 @@ pub fn figure_5() -> Train {
     let mut train = uniform("Paper, figure 5", 101, 1.0, 1.0, 1.0, 0.0);
     train.vehicles[0].held = true;
     let event = Event::Pulse { vehicle: 100, force_n: -1.0, duration_s: 10.0 };
-    train.scenarios = vec![Scenario { name: "the free end is pulled".to_owned(), event, horizon_s: Some(200.0) }];
+    train.scenarios = vec![Scenario {
+        name: "the free end is pulled".to_owned(),
+        event,
+        horizon_s: Some(200.0),
+        cascade: Rule::Keep,
+    }];
     train
 }
 
@@ -47,6 +53,7 @@ pub fn uniform(name: &str, n: usize, mass_kg: f64, stiffness_n_per_m: f64, rated
         couplers: vec![coupler; n - 1],
         initial_force_n: vec![load_n; n - 1],
         scenarios: Vec::new(),
+        extras: Extras::default(),
     }
 }
 
@@ -57,5 +64,5 @@ pub fn vehicle(label: &str, mass_kg: f64) -> Vehicle {
 
 /// A scenario in which each of these couplers, counted from 0, breaks.
 pub fn breaks(name: &str, couplers: Vec<usize>, horizon_s: Option<f64>) -> Scenario {
-    Scenario { name: name.to_owned(), event: Event::Break { couplers }, horizon_s }
+    Scenario { name: name.to_owned(), event: Event::Break { couplers }, horizon_s, cascade: Rule::Keep }
 }

@@ -7,7 +7,8 @@ use kuva::render::layout::Layout;
 
 use super::place::{Window, free_beside};
 use super::{
-    BLACK, BLUE, Figure, GREEN, GREY, RATED, TEXT_SIZE, VERMILLION, count_couplers, marker_size, range_with_air, steps,
+    BLACK, BLUE, Figure, GREEN, GREY, ORANGE, RATED, TEXT_SIZE, VERMILLION, count_couplers, marker_size,
+    range_with_air, steps,
 };
 use crate::consist::{Coupler, Train};
 use crate::findings::ScenarioFindings;
@@ -46,6 +47,10 @@ pub fn envelope(train: &Train, scenario: &ScenarioFindings, name: &str) -> Strin
     let unit = force_unit(forces().fold(0.0, |m: f64, f| m.max(f.abs())));
     let mut figure = Figure::new(name);
     draw_extremes(&mut figure, &all, unit);
+    if train.extras.steady.is_some() && scenario.kind != "impact" {
+        let before: Vec<_> = train.initial_force_n.iter().map(|f| Some(f / unit.size)).collect();
+        figure.line(steps(&before).concat(), ORANGE, 1.4, None, Some("before the event"));
+    }
     draw_ratings(&mut figure, train, unit);
     let over = |(i, e): (usize, &Extremes)| {
         let sides = [e.draft.filter(|_| e.over_draft), e.buff.filter(|_| e.over_buff)];

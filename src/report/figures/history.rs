@@ -87,7 +87,11 @@ pub fn history(train: &Train, index: usize, case: &CaseFindings, c: &CouplerFind
     }
     let label = format!("coupler {}", c.coupler);
     figure.line(curves.chain.clone(), BLUE, 1.8, None, Some(&label));
-    let since = if broken.is_some() { "time after the break" } else { "time since the force set in" };
+    let since = match case.kind {
+        "break" => "time after the break",
+        "impact" => "time since the vehicles met",
+        _ => "time since the force set in",
+    };
     let x_label = format!("{since}, {}", curves.clock.name);
     let y_label = format!("force in coupler {}, {} (draft +, buff −)", c.coupler, curves.unit.name);
     let layout = figure.layout(curves.window.x, curves.window.y, &x_label, &y_label);

@@ -4,14 +4,18 @@
 //! apart; in print without colour the lines differ by dashes and the markers by shape. The same findings give the same bytes.
 
 mod breaks;
+mod cascade;
 mod envelope;
 mod history;
+mod map;
 mod place;
 mod safe_load;
 
 pub use breaks::breaks;
+pub use cascade::cascade;
 pub use envelope::envelope;
 pub use history::{history, window};
+pub use map::map;
 pub use safe_load::safe_load;
 
 use kuva::plot::legend::{LegendEntry, LegendPosition, LegendShape};

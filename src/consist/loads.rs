@@ -1,0 +1,140 @@
+//! The steady state before the event: a uniform force, or the forces on the vehicles and what they leave in the couplers.
+//!
+//! ```text
+//! p_v = traction - brake - r m_v - m_v g s / sqrt(1 + s^2)          s: grade, uphill positive; g: standard gravity
+//! a   = sum p_v / sum m_v        where no vehicle is held, 0 where one is
+//! F_v = F_{v-1} + p_v - m_v a
+//! ```
+//!
+//! The train runs forward, so resistance and brakes pull backward. A held end takes whatever force it needs. With both ends
+//! held the couplers share the forces as their compliances allow: the ends keep the distance at which the train without a
+//! load is unstretched.
+
+use super::extras::Steady;
+use super::tree::{Read, Sign, Table};
+use super::{Coupler, Vehicle};
+use crate::solve::dd::Dd;
+use crate::units::{Amount, Dimension};
+
+/// Standard gravity, m/s2 (CGPM 1901).
+const GRAVITY: f64 = 9.806_65;
+
+/// What a vehicle's own table says of the forces on it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct OwnLoad {
+    tractive_effort_n: f64,
+    brake_force_n: f64,
+    resistance_n_per_kg: Option<f64>,
+    grade: Option<f64>,
+    /// One of the keys is there.
+    given: bool,
+}
+
+const OWN_KEYS: [&str; 4] = ["tractive_effort", "rolling_resistance", "grade", "brake_force"];
+
+/// Reads the loads of one `[[vehicle]]` table.
+pub(super) fn own(table: &Table, held: bool) -> Read<OwnLoad> {
+    let quantity = |key, dimension, sign| table.get(key).map(|v| v.quantity(dimension, sign)).transpose();
+    let traction = quantity("tractive_effort", Dimension::Force, Sign::Any);
+    let brake = quantity("brake_force", Dimension::Force, Sign::NotNegative);
+    let resistance = quantity("rolling_resistance", Dimension::Resistance, Sign::NotNegative);
+    let grade = quantity("grade", Dimension::Grade, Sign::Any);
+    let first = OWN_KEYS.into_iter().find_map(|key| Some((key, table.key_span(key)?)));
+    if let Some((key, span)) = first.as_ref().filter(|_| held) {
+        let help = "a held vehicle takes whatever force it needs to keep its speed: leave the key out";
+        return Err(table.note_at(span.clone(), format!("{key} of a held vehicle"), help));
+    }
+    Ok(OwnLoad {
+        tractive_effort_n: traction?.unwrap_or(0.0),
+        brake_force_n: brake?.unwrap_or(0.0),
+        resistance_n_per_kg: resistance?,
+        grade: grade?,
+        given: first.is_some(),
+    })
+}
+
+/// The couplers' forces before the event, and what they come from unless they are given themselves.
+pub(super) fn read(
+    root: &Table,
+    vehicles: &[Vehicle],
+    couplers: &[Coupler],
+    own: &[OwnLoad],
+    weakest_n: f64,
+) -> Read<(Vec<f64>, Option<Steady>)> {
+    let table = root.get("load").map(|v| v.table("[load]", &["uniform", "rolling_resistance", "grade"])).transpose()?;
+    let quantity = |key, dimension, sign| {
+        let value = table.as_ref().and_then(|t| t.get(key));
+        value.map(|v| v.quantity(dimension, sign)).transpose()
+    };
+    let resistance = quantity("rolling_resistance", Dimension::Resistance, Sign::NotNegative);
+    let grade = quantity("grade", Dimension::Grade, Sign::Any);
+    let (resistance, grade) = (resistance?, grade?);
+    let by_vehicle = resistance.is_some() || grade.is_some() || own.iter().any(|o| o.given);
+    let Some(table) = table.filter(|t| !by_vehicle || t.get("uniform").is_some()) else {
+        if !by_vehicle {
+            return Ok((vec![0.0; couplers.len()], None));
+        }
+        let outside = |(v, o): (&Vehicle, &OwnLoad)| outside_n(v, o, resistance.unwrap_or(0.0), grade.unwrap_or(0.0));
+        let outside_n: Vec<f64> = vehicles.iter().zip(own).map(outside).collect();
+        let (forces, acceleration_m_per_s2) = steady_forces(vehicles, couplers, &outside_n);
+        return Ok((forces, Some(Steady { outside_n, acceleration_m_per_s2 })));
+    };
+    let right = "add uniform = \"0.6 MN\", the force in every coupler, draft positive, or rolling_resistance and grade";
+    let uniform = table.require("uniform", right)?;
+    if by_vehicle {
+        let title = "uniform gives the couplers' forces, and other keys give the forces that they come from";
+        let help = "keep uniform, or else tractive_effort, rolling_resistance, grade and brake_force";
+        return Err(uniform.wrong(title, help));
+    }
+    let load_n = match uniform.amount(Dimension::Force, Sign::Any)? {
+        Amount::Si(value) => value,
+        Amount::Share(share) => share * weakest_n,
+    };
+    Ok((vec![load_n; couplers.len()], None))
+}
+
+fn outside_n(vehicle: &Vehicle, own: &OwnLoad, resistance: f64, grade: f64) -> f64 {
+    if vehicle.held {
+        return 0.0;
+    }
+    let slope = own.grade.unwrap_or(grade);
+    let downhill = GRAVITY * slope / slope.hypot(1.0);
+    let per_mass = own.resistance_n_per_kg.unwrap_or(resistance) + downhill;
+    own.tractive_effort_n - own.brake_force_n - per_mass * vehicle.mass_kg
+}
+
+/// The couplers' forces under steady forces from outside, N, draft positive, and the train's acceleration, m/s2.
+///
+/// `outside_n` holds a force for each vehicle, N, forward positive; that of a held vehicle plays no part. Sums are in
+/// double-double and rounded once.
+pub fn steady_forces(vehicles: &[Vehicle], couplers: &[Coupler], outside_n: &[f64]) -> (Vec<f64>, f64) {
+    let last = vehicles.len() - 1;
+    let free = !vehicles[0].held && !vehicles[last].held;
+    let sum = |terms: &mut dyn Iterator<Item = f64>| terms.fold(Dd::ZERO, |s, x| s + Dd::from(x));
+    let acceleration = if free {
+        sum(&mut outside_n.iter().copied()) / sum(&mut vehicles.iter().map(|v| v.mass_kg))
+    } else {
+        Dd::ZERO
+    };
+    let push = |v: usize| Dd::from(outside_n[v]) - Dd::from(vehicles[v].mass_kg) * acceleration;
+    let mut force = Dd::ZERO;
+    // Up to a constant: the force on a held head, which is not known yet, is left out.
+    let mut forces: Vec<Dd> = Vec::with_capacity(couplers.len());
+    for (v, vehicle) in vehicles[..last].iter().enumerate() {
+        if !vehicle.held {
+            force = force + push(v);
+        }
+        forces.push(force);
+    }
+    let offset = match (vehicles[0].held, vehicles[last].held) {
+        (false, _) => Dd::ZERO,
+        // The last vehicle's own balance: F_last = -p_last.
+        (true, false) => -(force + push(last)),
+        (true, true) => {
+            let compliance = |c: &Coupler| Dd::quotient(1.0, c.stiffness_n_per_m);
+            let stretch = forces.iter().zip(couplers).fold(Dd::ZERO, |s, (&f, c)| s + f * compliance(c));
+            -(stretch / couplers.iter().fold(Dd::ZERO, |s, c| s + compliance(c)))
+        }
+    };
+    (forces.into_iter().map(|f| (f + offset).to_f64()).collect(), acceleration.to_f64())
+}

@@ -1,0 +1,105 @@
+//! What breaks next: couplers that pass their rating break, and the computation goes on with the pieces.
+
+use serde::Serialize;
+
+use crate::consist::Train;
+use crate::play::Rule;
+use crate::scenario::{self, Scales, Scenario};
+use crate::solve::{SolveError, taylor};
+
+/// The course of a cascade.
+#[derive(Clone, Debug, Serialize)]
+pub struct CascadeFindings {
+    /// Whether a coupler also breaks in buff; if not, one that passes its rating there is kept.
+    pub buff_breaks: bool,
+    /// Couplers that break after the event, in order.
+    pub breaks: Vec<CascadeBreak>,
+    /// First and last vehicle of each piece that is left, counted from 1.
+    pub pieces: Vec<[usize; 2]>,
+    /// Couplers that certainly pass their rating in buff and are kept, counted from 1.
+    pub kept_in_buff: Vec<usize>,
+    /// From when on the sequence is not decided, s: a coupler came within the error bound of its rating and was not seen to
+    /// pass it.
+    pub undecided_from_s: Option<f64>,
+    /// That coupler, counted from 1.
+    pub undecided_coupler: Option<usize>,
+    /// No force is further than this from the exact one, N, the instants of the breaks included.
+    pub error_bound_n: f64,
+}
+
+/// A coupler that breaks.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CascadeBreak {
+    /// When, s after the event; 0 if the load alone is over its rating.
+    pub time_s: f64,
+    /// Its exact instant is no further away than this, s.
+    pub time_uncertainty_s: f64,
+    /// Counted from 1.
+    pub coupler: usize,
+    /// Labels of the vehicles it joins.
+    pub between: [String; 2],
+    /// Its force when it breaks, N, draft positive.
+    pub force_n: f64,
+    /// Others break at the same instant, as near as can be told.
+    pub together: bool,
+    /// Elastic energy that it gives up, J.
+    pub energy_j: f64,
+}
+
+/// Follows a cascade; `None` if the scenario has none.
+///
+/// # Errors
+/// [`SolveError::TooMuch`].
+pub(super) fn find(
+    train: &Train,
+    scenario: &Scenario,
+    broken: Option<usize>,
+    horizon_s: f64,
+) -> Result<Option<CascadeFindings>, SolveError> {
+    if scenario.cascade == Rule::Keep {
+        return Ok(None);
+    }
+    let scales = Scales::of(train);
+    let outcome = taylor::solve(&scenario::play(train, scenario, broken, horizon_s, scenario.cascade))?;
+    let breaks: Vec<CascadeBreak> = outcome
+        .breakages
+        .iter()
+        .flat_map(|at| at.springs.iter().zip(&at.force).map(move |(&i, force)| (at, i, force * scales.force_n)))
+        .map(|(at, i, force_n)| CascadeBreak {
+            time_s: at.time * scales.time_s,
+            time_uncertainty_s: at.uncertainty * scales.time_s,
+            coupler: i + 1,
+            between: [train.vehicles[i].label.clone(), train.vehicles[i + 1].label.clone()],
+            force_n,
+            together: at.springs.len() > 1,
+            energy_j: at.energy[at.springs.iter().position(|s| *s == i).unwrap_or(0)]
+                * scales.force_n
+                * (scales.force_n / scales.stiffness_n_per_m),
+        })
+        .collect();
+    let gone = |i: usize| Some(i) == broken || breaks.iter().any(|b| b.coupler == i + 1);
+    let over = |i: &usize| !gone(*i) && outcome.springs[*i].buff.exceeds() == Some(true);
+    let kept_in_buff = (0..train.couplers.len()).filter(over).map(|i| i + 1).collect();
+    Ok(Some(CascadeFindings {
+        buff_breaks: scenario.cascade == Rule::InBoth,
+        pieces: pieces(train.vehicles.len(), gone),
+        breaks,
+        kept_in_buff,
+        undecided_from_s: outcome.open.map(|(_, t)| t * scales.time_s),
+        undecided_coupler: outcome.open.map(|(i, _)| i + 1),
+        error_bound_n: outcome.error_bound * scales.force_n,
+    }))
+}
+
+/// First and last vehicle, counted from 1, of what hangs together.
+fn pieces(vehicles: usize, gone: impl Fn(usize) -> bool) -> Vec<[usize; 2]> {
+    let mut first = 1;
+    let mut pieces = Vec::new();
+    for last in 1..=vehicles {
+        if last == vehicles || gone(last - 1) {
+            pieces.push([first, last]);
+            first = last + 1;
+        }
+    }
+    pieces
+}

@@ -1,0 +1,91 @@
+//! Cases that steps of force on an undamped chain at rest cannot stand for: the whole train by Taylor series.
+
+use super::{CouplerFindings, Options, coupler_findings};
+use crate::chain::Scene;
+use crate::consist::Train;
+use crate::play::Rule;
+use crate::scenario::{self, Event, Scales, Scenario};
+use crate::solve::{Ask, Method, Solution, SolveError, damped_modes, taylor};
+
+/// What was found of every coupler.
+pub(super) struct Solved {
+    pub method: &'static str,
+    pub reason: String,
+    pub error_bound_n: f64,
+    pub couplers: Vec<CouplerFindings>,
+    /// Couplers that were left out, with their all-time bounds, N.
+    pub left_out: Vec<(usize, f64)>,
+}
+
+/// Extremes of every coupler but the broken one.
+///
+/// # Errors
+/// [`SolveError::StepsOnly`] when a method for steps is asked for; [`SolveError::TooMuch`].
+pub(super) fn solved(
+    train: &Train,
+    scenario: &Scenario,
+    broken: Option<usize>,
+    horizon_s: f64,
+    options: &Options,
+) -> Result<Solved, SolveError> {
+    if let Some(method) = options.method {
+        return Err(SolveError::StepsOnly(method.name()));
+    }
+    let scales = Scales::of(train);
+    let play = scenario::play(train, scenario, broken, horizon_s, Rule::Keep);
+    let outcome = taylor::solve(&play)?;
+    let before_n = scenario::initial_force_n(train, &scenario.event);
+    let others = outcome.springs.iter().enumerate().filter(|(i, _)| Some(*i) != broken);
+    let couplers = others.map(|(i, peaks)| CouplerFindings {
+        initial_force_n: before_n[i],
+        ..coupler_findings(train, i, peaks, &scales, None)
+    });
+    Ok(Solved {
+        method: "taylor",
+        reason: reason(train, &scenario.event).to_owned(),
+        error_bound_n: outcome.error_bound * scales.force_n,
+        couplers: couplers.collect(),
+        left_out: Vec::new(),
+    })
+}
+
+/// A part whose modes are all damped alike.
+///
+/// # Errors
+/// As for [`solved`].
+pub(super) fn damped(scene: &Scene, ratio: f64, ask: &Ask) -> Result<Solution, SolveError> {
+    if let Some(method) = ask.method {
+        return Err(SolveError::StepsOnly(method.name()));
+    }
+    let seconds = damped_modes::estimate_s(scene);
+    let gigabytes = 64e-9 * (scene.initial.len() as f64).powi(2);
+    if seconds > 3600.0 || gigabytes > 4.0 {
+        let advice = "dashpots instead of a damping ratio take less".to_owned();
+        return Err(SolveError::TooMuch { method: "damped-modes", seconds, gigabytes, advice });
+    }
+    let damped = damped_modes::Damped::new(scene, ratio);
+    let (springs, work) = damped.peaks();
+    Ok(Solution {
+        method: Method::Modal,
+        reason: "every mode has the same damping ratio".to_owned(),
+        error_bound: damped.error_bound(),
+        springs: springs.into_iter().map(Some).collect(),
+        all_time_bounds: None,
+        work,
+    })
+}
+
+/// Estimated time, s.
+pub(super) fn estimate_s(train: &Train, scenario: &Scenario, broken: Option<usize>, rule: Rule) -> f64 {
+    let horizon_s = scenario::horizon_s(train, scenario, broken);
+    taylor::estimate_s(&scenario::play(train, scenario, broken, horizon_s, rule))
+}
+
+fn reason(train: &Train, event: &Event) -> &'static str {
+    match event {
+        Event::Impact { .. } => "the train is set in motion by speeds, not by a force",
+        Event::Shaped { .. } => "the force changes while it acts",
+        _ if !train.extras.dashpot_n_s_per_m.is_empty() => "dashpots couple the modes",
+        _ => "nothing else fits",
+    }
+}

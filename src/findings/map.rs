@@ -1,0 +1,122 @@
+//! The map an engineer designs from: the smallest pulse that overloads a coupler, or the safe load, over what may vary.
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::{Options, case_findings};
+use crate::consist::Train;
+use crate::rod::Rod;
+use crate::scenario::{self, Event, Part, Scenario};
+use crate::solve::SolveError;
+use crate::solve::memo::Memo;
+
+/// Durations in a pulse's map.
+const DURATIONS: usize = 33;
+
+/// A scenario's map.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MapFindings {
+    /// `"duration_s"` for a pulse, `"broken_coupler"` for a break.
+    pub over: &'static str,
+    /// `"overloading_force_n"` for a pulse, `"safe_load_factor"` for a break.
+    pub value: &'static str,
+    /// In rising order.
+    pub points: Vec<MapPoint>,
+}
+
+/// A point of a map.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct MapPoint {
+    /// Duration of the pulse, s, or the coupler that breaks, counted from 1.
+    pub at: f64,
+    /// Smallest force, N, of the scenario's sign, over which a coupler exceeds its rating, or the largest factor on the load at
+    /// which none does; `None` where nothing bounds it.
+    pub chain: Option<f64>,
+    /// What the elastic rod says; `None` where the train has none or nothing bounds it.
+    pub rod: Option<f64>,
+}
+
+/// The map of a scenario; `None` for an impact, whose one number is its safe speed.
+///
+/// A pulse's duration runs from a tenth of the time unit to twice the transit, in equal ratios; breaks are those of every
+/// coupler. All else stays as the scenario has it: forces are linear in the factor, so that each point costs one case.
+///
+/// # Errors
+/// As for a case.
+pub(super) fn find(
+    train: &Train,
+    scenario: &Scenario,
+    options: &Options,
+    memo: &Memo,
+) -> Result<Option<MapFindings>, SolveError> {
+    let alone = Scenario { cascade: crate::play::Rule::Keep, ..scenario.clone() };
+    let wave = scenario::wave(train);
+    let (over, value, variants): (_, _, Vec<(f64, Option<usize>, Event)>) = match &scenario.event {
+        Event::Impact { .. } => return Ok(None),
+        Event::Break { .. } => {
+            let each = (0..train.couplers.len()).map(|b| (b as f64 + 1.0, Some(b), scenario.event.clone()));
+            ("broken_coupler", "safe_load_factor", each.collect())
+        }
+        Event::Pulse { .. } | Event::Shaped { .. } => {
+            let (shortest, longest) = (0.1 * wave.time_unit_s, 2.0 * wave.transit_s);
+            let at = |i: usize| shortest * (longest / shortest).powf(i as f64 / (DURATIONS - 1) as f64);
+            let lasting = (0..DURATIONS).map(|i| (at(i), None, lasting(&scenario.event, at(i))));
+            ("duration_s", "overloading_force_n", lasting.collect())
+        }
+    };
+    let points = variants.into_par_iter().map(|(at, broken, event)| {
+        let variant = Scenario { event, ..alone.clone() };
+        let unit = match &variant.event {
+            Event::Pulse { force_n, .. } | Event::Shaped { force_n, .. } => *force_n,
+            _ => 1.0,
+        };
+        let chain = case_findings(train, &variant, broken, options, memo)?.safe_load_factor;
+        let rod = rod_factor(train, &variant, broken);
+        let scaled = |factor: Option<f64>| factor.map(|f| f * unit);
+        Ok(MapPoint { at, chain: scaled(chain), rod: scaled(rod) })
+    });
+    Ok(Some(MapFindings { over, value, points: points.collect::<Result<_, _>>()? }))
+}
+
+/// How many cases a map has.
+pub(super) fn cases(train: &Train, event: &Event) -> usize {
+    match event {
+        Event::Impact { .. } => 0,
+        Event::Break { .. } => train.couplers.len(),
+        Event::Pulse { .. } | Event::Shaped { .. } => DURATIONS,
+    }
+}
+
+/// The same pulse with another duration, its shape drawn out or pressed together.
+fn lasting(event: &Event, duration: f64) -> Event {
+    match event.clone() {
+        Event::Pulse { vehicle, force_n, .. } => Event::Pulse { vehicle, force_n, duration_s: duration },
+        Event::Shaped { vehicle, shape, force_n, duration_s, drive } => {
+            let drive = drive.scaled(duration / duration_s, 1.0);
+            Event::Shaped { vehicle, shape, force_n, duration_s: duration, drive }
+        }
+        other => other,
+    }
+}
+
+/// The rod's safe factor: `None` where there is no rod, or nothing bounds it.
+fn rod_factor(train: &Train, scenario: &Scenario, broken: Option<usize>) -> Option<f64> {
+    let extras = &train.extras;
+    if extras.damping_ratio > 0.0 || scenario::beyond_steps(&extras.dashpot_n_s_per_m, &scenario.event) {
+        return None;
+    }
+    let horizon_s = scenario::horizon_s(train, scenario, broken);
+    let mut least: Option<f64> = None;
+    for Part { scene, .. } in &scenario::parts(train, &scenario.event, broken, horizon_s) {
+        let rod = Rod::new(scene)?;
+        for i in 0..scene.initial.len() {
+            let (high, low) = rod.extremes(i);
+            // After a break all forces are in proportion to the load; a pulse's load stays as it is.
+            let rest = if broken.is_some() { 0.0 } else { scene.initial[i] };
+            let sides = [(high - rest, scene.rated_draft[i] - rest), (rest - low, scene.rated_buff[i] + rest)];
+            let factors = sides.into_iter().filter(|s| s.0 > 0.0).map(|(growth, room)| (room / growth).max(0.0));
+            least = factors.chain(least).reduce(f64::min);
+        }
+    }
+    least
+}

@@ -1,0 +1,102 @@
+//! What the report says of couplers that break one after the other.
+
+use super::numbers::{digits, force, time};
+use super::words::{count, moment, sense};
+use crate::findings::{CascadeBreak, CascadeFindings, CaseFindings, ScenarioFindings};
+
+/// Pieces told one by one; more are counted.
+const TOLD: usize = 8;
+
+/// What breaks after the event and what is left of the train; empty where the scenario has no cascade.
+pub fn sentence(scenario: &ScenarioFindings) -> String {
+    let cascades: Vec<(&CaseFindings, &CascadeFindings)> =
+        scenario.cases.iter().filter_map(|c| Some((c, c.cascade.as_ref()?))).collect();
+    match cascades[..] {
+        [] => String::new(),
+        [(case, cascade)] => of_one(case, cascade),
+        _ => of_many(&cascades),
+    }
+}
+
+fn of_one(case: &CaseFindings, cascade: &CascadeFindings) -> String {
+    let breaks = match &cascade.breaks[..] {
+        [] => "No further coupler breaks".to_owned(),
+        [first, ..] => {
+            let which = format!("coupler {} (between {} and {})", first.coupler, first.between[0], first.between[1]);
+            let head = match cascade.breaks.len() {
+                1 => format!("One coupler more breaks: {which}"),
+                n => format!("{n} couplers more break, the first of them {which}"),
+            };
+            format!("{head}, in {}, {}", sense(first.force_n), moment(first.time_s, case))
+        }
+    };
+    format!("{breaks}; {}.{}{}", pieces(cascade), kept(cascade), open(cascade))
+}
+
+fn pieces(cascade: &CascadeFindings) -> String {
+    let named = |p: &[usize; 2]| if p[0] == p[1] { p[0].to_string() } else { format!("{} to {}", p[0], p[1]) };
+    match &cascade.pieces[..] {
+        [_] => "the train stays whole".to_owned(),
+        all if all.len() > TOLD => format!("the train is left in {} pieces", all.len()),
+        all => {
+            let names: Vec<String> = all.iter().map(named).collect();
+            format!("the train is left in {} pieces: vehicles {}", all.len(), names.join(", "))
+        }
+    }
+}
+
+fn kept(cascade: &CascadeFindings) -> String {
+    match cascade.kept_in_buff.len() {
+        0 => String::new(),
+        n if cascade.buff_breaks => format!(" {} would still pass the rating in buff.", count(n, "coupler")),
+        n => format!(
+            " {} of what is left {} the rating in buff on the way, which does not part a coupler here.",
+            count(n, "coupler"),
+            if n == 1 { "passes" } else { "pass" }
+        ),
+    }
+}
+
+fn open(cascade: &CascadeFindings) -> String {
+    let (Some(from), Some(coupler)) = (cascade.undecided_from_s, cascade.undecided_coupler) else {
+        return String::new();
+    };
+    format!(
+        " Not decided from {} on: coupler {coupler} comes within the error bound of its rating, and whether it breaks then \
+         cannot be told.",
+        time(from)
+    )
+}
+
+fn of_many(cascades: &[(&CaseFindings, &CascadeFindings)]) -> String {
+    let more = cascades.iter().filter(|(_, c)| !c.breaks.is_empty()).count();
+    let open = match cascades.iter().filter(|(_, c)| c.undecided_from_s.is_some()).count() {
+        0 => String::new(),
+        n => format!(" In {} the sequence is not decided to its end.", count(n, "case")),
+    };
+    let most = cascades.iter().reduce(|a, b| if b.1.breaks.len() > a.1.breaks.len() { b } else { a });
+    let Some((case, worst)) = most.filter(|_| more > 0) else {
+        return format!("In none of {} a further coupler breaks.{open}", count(cascades.len(), "case"));
+    };
+    format!(
+        "In {more} of {} further couplers break; the most after that of coupler {}: {} more.{open}",
+        count(cascades.len(), "case"),
+        case.broken_coupler.unwrap_or_default(),
+        worst.breaks.len()
+    )
+}
+
+/// A row of the sequence.
+pub fn row(b: &CascadeBreak, cascade: &CascadeFindings) -> Vec<String> {
+    vec![
+        time(b.time_s),
+        format!("{}{}", b.coupler, if b.together { " (with others)" } else { "" }),
+        b.between.join(", "),
+        format!("{} in {}", force(b.force_n, cascade.error_bound_n), sense(b.force_n)),
+        joules(b.energy_j),
+    ]
+}
+
+fn joules(energy_j: f64) -> String {
+    format!("{} kJ", digits(energy_j / 1e3, 0.0, 4))
+}

@@ -1,0 +1,255 @@
+//! Couplers that pass their rating on the way, and what their breaking does to the error.
+
+use super::series::{Series, State, centred, reach};
+use super::{DEGREE, ROUNDINGS, Rates, U};
+use crate::play::{Play, Rule};
+
+/// Roundings of a force that is shown, beside those of its state.
+const SHOWN: f64 = 16.0;
+
+/// Couplers that break at one instant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Breakage {
+    /// When.
+    pub time: f64,
+    /// Which, ascending.
+    pub springs: Vec<usize>,
+    /// Their forces at that instant.
+    pub force: Vec<f64>,
+    /// The exact instant of each is no further away than this.
+    pub uncertainty: f64,
+    /// Speeds of the masses against the steady motion.
+    pub velocity: Vec<f64>,
+    /// Kinetic energy against the steady motion; breaking does not change it.
+    pub kinetic: f64,
+    /// Energy of the springs just before and just after.
+    pub strain: [f64; 2],
+    /// What each of the springs that break had of it.
+    pub energy: Vec<f64>,
+}
+
+/// What breaks within a step.
+pub struct Found {
+    /// At which share of the step.
+    pub share: f64,
+    /// Spring, force, and how far its exact instant may be from that.
+    torn: Vec<(usize, f64, f64)>,
+}
+
+/// A side of a coupler within a step: when its force is within the bound of its rating, at it, and certainly over it.
+struct Passing {
+    spring: usize,
+    side: usize,
+    /// Time at which it may be over, and is certainly over.
+    from: f64,
+    until: Option<f64>,
+    at: f64,
+    coefficient: [f64; DEGREE + 1],
+}
+
+/// The search for couplers that break.
+pub struct Breaks<'a> {
+    play: &'a Play,
+    rates: Rates,
+    /// What broke so far.
+    pub breakages: Vec<Breakage>,
+    /// Per coupler and sign: since when it may be over its rating.
+    near: Vec<[Option<f64>; 2]>,
+    /// Per coupler and sign: it has been certainly under its rating.
+    departed: Vec<[bool; 2]>,
+    /// Norm of the error, of the motion, and bound on that of its derivative, at `since`.
+    error: f64,
+    motion: f64,
+    derivative: f64,
+    since: f64,
+}
+
+impl<'a> Breaks<'a> {
+    /// At t = 0: takes out what the event breaks, and what the load alone does.
+    pub fn new(play: &'a Play, rates: Rates, state: &mut State, series: &mut Series) -> Breaks<'a> {
+        let springs = play.scene.initial.len();
+        let mut breaks = Breaks {
+            play,
+            rates,
+            breakages: Vec::new(),
+            near: vec![[None; 2]; springs],
+            departed: vec![[true; 2]; springs],
+            error: 0.0,
+            motion: 0.0,
+            derivative: 0.0,
+            since: 0.0,
+        };
+        for &b in &play.broken {
+            state.break_spring(b, play.scene.initial[b]);
+        }
+        let over = |i: usize| breaks.sides().iter().any(|&side| breaks.signed(i, side) > breaks.rating(i, side));
+        let torn: Vec<_> = (0..springs).filter(|&i| state.whole(i) && over(i)).collect();
+        if !torn.is_empty() {
+            let torn = torn.into_iter().map(|i| (i, play.scene.initial[i], 0.0)).collect();
+            breaks.tear(Found { share: 0.0, torn }, 0.0, state);
+        }
+        breaks.measure(state, series);
+        let bound = breaks.bound();
+        for i in 0..springs {
+            breaks.departed[i] = [0, 1].map(|side| breaks.signed(i, side) < breaks.rating(i, side) - 4.0 * bound);
+        }
+        breaks
+    }
+
+    fn sides(&self) -> &'static [usize] {
+        match self.play.rule {
+            Rule::Keep => &[],
+            Rule::InDraft => &[0],
+            Rule::InBoth => &[0, 1],
+        }
+    }
+
+    fn signed(&self, spring: usize, side: usize) -> f64 {
+        SIGN[side] * self.play.scene.initial[spring]
+    }
+
+    fn rating(&self, spring: usize, side: usize) -> f64 {
+        [&self.play.scene.rated_draft, &self.play.scene.rated_buff][side][spring]
+    }
+
+    /// Norms of the motion and its derivative as they are now.
+    fn measure(&mut self, state: &State, series: &mut Series) {
+        let width = 1.0 / self.rates.largest;
+        series.expand(state, width, |out| out.fill(0.0));
+        let variation = self.play.drive.measures()[1];
+        self.derivative = series.speed(state, width) + self.rates.jolt * variation;
+        self.motion = (2.0 * (kinetic(state) + strain(state, &vec![0.0; self.play.scene.initial.len()]))).sqrt();
+    }
+
+    /// Growth of the error's norm per unit of time, with the roundings of what is shown.
+    fn growth(&self) -> f64 {
+        let sup = self.play.drive.measures()[0];
+        let rate = (1.0 + 2.0 * self.rates.drag) * self.derivative + self.rates.jolt * sup;
+        (ROUNDINGS + SHOWN) * U * rate
+    }
+
+    /// Bound on the error of every force up to the horizon if nothing more breaks.
+    pub fn bound(&self) -> f64 {
+        let steady = self.play.scene.initial.iter().fold(0.0f64, |a, f| a.max(f.abs()));
+        let error = self.error + self.growth() * (self.play.scene.horizon - self.since);
+        self.rates.force * (error + SHOWN * U * self.motion) + SHOWN * U * steady
+    }
+
+    /// The first coupler that may have passed its rating and was not seen to, and when.
+    pub fn open(&self) -> Option<(usize, f64)> {
+        let near = self.near.iter().enumerate().flat_map(|(i, sides)| sides.iter().flatten().map(move |t| (i, *t)));
+        near.min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// The first breakage within a step, if there is one.
+    pub fn find(&mut self, state: &State, series: &Series, from: f64, width: f64) -> Option<Found> {
+        let bound = self.bound();
+        let mut passing: Vec<Passing> = Vec::new();
+        for i in (0..self.near.len()).filter(|&i| !self.sides().is_empty() && state.whole(i)) {
+            let coefficient = series.coupler(i, self.play.scene.initial[i]);
+            for &side in self.sides() {
+                if reach(&coefficient, SIGN[side]) > self.rating(i, side) - bound {
+                    passing.extend(self.passes(i, side, coefficient, from, width));
+                }
+            }
+        }
+        let first = passing.iter().filter_map(|p| p.until).reduce(f64::min);
+        let found = first.map(|first| {
+            let torn: Vec<&Passing> = passing.iter().filter(|p| p.until.is_some() && p.from <= first).collect();
+            let time = torn.iter().map(|p| p.at).fold(first, f64::min);
+            let share = ((time - from) / width).clamp(0.0, 1.0);
+            let apart = |p: &Passing| (p.until.unwrap_or(time) - time).max(time - p.from) + 4.0 * U * time;
+            let force = |p: &Passing| p.coefficient.iter().rev().fold(0.0, |sum, c| sum * share + c);
+            Found { share, torn: torn.iter().map(|p| (p.spring, force(p), apart(p))).collect() }
+        });
+        let until = from + found.as_ref().map_or(1.0, |f| f.share) * width;
+        for p in passing.iter().filter(|p| p.from <= until && self.departed[p.spring][p.side]) {
+            self.near[p.spring][p.side].get_or_insert(p.from);
+        }
+        self.note_departures(state, series, (until - from) / width, bound);
+        found
+    }
+
+    /// When a side passes the levels around its rating within a step.
+    fn passes(
+        &self,
+        spring: usize,
+        side: usize,
+        coefficient: [f64; DEGREE + 1],
+        from: f64,
+        width: f64,
+    ) -> Option<Passing> {
+        let turned = coefficient.map(|c| SIGN[side] * c);
+        let local = centred(&turned, from, width);
+        let (rating, bound) = (self.rating(spring, side), self.bound());
+        let time = |x: f64| from + 0.5 * (x + 1.0) * width;
+        let over = |level: f64| local.first_over(-1.0, 1.0, level).map(time);
+        let earliest = if self.departed[spring][side] { over(rating - bound)? } else { 0.0 };
+        let earliest = self.near[spring][side].map_or(earliest, |t| t.min(earliest));
+        let until = over(rating + bound);
+        let at = until.and_then(|_| over(rating)).unwrap_or(from);
+        Some(Passing { spring, side, from: earliest, until, at, coefficient })
+    }
+
+    fn note_departures(&mut self, state: &State, series: &Series, share: f64, bound: f64) {
+        for i in 0..self.departed.len() {
+            for &side in self.sides() {
+                if !self.departed[i][side] && state.whole(i) {
+                    let coefficient = series.coupler(i, self.play.scene.initial[i]);
+                    let value = SIGN[side] * coefficient.iter().rev().fold(0.0, |sum, c| sum * share + c);
+                    self.departed[i][side] = value < self.rating(i, side) - 4.0 * bound;
+                }
+            }
+        }
+    }
+
+    /// Breaks what was found and goes on from there.
+    pub fn apply(&mut self, found: Found, time: f64, state: &mut State, series: &mut Series) {
+        let late = self.growth() * (time - self.since);
+        let torn: f64 = found.torn.iter().map(|(i, force, apart)| apart * force.abs() * jolt(state, *i)).sum();
+        self.error += late + torn;
+        self.since = time;
+        self.tear(found, time, state);
+        self.measure(state, series);
+    }
+
+    fn tear(&mut self, found: Found, time: f64, state: &mut State) {
+        let steady = &self.play.scene.initial;
+        let before = strain(state, steady);
+        let own = |i: usize| 0.5 * (steady[i] + state.force[0][i + 1]).powi(2) / state.stiffness[i + 1];
+        let energy = found.torn.iter().map(|t| own(t.0)).collect();
+        for (i, ..) in &found.torn {
+            state.break_spring(*i, steady[*i]);
+            self.near[*i] = [None; 2];
+        }
+        self.breakages.push(Breakage {
+            time,
+            springs: found.torn.iter().map(|t| t.0).collect(),
+            force: found.torn.iter().map(|t| t.1).collect(),
+            uncertainty: found.torn.iter().map(|t| t.2).fold(0.0, f64::max),
+            velocity: state.velocity[0].clone(),
+            kinetic: kinetic(state),
+            strain: [before, strain(state, steady)],
+            energy,
+        });
+    }
+}
+
+/// Of draft and buff.
+const SIGN: [f64; 2] = [1.0, -1.0];
+
+/// `sqrt(1 / m + 1 / m')` of the masses at a spring.
+fn jolt(state: &State, i: usize) -> f64 {
+    (state.inverse_mass[i] + state.inverse_mass[i + 1]).sqrt()
+}
+
+fn kinetic(state: &State) -> f64 {
+    let pairs = state.velocity[0].iter().zip(&state.inverse_mass).filter(|p| *p.1 > 0.0);
+    0.5 * pairs.map(|(v, m)| v * v / m).sum::<f64>()
+}
+
+/// Energy of the whole springs under their steady forces and what has come on top of them.
+fn strain(state: &State, steady: &[f64]) -> f64 {
+    let whole = (0..steady.len()).filter(|&i| state.whole(i));
+    0.5 * whole.map(|i| (steady[i] + state.force[0][i + 1]).powi(2) / state.stiffness[i + 1]).sum::<f64>()
+}

@@ -1,0 +1,112 @@
+//! Cascades and impacts from the train file to the report.
+
+use std::fs;
+use std::path::Path;
+
+use trainsafe::{Analysis, Options, Train, analyze, consist, report};
+
+fn run(text: &str) -> (Train, Analysis) {
+    let train = consist::parse(text, Path::new("a.toml")).unwrap_or_else(|e| panic!("{e}"));
+    let analysis = analyze(&train, &Options::default()).expect("sound");
+    (train, analysis)
+}
+
+fn two_cars(more: &str) -> String {
+    format!(
+        "[coupler]\nstiffness = \"11.1 MN/m\"\nrated_load = \"1 MN\"\nrated_buff = \"1.9 MN\"\n[[vehicle]]\nlabel = \"car\"\n
+         mass = \"130 t\"\ncount = 2\n[[scenario]]\nname = \"they meet\"\nkind = \"impact\"\nat = \"tail\"\nvehicles = 1\n
+         speed = \"6 mph\"\nhorizon = \"1 s\"\n{more}"
+    )
+}
+
+/// Two 130 t cars that meet at 6 mph on 11.1 MN/m press with v sqrt(k m / 2) = 2.28 MN a quarter of a period after they meet; at
+/// which share of the speed they would bear it; and they part in draft, or already in buff if that is said to part them.
+#[test]
+fn two_cars_meet_and_part() {
+    let (v, k, m) = (6.0 * 0.44704, 11.1e6, 130e3);
+    let force = v * f64::sqrt(k * m / 2.0);
+    let swing = f64::sqrt(2.0 * k / m);
+    let (_, kept) = run(&two_cars(""));
+    let case = &kept.scenarios[0].cases[0];
+    assert_eq!((kept.scenarios[0].kind, case.method, case.exceeding), ("impact", "taylor", 1));
+    assert!((case.couplers[0].peak_buff_n.expect("pressed") + force).abs() < case.error_bound_n + 1e-9);
+    // The same force in draft half a swing later, where the rating is lower.
+    assert!((case.safe_load_factor.expect("bounded") - 1e6 / force).abs() < 1e-12);
+    assert!(case.cascade.is_none());
+    for (more, rating, from) in
+        [("cascade = true", 1e6, std::f64::consts::PI / swing), ("cascade = true\nbuff_breaks = true", -1.9e6, 0.0)]
+    {
+        let (_, parted) = run(&two_cars(more));
+        let cascade = parted.scenarios[0].cases[0].cascade.as_ref().expect("a cascade");
+        let [only] = &cascade.breaks[..] else { panic!("{cascade:?}") };
+        let expected = from + (f64::abs(rating) / force).asin() / swing;
+        // The expected time rounds a few times itself.
+        assert!((only.time_s - expected).abs() <= only.time_uncertainty_s + 1e-15, "{only:?} {expected}");
+        assert!((only.force_n - rating).abs() < cascade.error_bound_n + 1e-9);
+        assert!((only.energy_j / (rating * rating / (2.0 * k)) - 1.0).abs() < 1e-12);
+        assert_eq!((cascade.pieces.as_slice(), cascade.undecided_from_s), (&[[1, 1], [2, 2]][..], None));
+    }
+}
+
+/// A coupler over its rating in buff is kept by default, and the report says so; without a cascade it says nothing of one.
+#[test]
+fn what_is_kept_in_buff_is_said() {
+    let strong = two_cars("cascade = true").replace("\"1 MN\"", "\"9 MN\"");
+    let (train, analysis) = run(&strong);
+    let cascade = analysis.scenarios[0].cases[0].cascade.as_ref().expect("a cascade");
+    assert_eq!((cascade.breaks.len(), cascade.kept_in_buff.as_slice()), (0, &[1][..]));
+    let text = markdown(&train, &analysis);
+    let expected = "**What breaks next.** No further coupler breaks; the train stays whole. 1 coupler of what is left passes the \
+                    rating in buff on the way, which does not part a coupler here.";
+    assert!(text.contains(expected), "{text}");
+    assert!(!text.contains("no further coupler breaks in the calculation") && !text.contains("figure-1-cascade"));
+    let (train, analysis) = run(&two_cars(""));
+    let text = markdown(&train, &analysis);
+    assert!(text.contains("no further coupler breaks in the calculation") && !text.contains("What breaks next"));
+}
+
+/// The sequence stands in the report in its order, with its figure.
+#[test]
+fn the_sequence_is_told() {
+    let (train, analysis) = run(&two_cars("cascade = true"));
+    let text = markdown(&train, &analysis);
+    assert!(text.contains("| 1 | car 1, car 2 | 1.000 MN in draft | 45.05 kJ |"), "{text}");
+    assert!(text.contains("](figure-1-cascade.svg)") && text.contains("vehicles 1, 2."), "{text}");
+}
+
+fn markdown(train: &Train, analysis: &Analysis) -> String {
+    let dir = tempfile::tempdir().expect("a folder");
+    report::write(train, analysis, dir.path()).expect("written");
+    assert_eq!(
+        dir.path().join("figure-1-cascade.svg").exists(),
+        analysis.scenarios[0].cases[0].cascade.as_ref().is_some_and(|c| !c.breaks.is_empty())
+    );
+    fs::read_to_string(dir.path().join("report.md")).expect("a report")
+}
+
+/// A force that a file gives over time is the trapezoid that it draws; both and a rectangle of the same force are told apart.
+#[test]
+fn a_record_is_what_it_draws() {
+    let dir = tempfile::tempdir().expect("a folder");
+    fs::write(dir.path().join("pulse.csv"), "time (ms),force (kN)\n0,0\n20,-500\n80,-500\n120,0\n").expect("written");
+    let text = |pulse: &str| {
+        format!(
+            "[coupler]\nstiffness = \"30 MN/m\"\nrated_load = \"1 MN\"\n[[vehicle]]\nmass = \"80 t\"\ncount = 12\n[[scenario]]\n
+             kind = \"pulse\"\nat = \"tail\"\n{pulse}"
+        )
+    };
+    let peaks = |pulse: &str| {
+        let train = consist::parse(&text(pulse), &dir.path().join("a.toml")).unwrap_or_else(|e| panic!("{e}"));
+        let analysis = analyze(&train, &Options::default()).expect("sound");
+        let case = &analysis.scenarios[0].cases[0];
+        case.couplers.iter().map(|c| (c.peak_force_n, c.peak_time_s)).collect::<Vec<_>>()
+    };
+    let drawn = "force = \"-500 kN\"\nduration = \"120 ms\"\nshape = \"trapezoid\"\nrise = \"20 ms\"\nfall = \"40 ms\"";
+    let (record, drawn) = (peaks("record = \"pulse.csv\""), peaks(drawn));
+    for (a, b) in record.iter().zip(&drawn) {
+        // Times in ms and in s round differently; a peak is flat, so that its time knows half of the digits.
+        assert!((a.0 - b.0).abs() < 1e-7 && (a.1 - b.1).abs() < 1e-6, "{a:?} {b:?}");
+    }
+    let rectangle = peaks("force = \"-500 kN\"\nduration = \"120 ms\"");
+    assert!(record.iter().zip(&rectangle).all(|(a, b)| (a.0 - b.0).abs() > 1e3));
+}

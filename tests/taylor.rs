@@ -1,0 +1,326 @@
+//! Steps by Taylor series against closed forms and against the methods for undamped chains.
+
+use trainsafe::chain::{Chain, Scene};
+use trainsafe::play::{Drive, Play, Rule};
+use trainsafe::solve::taylor::{self, Outcome};
+use trainsafe::solve::{Ask, Method, solve};
+
+const PI: f64 = std::f64::consts::PI;
+
+/// Equal unit masses and springs under uniform tension.
+fn equal(masses: usize, held_head: bool, held_tail: bool, load: f64) -> Scene {
+    let springs = masses - 1;
+    Scene {
+        chain: Chain { mass: vec![1.0; masses], stiffness: vec![1.0; springs], held_head, held_tail },
+        source: usize::from(held_head),
+        force: 0.0,
+        duration: 0.0,
+        initial: vec![load; springs],
+        rated_draft: vec![1.0; springs],
+        rated_buff: vec![1.0; springs],
+        horizon: 4.0 * springs as f64,
+    }
+}
+
+fn uneven(masses: usize, held_head: bool, held_tail: bool) -> Scene {
+    let mut scene = equal(masses, held_head, held_tail, 0.0);
+    let wave = |v: usize, f: f64| 1.0 + 0.6 * (f * (v * v) as f64).sin();
+    (0..masses).for_each(|v| scene.chain.mass[v] = wave(v + 1, 1.7));
+    for i in 0..masses - 1 {
+        scene.chain.stiffness[i] = wave(i + 1, 2.3);
+        scene.initial[i] = 0.8 * wave(i + 1, 0.9);
+    }
+    scene.horizon = 3.3 * scene.chain.transit();
+    scene
+}
+
+fn play(scene: Scene) -> Play {
+    let (springs, masses) = (scene.initial.len(), scene.chain.mass.len());
+    Play {
+        scene,
+        drive: Drive::none(),
+        dashpot: vec![0.0; springs],
+        velocity: vec![0.0; masses],
+        broken: Vec::new(),
+        rule: Rule::Keep,
+    }
+}
+
+fn run(play: &Play) -> Outcome {
+    taylor::solve(play).expect("short")
+}
+
+/// [P] figure 4 as one chain of which a coupler breaks: numbers from the closed form in 40-digit arithmetic.
+#[test]
+fn the_papers_break() {
+    let mut p = play(equal(52, true, true, 1.0));
+    p.scene.horizon = 200.0;
+    p.broken = vec![50];
+    let out = run(&p);
+    let buff = out.springs[0].buff;
+    assert!((buff.first_over.expect("over") - 53.152_089_806_626_6).abs() < 1e-11, "the number's last digits");
+    let draft = out.springs[0].draft.best;
+    assert!((draft.value - 1.508_352_695_662_44).abs() < out.error_bound + 1e-14, "{draft:?} {buff:?}");
+    assert!((draft.at - 157.917_356_441_113).abs() < 1e-5, "flat: the root of the bound");
+    assert!(out.error_bound < 1e-11, "{:e}", out.error_bound);
+}
+
+/// Breaks in the middle and rectangular pulses on uneven chains, each against a sum over modes with its own bound.
+#[test]
+fn undamped_chains_agree_with_sums_over_modes() {
+    let ask = Ask { tolerance: 1e-9, method: Some(Method::Modal), verdict_only: false, all_time_bound: false };
+    for (held_head, held_tail) in [(false, false), (true, false), (false, true), (true, true)] {
+        for pulse in [false, true] {
+            let mut p = play(uneven(24, held_head, held_tail));
+            let whole = p.scene.clone();
+            let initial = whole.initial.clone();
+            let part = |from: usize, to: usize, source: usize, force: f64, duration: f64| {
+                let mut scene = whole.clone();
+                scene.chain.mass = whole.chain.mass[from..=to].to_vec();
+                scene.chain.stiffness = whole.chain.stiffness[from..to].to_vec();
+                (scene.chain.held_head, scene.chain.held_tail) = (held_head && from == 0, held_tail && to == 23);
+                scene.initial = initial[from..to].to_vec();
+                (scene.rated_draft, scene.rated_buff) = (vec![1.0; to - from], vec![1.0; to - from]);
+                (scene.source, scene.force, scene.duration) = (source - from, force, duration);
+                (from, solve(&scene, &ask).expect("small"))
+            };
+            let others = if pulse {
+                p.scene.source = 9;
+                p.drive = Drive::rectangle(-0.7, 6.4);
+                vec![part(0, 23, 9, -0.7, 6.4)]
+            } else {
+                p.broken = vec![14];
+                let lost = initial[14];
+                vec![part(0, 14, 14, lost, f64::INFINITY), part(15, 23, 15, -lost, f64::INFINITY)]
+            };
+            let out = run(&p);
+            for (from, other) in others {
+                let bound = out.error_bound + other.error_bound;
+                for (i, peaks) in other.springs.iter().enumerate() {
+                    let (a, b) = (out.springs[from + i], peaks.expect("all are asked for"));
+                    for negative in [false, true] {
+                        let (a, b) = (a.side(negative), b.side(negative));
+                        assert!((a.best.value - b.best.value).abs() <= bound, "{i} {a:?} {b:?} {bound:e}");
+                        assert_eq!(a.exceeds(), b.exceeds());
+                        let apart = a.first_over.zip(b.first_over).map_or(0.0, |(x, y)| (x - y).abs());
+                        // Where the slope at the crossing is not small the bound in force is a bound in time.
+                        assert!(apart < 1e-9, "{a:?} {b:?}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Two equal vehicles that meet press with v sqrt(k m / 2) for half a period, pi sqrt(m / 2 k), and stay coupled.
+#[test]
+fn two_vehicles_meet() {
+    let (m, k, v) = (3.0, 7.0, 0.2);
+    let mut scene = equal(2, false, false, 0.0);
+    (scene.chain.mass, scene.chain.stiffness) = (vec![m; 2], vec![k]);
+    scene.horizon = 4.0;
+    let mut p = play(scene);
+    p.velocity = vec![-v, 0.0];
+    let out = run(&p);
+    let (force, half) = (v * (k * m / 2.0f64).sqrt(), PI * (m / (2.0 * k)).sqrt());
+    let Extremes { draft, buff } = both(&out);
+    assert!((buff.0 - force).abs() < out.error_bound && (draft.0 - force).abs() < out.error_bound);
+    // At a flat peak an error of the bound in force is one of its root in time.
+    let flat = (out.error_bound / force).sqrt() * half;
+    assert!((buff.1 - 0.5 * half).abs() < flat && (draft.1 - 1.5 * half).abs() < flat);
+    let zero = taylor::history(&p, 0, &[half, 2.0 * half]);
+    assert!(zero.iter().all(|f| f.abs() < out.error_bound), "{zero:?}");
+}
+
+struct Extremes {
+    draft: (f64, f64),
+    buff: (f64, f64),
+}
+
+fn both(out: &Outcome) -> Extremes {
+    let side = |negative: bool| {
+        let best = out.springs[0].side(negative).best;
+        (best.value, best.at)
+    };
+    Extremes { draft: side(false), buff: side(true) }
+}
+
+/// One vehicle behind a held head, forces of any shape: the convolution with sin in closed form, at resonance and off it.
+#[test]
+fn shapes_of_pulse_on_one_spring() {
+    let scene = |horizon: f64| Scene { horizon, ..equal(2, true, false, 0.0) };
+    let times: Vec<f64> = (1..200).map(|i| 0.1 * f64::from(i)).collect();
+    let check = |drive: Drive, expected: &dyn Fn(f64) -> f64| {
+        let mut p = play(scene(20.0));
+        p.drive = drive;
+        let bound = taylor::solve(&p).expect("short").error_bound;
+        for (t, f) in times.iter().zip(taylor::history(&p, 0, &times)) {
+            // The closed forms below round a few times themselves.
+            assert!((f - expected(*t)).abs() < bound + 4e-15, "{t}: {f} is not {}", expected(*t));
+        }
+    };
+    // Ramps: x'' + x = t gives t - sin t; a polygon is a sum of ramps and steps. A forward force is a negative one here.
+    let ramp = |t: f64| if t > 0.0 { t - t.sin() } else { 0.0 };
+    let step = |t: f64| if t > 0.0 { 1.0 - t.cos() } else { 0.0 };
+    let triangle = Drive::Lines(vec![[0.0, 0.0], [2.0, 1.0], [4.0, 0.0]]);
+    check(triangle, &|t| -(0.5 * ramp(t) - ramp(t - 2.0) + 0.5 * ramp(t - 4.0)));
+    let saw = Drive::Lines(vec![[1.0, 0.5], [3.0, 2.5], [3.0, -1.0], [7.0, -1.0]]);
+    check(saw, &|t| -(0.5 * step(t - 1.0) + ramp(t - 1.0) - ramp(t - 3.0) - 3.5 * step(t - 3.0) + step(t - 7.0)));
+    // Half sine of frequency w: (sin w t - w sin t) / (1 - w^2), and the same again from its end on.
+    let sine = |w: f64| move |t: f64| if t > 0.0 { ((w * t).sin() - w * t.sin()) / (1.0 - w * w) } else { 0.0 };
+    for w in [0.3, 2.5, 40.0] {
+        let (end, f) = (PI / w, sine(w));
+        check(Drive::HalfSine { peak: 1.0, duration: end }, &|t| -(f(t) + f(t - end)));
+    }
+    // At resonance, w = 1: (sin t - t cos t) / 2.
+    let f = |t: f64| if t > 0.0 { 0.5 * (t.sin() - t * t.cos()) } else { 0.0 };
+    check(Drive::HalfSine { peak: 1.0, duration: PI }, &|t| -(f(t) + f(t - PI)));
+    // Of vanishing duration it is an impulse of 2 / pi times peak and duration.
+    let brief = 1e-9;
+    check(Drive::HalfSine { peak: PI / (2.0 * brief), duration: brief }, &|t| -(t - 0.5 * brief).sin());
+}
+
+/// One vehicle on a spring and dashpot: x'' + 2 z x' + x = 1 from rest, under, at and over critical damping.
+#[test]
+fn one_damped_spring() {
+    for z in [0.05, 0.2, 1.0, 6.0] {
+        let mut p = play(Scene { horizon: 30.0, ..equal(2, true, false, 0.0) });
+        p.dashpot = vec![2.0 * z];
+        p.drive = Drive::rectangle(-1.0, 40.0);
+        let bound = run(&p).error_bound;
+        let times: Vec<f64> = (0..300).map(|i| 0.1 * f64::from(i)).collect();
+        for (t, f) in times.iter().zip(taylor::history(&p, 0, &times)) {
+            // F = x + 2 z x'; x = 1 - e^(-z t) (C + z S), x' = e^(-z t) S with C, S of sqrt(|1 - z^2|) t.
+            let d = (1.0 - z * z).abs().sqrt();
+            let (c, s) = match z {
+                1.0 => ((-t).exp(), t * (-t).exp()),
+                z if z < 1.0 => ((-z * t).exp() * (d * t).cos(), (-z * t).exp() * (d * t).sin() / d),
+                z => {
+                    let (a, b) = (((d - z) * t).exp(), ((-d - z) * t).exp());
+                    (0.5 * (a + b), 0.5 * (a - b) / d)
+                }
+            };
+            let expected = 1.0 - (c + z * s) + 2.0 * z * s;
+            assert!((f - expected).abs() < bound + 1e-14, "{z} {t}: {f} is not {expected} within {bound:e}");
+        }
+    }
+}
+
+/// Two vehicles that meet faster than their coupler bears: it breaks at asin(r / F) of its swing, and each goes on at the speed
+/// that it has then.
+#[test]
+fn a_coupler_breaks_in_its_swing() {
+    let swing = 2f64.sqrt();
+    let mut p = play(equal(2, false, false, 0.0));
+    p.velocity = vec![0.0, 3.0];
+    let force = 3.0 / swing;
+    p.scene.rated_draft = vec![1.5];
+    for (rule, rating, from) in [(Rule::InBoth, 1.0, 0.0), (Rule::InDraft, 1.5, PI / swing)] {
+        p.rule = rule;
+        let out = run(&p);
+        let broken = &out.breakages[0];
+        let phase = (rating / force).asin();
+        let time = from + phase / swing;
+        let slope = force * swing * phase.cos();
+        assert!((broken.time - time).abs() <= broken.uncertainty, "{} {time} {:e}", broken.time, broken.uncertainty);
+        assert!(broken.uncertainty < 3.0 * out.error_bound / slope + 1e-13, "{:e}", broken.uncertainty);
+        assert_eq!((broken.springs.as_slice(), out.breakages.len(), out.open), (&[0][..], 1, None));
+        assert!((broken.force[0].abs() - rating).abs() < out.error_bound);
+        // Energy: all of 9/2 is in the speeds and the spring; the spring's is lost. Rounding of a few squares.
+        assert!((broken.kinetic + broken.strain[0] - 4.5).abs() < 1e-12);
+        assert!((broken.strain[0] - 0.5 * rating * rating).abs() < 1e-12 && broken.strain[1] == 0.0);
+        let speeds = [1.5 * (1.0 - (swing * time).cos()), 1.5 * (1.0 + (swing * time).cos())];
+        assert!((broken.kinetic - 0.5 * (speeds[0].powi(2) + speeds[1].powi(2))).abs() < 1e-12);
+        let after = taylor::history(&p, 0, &[broken.time + 0.1, 4.0]);
+        assert_eq!(after, [0.0, 0.0]);
+    }
+}
+
+/// A rating as near to the peak as can be told: whether the coupler breaks is not decided, and from when on is said.
+#[test]
+fn a_rating_at_the_peak_is_not_decided() {
+    let mut p = play(equal(2, false, false, 0.0));
+    p.velocity = vec![0.0, 3.0];
+    let (swing, force) = (2f64.sqrt(), 3.0 / 2f64.sqrt());
+    (p.scene.rated_draft, p.scene.rated_buff, p.rule) = (vec![9.0], vec![force], Rule::InBoth);
+    let out = run(&p);
+    assert_eq!((out.springs[0].buff.exceeds(), out.breakages.len()), (None, 0));
+    let (spring, since) = out.open.expect("open");
+    // Within the bound of the peak since sqrt(2 bound / force) of a radian before it, twice over for the rounded rating.
+    let early = 2.0 * (2.0 * out.error_bound / force).sqrt() / swing;
+    assert!(spring == 0 && (since - 0.5 * PI / swing).abs() < early, "{since}");
+    for (rating, breaks) in [(1.0 - 1e-9, 1), (1.0 + 1e-9, 0)] {
+        p.scene.rated_buff = vec![force * rating];
+        let out = run(&p);
+        assert_eq!((out.breakages.len(), out.open), (breaks, None));
+    }
+}
+
+/// Chains of any shape with dashpots of any strength: the bound holds against the exponential of the whole system's matrix, which
+/// rounds more than the steps do.
+#[test]
+fn random_chains_agree_with_a_matrix_exponential() {
+    let mut seed = 7u64;
+    let mut random = move || {
+        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (seed >> 11) as f64 / (1u64 << 53) as f64
+    };
+    for round in 0..120 {
+        let masses = 2 + round % 7;
+        let (held_head, held_tail) = (round % 3 == 1, round % 5 == 2 && masses > 2);
+        let mut scene = equal(masses, held_head, held_tail, 0.0);
+        let mut between = |low: f64, high: f64| low * (high / low).powf(random());
+        scene.chain.mass.iter_mut().for_each(|m| *m = between(0.1, 10.0));
+        scene.chain.stiffness.iter_mut().for_each(|k| *k = between(0.1, 10.0));
+        scene.horizon = 6.0;
+        let mut p = play(scene);
+        p.dashpot.iter_mut().for_each(|c| *c = between(1e-3, 5.0));
+        for v in (0..masses).filter(|&v| p.scene.chain.live(v)) {
+            p.velocity[v] = between(1.0, 4.0) - 2.0;
+        }
+        p.drive = Drive::rectangle(between(0.5, 2.0), 7.0);
+        let out = run(&p);
+        let times = [0.7, 3.1, 5.9];
+        for (t, exact) in times.iter().map(|t| (t, exponential(&p, *t))) {
+            for (i, exact) in exact.iter().enumerate() {
+                let found = taylor::history(&p, i, &[*t])[0];
+                // Scaling and squaring of a matrix of norm 100 or so loses three digits or four.
+                assert!((found - exact).abs() < out.error_bound + 1e-11, "{round} {i} {t}: {found} {exact}");
+                let peaks = out.springs[i];
+                assert!(found <= peaks.draft.best.value + out.error_bound, "{round} {i} {t}");
+                assert!(-found <= peaks.buff.best.value + out.error_bound, "{round} {i} {t}");
+            }
+        }
+    }
+}
+
+/// Coupler forces from the exponential of the matrix of displacements, speeds and a constant.
+fn exponential(p: &Play, time: f64) -> Vec<f64> {
+    let chain = &p.scene.chain;
+    let n = chain.mass.len();
+    let row = |i: usize| {
+        let mut row = nalgebra::RowDVector::zeros(2 * n + 1);
+        (row[i], row[i + 1]) = (chain.stiffness[i], -chain.stiffness[i]);
+        (row[n + i], row[n + i + 1]) = (p.dashpot[i], -p.dashpot[i]);
+        row
+    };
+    let mut rates = nalgebra::DMatrix::zeros(2 * n + 1, 2 * n + 1);
+    for v in 0..n {
+        rates[(v, n + v)] = 1.0;
+        if chain.live(v) {
+            let ahead = v.checked_sub(1).map(row);
+            let behind = (v + 1 < n).then(|| row(v));
+            for j in 0..2 * n {
+                let pull = ahead.as_ref().map_or(0.0, |r| r[j]) - behind.as_ref().map_or(0.0, |r| r[j]);
+                rates[(n + v, j)] = pull / chain.mass[v];
+            }
+        }
+    }
+    let source = p.scene.source;
+    rates[(n + source, 2 * n)] = p.drive.value(0.0) / chain.mass[source];
+    let mut start = nalgebra::DVector::zeros(2 * n + 1);
+    start.rows_mut(n, n).copy_from_slice(&p.velocity);
+    start[2 * n] = 1.0;
+    let now = (rates * time).exp() * start;
+    (0..n - 1).map(|i| (row(i) * &now)[0]).collect()
+}

@@ -1,36 +1,32 @@
 //! What an analysis found: utilisations, exceedances, safe load factors, in SI units, named as in `result.json`.
 
 mod cascade;
+mod estimate;
 mod general;
+mod history;
 mod limits;
 mod map;
 
 use std::time::Instant;
 
 pub use cascade::{CascadeBreak, CascadeFindings};
+pub use estimate::estimate_s;
 use general::Solved;
+pub use history::{history, rod_history};
 pub use limits::LimitFindings;
 pub use map::{MapFindings, MapPoint};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::chain::Scene;
 use crate::consist::Train;
-use crate::play::Rule;
 use crate::rod::Rod;
 use crate::scenario::{self, Event, Part, Scales, Scenario};
 use crate::solve::memo::Memo;
 use crate::solve::watch::{Side, SpringPeaks};
-use crate::solve::{self, Ask, Method, SolveError, damped_modes, taylor};
-
-/// The longest that an analysis may take by its estimate, s.
-const MOST_SECONDS: f64 = 3600.0;
+use crate::solve::{Ask, Method, SolveError};
 
 /// What one analysis may remember of scenes that it has solved, bytes.
 const REMEMBERED: usize = 32 << 20;
-
-/// Cases of a scenario whose work is counted for an estimate, at most.
-const SAMPLE: usize = 200;
 
 /// How an analysis is to be done.
 #[derive(Clone, Debug)]
@@ -215,47 +211,6 @@ pub fn analyze(train: &Train, options: &Options) -> Result<Analysis, AnalyzeErro
     let scenarios = chosen(train, options)?.into_iter().map(|s| scenario_findings(train, s, options, &memo));
     let (vehicles, couplers) = (train.vehicles.len(), train.couplers.len());
     Ok(Analysis { train: train.name.clone(), vehicles, couplers, scenarios: scenarios.collect::<Result<_, _>>()? })
-}
-
-/// Estimated time of [`analyze`] on one core, s, from the count of its work.
-///
-/// # Errors
-/// As for [`analyze`]; [`AnalyzeError::TooLong`] where all cases together would take over an hour.
-pub fn estimate_s(train: &Train, options: &Options) -> Result<f64, AnalyzeError> {
-    let mut total = 0.0;
-    for scenario in chosen(train, options)? {
-        let cases = cases(&scenario.event);
-        // Of very many cases a sample says enough.
-        let sample: Vec<_> = cases.iter().step_by(cases.len().div_ceil(SAMPLE).max(1)).collect();
-        let seconds: Result<f64, _> = sample.par_iter().map(|&&b| case_estimate_s(train, scenario, b, options)).sum();
-        let seconds = seconds.map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
-        let mapped = if options.map { map::cases(train, &scenario.event) } else { 0 };
-        total += seconds * (cases.len() + mapped) as f64 / sample.len().max(1) as f64;
-    }
-    if total > MOST_SECONDS { Err(AnalyzeError::TooLong { seconds: total }) } else { Ok(total) }
-}
-
-fn case_estimate_s(
-    train: &Train,
-    scenario: &Scenario,
-    broken: Option<usize>,
-    options: &Options,
-) -> Result<f64, SolveError> {
-    let horizon_s = scenario::horizon_s(train, scenario, broken);
-    let ask = ask(train, options);
-    let mut seconds = 0.0;
-    if scenario.cascade != Rule::Keep {
-        seconds += general::estimate_s(train, scenario, broken, scenario.cascade);
-    }
-    if scenario::beyond_steps(&train.extras.dashpot_n_s_per_m, &scenario.event) {
-        return Ok(seconds + general::estimate_s(train, scenario, broken, Rule::Keep));
-    }
-    let parts = scenario::parts(train, &scenario.event, broken, horizon_s);
-    if train.extras.damping_ratio > 0.0 {
-        return Ok(seconds + parts.iter().map(|p| damped_modes::estimate_s(&p.scene)).sum::<f64>());
-    }
-    let steps: f64 = parts.iter().map(|p| solve::estimate_s(&p.scene, &ask)).sum::<Result<f64, _>>()?;
-    Ok(seconds + steps)
 }
 
 /// The scenarios to run.
@@ -470,60 +425,4 @@ fn rod_findings(parts: &[Part]) -> Option<RodFindings> {
         }
     }
     (!parts.is_empty()).then_some(findings)
-}
-
-/// Force in one coupler at given times, N, draft positive: what a figure shows.
-///
-/// `scenario` is an index into the train's scenarios; `broken` and `coupler` are indices from 0. Right to a line's width.
-pub fn history(train: &Train, scenario: usize, broken: Option<usize>, coupler: usize, times_s: &[f64]) -> Vec<f64> {
-    let event = &train.scenarios[scenario].event;
-    if scenario::beyond_steps(&train.extras.dashpot_n_s_per_m, event) {
-        let (scales, scenario) = (Scales::of(train), &train.scenarios[scenario]);
-        let horizon_s = scenario::horizon_s(train, scenario, broken);
-        let times: Vec<f64> = times_s.iter().map(|t| t / scales.time_s).collect();
-        let forces = taylor::history(&scenario::play(train, scenario, broken, horizon_s, Rule::Keep), coupler, &times);
-        return forces.into_iter().map(|f| f * scales.force_n).collect();
-    }
-    let forces = in_part(train, scenario, broken, coupler, times_s, |scene, i, t| match train.extras.damping_ratio {
-        0.0 => Some(solve::history(scene, i, t)),
-        ratio => Some(damped_modes::Damped::new(scene, ratio).history(i, t)),
-    });
-    forces.unwrap_or_else(|| vec![0.0; times_s.len()])
-}
-
-/// The same in the elastic rod; `None` where the coupler's part has no rod.
-pub fn rod_history(
-    train: &Train,
-    scenario: usize,
-    broken: Option<usize>,
-    coupler: usize,
-    times_s: &[f64],
-) -> Option<Vec<f64>> {
-    if train.extras.damping_ratio > 0.0 {
-        return None;
-    }
-    in_part(train, scenario, broken, coupler, times_s, |scene, i, t| Some(Rod::new(scene)?.history(i, t)))
-}
-
-/// Asks the part that holds a coupler for forces, in the solvers' units and back; `None` for the broken coupler.
-fn in_part(
-    train: &Train,
-    scenario: usize,
-    broken: Option<usize>,
-    coupler: usize,
-    times_s: &[f64],
-    ask: impl Fn(&Scene, usize, &[f64]) -> Option<Vec<f64>>,
-) -> Option<Vec<f64>> {
-    let scenario = &train.scenarios[scenario];
-    if scenario::beyond_steps(&train.extras.dashpot_n_s_per_m, &scenario.event) {
-        return None;
-    }
-    let horizon_s = scenario::horizon_s(train, scenario, broken);
-    let scales = Scales::of(train);
-    let parts = scenario::parts(train, &scenario.event, broken, horizon_s);
-    let holds = |p: &&Part| (p.first_coupler..p.first_coupler + p.scene.initial.len()).contains(&coupler);
-    let part = parts.iter().find(holds)?;
-    let times: Vec<f64> = times_s.iter().map(|t| t / scales.time_s).collect();
-    let forces = ask(&part.scene, coupler - part.first_coupler, &times)?;
-    Some(forces.into_iter().map(|f| f * scales.force_n).collect())
 }

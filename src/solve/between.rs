@@ -22,6 +22,8 @@ pub const PHASE: f64 = 1.5;
 /// vectors.
 const WINDOW: usize = 32;
 const CENTRE: usize = 15;
+/// A push from the rating, in bounds, that counts: ahead of the front rounding is far smaller than the bound.
+const PUSH: f64 = 1e-8;
 /// Steps of one side of one spring kept open before they are looked into.
 const MOST_OPEN: usize = 48;
 
@@ -267,7 +269,9 @@ impl<'a> Search<'a> {
     pub fn departures(&mut self, force: impl Fn(usize) -> f64) {
         let mut left = std::mem::take(&mut self.at_rating);
         left.retain_mut(|(spring, negative, lowest)| {
-            let value = self.value(*spring, *negative, force(*spring));
+            let g = force(*spring);
+            self.mind_push(*spring, *negative, g);
+            let value = self.value(*spring, *negative, g);
             *lowest = lowest.min(value);
             !self.departs(*spring, *negative, value)
         });
@@ -277,7 +281,12 @@ impl<'a> Search<'a> {
     /// Before a step is considered: whether the spring has left its rating at one of the instants since the event.
     pub fn departures_of(&mut self, spring: usize, forces: &[f64]) {
         for negative in [false, true] {
-            let _ = forces.iter().any(|&g| self.departs(spring, negative, self.value(spring, negative, g)));
+            for &g in forces {
+                if self.departs(spring, negative, self.value(spring, negative, g)) {
+                    break;
+                }
+                self.mind_push(spring, negative, g);
+            }
         }
     }
 
@@ -285,6 +294,14 @@ impl<'a> Search<'a> {
     fn value(&self, spring: usize, negative: bool, g: f64) -> f64 {
         let value = g + self.scene.initial[spring];
         if negative { -value } else { value }
+    }
+
+    /// A side that stood at its rating and is pushed on before it has left it may pass it by less than can be told.
+    fn mind_push(&mut self, spring: usize, negative: bool, g: f64) {
+        let pushed = if negative { -g } else { g };
+        if pushed > PUSH * self.watch.bound() {
+            self.watch.leave_open(spring, negative, f64::INFINITY);
+        }
     }
 
     /// Whether a side that stood at its rating is well below it; if so it is marked.

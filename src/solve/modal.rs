@@ -66,36 +66,57 @@ fn vectors(path: &Path, omega: &[Dd]) -> Vec<Mode> {
     for j in 0..modes.len() {
         let (done, rest) = modes.split_at_mut(j);
         let others = &done[cluster[j]..];
-        // Modes of one frequency live in separate places of the train; each try begins at another place.
-        for place in 1..=2 * others.len() {
-            if others.iter().map(|other| remove(&other.node, &mut rest[0].node)).product::<f64>() > 0.5 {
+        // Modes of one frequency live in separate places of the train; each try begins at another place, until one is found
+        // that is not a mix of those before it.
+        let tries = (0..=4 * others.len()).map(|place| match place {
+            0 => apart(rest[0].clone(), others),
+            _ => apart(path.mode(omega[j], place), others),
+        });
+        let (mut best, mut most) = (None, 0.0);
+        for (mode, left) in tries {
+            if left > most {
+                (best, most) = (Some(mode), left);
+            }
+            if most > 0.01 {
                 break;
             }
-            rest[0] = path.mode(omega[j], place);
         }
-        others.iter().for_each(|other| {
-            remove(&other.node, &mut rest[0].node);
-        });
+        if let Some(mode) = best {
+            rest[0] = mode;
+        }
     }
     modes
 }
 
-/// Takes out of `node` its part along `other`, and restores its norm sqrt 2; the share of it that is left.
+/// A mode without its parts along others, twice over, and the share of it that was left.
+fn apart(mut mode: Mode, others: &[Mode]) -> (Mode, f64) {
+    let left: f64 = others.iter().map(|other| remove(&other.node, &mut mode.node)).product();
+    others.iter().for_each(|other| {
+        remove(&other.node, &mut mode.node);
+    });
+    mode.residual /= left.sqrt();
+    (mode, left)
+}
+
+/// Takes out of `node` its part along `other`, and restores its norm sqrt 2; the share of it that is left, 0 for none.
 fn remove(other: &[Dd], node: &mut [Dd]) -> f64 {
     let dot = |a: &[Dd], b: &[Dd]| a.iter().zip(b).fold(Dd::ZERO, |sum, (&x, &y)| sum + x * y);
     let along = dot(other, node) * Dd::from(0.5);
     if along.abs().hi < 1e-30 {
         return 1.0;
     }
+    let left = Dd::ONE - along * along;
+    if left.hi < 1e-20 {
+        return 0.0;
+    }
     for (x, &y) in node.iter_mut().zip(other) {
         *x = *x - along * y;
     }
-    let rest = dot(node, node);
-    let scale = Dd::from(2.0).sqrt() / rest.sqrt();
+    let scale = Dd::from(2.0).sqrt() / dot(node, node).sqrt();
     for x in node.iter_mut() {
         *x = *x * scale;
     }
-    0.5 * rest.hi
+    left.hi
 }
 
 /// Growth per unit time of the energy norm of the error under a unit force: what the modes miss of that force, and their

@@ -184,7 +184,9 @@ pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
     let (peaks, work, error_bound) = match (plan.method, &mut modes) {
         _ if all_safe => (Vec::new(), Work::default(), 0.0),
         (Method::ClosedForm | Method::Modal, Some(modes)) => {
-            let left_out = sums::leave_out(scene, modes, 0.1 * ask.tolerance);
+            // A coupler that stands at its rating wants every digit of what first moves it.
+            let share = if stands_at_rating(scene) { 0.0 } else { 0.1 * ask.tolerance };
+            let left_out = sums::leave_out(scene, modes, share);
             let bound = sums::error_bound(scene, modes) + left_out;
             let (peaks, work, missed) = search::peaks(scene, modes, bound);
             if missed > 0.0 {
@@ -209,6 +211,13 @@ pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
         all_time_bounds: bounds,
         work,
     }
+}
+
+/// Whether a spring stands at its rating before the event, or so near that a bound might not tell.
+fn stands_at_rating(scene: &Scene) -> bool {
+    let ratings = scene.rated_draft.iter().zip(&scene.rated_buff);
+    let near = |f: f64, rating: f64| f <= rating && f > (1.0 - 1e-6) * rating;
+    scene.initial.iter().zip(ratings).any(|(&f, (&draft, &buff))| near(f, draft) || near(-f, buff))
 }
 
 /// Nanoseconds to find all modes, and every spring's share of them.

@@ -111,9 +111,11 @@ pub fn error_bound(scene: &Scene, modes: &Modes) -> f64 {
         let swing = size * (11.0 + m.min(PAIRWISE as f64) + (m / PAIRWISE as f64).max(1.0).log2() + 1.0);
         // What the modes miss of the force drives an error while it acts, their residuals as long as they swing.
         let missed = modes.defect[i] * (acting + fastest * scene.horizon);
-        (swing + scene.initial[i].abs()) * ROUNDOFF + missed
+        (swing + 2.0 * scene.initial[i].abs()) * ROUNDOFF + missed
     };
-    (0..scene.initial.len()).map(spring).fold(0.0, f64::max)
+    // What is no number is no bound.
+    let largest = |a: f64, b: f64| if b.is_nan() { f64::INFINITY } else { a.max(b) };
+    (0..scene.initial.len()).map(spring).fold(0.0, largest)
 }
 
 /// The forces as functions of time.
@@ -126,7 +128,9 @@ pub(super) struct Field<'a> {
 
 impl<'a> Field<'a> {
     pub(super) fn new(scene: &'a Scene, modes: &'a Modes) -> Field<'a> {
-        let mean = statics::unit_force(&scene.chain, scene.source);
+        // Of the modes that are summed, not of the chain: some may have been left out.
+        let row = |i: usize| pairwise(&|j| modes.share[(i, j)], 0, modes.omega.len());
+        let mean = (0..scene.initial.len()).map(row).collect();
         let omega = modes.omega.iter().map(|w| w.hi).collect();
         Field { scene, modes, omega, mean }
     }

@@ -1,0 +1,56 @@
+//! How long an analysis will take, from the count of its work.
+
+use rayon::prelude::*;
+
+use super::{AnalyzeError, Options, ask, cases, chosen, general, map};
+use crate::consist::Train;
+use crate::play::Rule;
+use crate::scenario::{self, Scenario};
+use crate::solve::{self, SolveError, damped_modes};
+
+/// The longest that an analysis may take by its estimate, s.
+const MOST_SECONDS: f64 = 3600.0;
+
+/// Cases of a scenario whose work is counted for an estimate, at most.
+const SAMPLE: usize = 200;
+
+/// Estimated time of [`super::analyze`] on one core, s, from the count of its work.
+///
+/// # Errors
+/// As for [`super::analyze`]; [`AnalyzeError::TooLong`] where all cases together would take over an hour.
+pub fn estimate_s(train: &Train, options: &Options) -> Result<f64, AnalyzeError> {
+    let mut total = 0.0;
+    for scenario in chosen(train, options)? {
+        let cases = cases(&scenario.event);
+        // Of very many cases a sample says enough.
+        let sample: Vec<_> = cases.iter().step_by(cases.len().div_ceil(SAMPLE).max(1)).collect();
+        let seconds: Result<f64, _> = sample.par_iter().map(|&&b| case_estimate_s(train, scenario, b, options)).sum();
+        let seconds = seconds.map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
+        let mapped = if options.map { map::cases(train, &scenario.event) } else { 0 };
+        total += seconds * (cases.len() + mapped) as f64 / sample.len().max(1) as f64;
+    }
+    if total > MOST_SECONDS { Err(AnalyzeError::TooLong { seconds: total }) } else { Ok(total) }
+}
+
+fn case_estimate_s(
+    train: &Train,
+    scenario: &Scenario,
+    broken: Option<usize>,
+    options: &Options,
+) -> Result<f64, SolveError> {
+    let horizon_s = scenario::horizon_s(train, scenario, broken);
+    let ask = ask(train, options);
+    let mut seconds = 0.0;
+    if scenario.cascade != Rule::Keep {
+        seconds += general::estimate_s(train, scenario, broken, scenario.cascade);
+    }
+    if scenario::beyond_steps(&train.extras.dashpot_n_s_per_m, &scenario.event) {
+        return Ok(seconds + general::estimate_s(train, scenario, broken, Rule::Keep));
+    }
+    let parts = scenario::parts(train, &scenario.event, broken, horizon_s);
+    if train.extras.damping_ratio > 0.0 {
+        return Ok(seconds + parts.iter().map(|p| damped_modes::estimate_s(&p.scene)).sum::<f64>());
+    }
+    let steps: f64 = parts.iter().map(|p| solve::estimate_s(&p.scene, &ask)).sum::<Result<f64, _>>()?;
+    Ok(seconds + steps)
+}

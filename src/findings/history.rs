@@ -1,0 +1,64 @@
+//! Forces over time, for figures.
+
+use crate::chain::Scene;
+use crate::consist::Train;
+use crate::play::Rule;
+use crate::rod::Rod;
+use crate::scenario::{self, Part, Scales};
+use crate::solve::{self, damped_modes, taylor};
+
+/// Force in one coupler at given times, N, draft positive: what a figure shows.
+///
+/// `scenario` is an index into the train's scenarios; `broken` and `coupler` are indices from 0. Right to a line's width.
+pub fn history(train: &Train, scenario: usize, broken: Option<usize>, coupler: usize, times_s: &[f64]) -> Vec<f64> {
+    let event = &train.scenarios[scenario].event;
+    if scenario::beyond_steps(&train.extras.dashpot_n_s_per_m, event) {
+        let (scales, scenario) = (Scales::of(train), &train.scenarios[scenario]);
+        let horizon_s = scenario::horizon_s(train, scenario, broken);
+        let times: Vec<f64> = times_s.iter().map(|t| t / scales.time_s).collect();
+        let forces = taylor::history(&scenario::play(train, scenario, broken, horizon_s, Rule::Keep), coupler, &times);
+        return forces.into_iter().map(|f| f * scales.force_n).collect();
+    }
+    let forces = in_part(train, scenario, broken, coupler, times_s, |scene, i, t| match train.extras.damping_ratio {
+        0.0 => Some(solve::history(scene, i, t)),
+        ratio => Some(damped_modes::Damped::new(scene, ratio).history(i, t)),
+    });
+    forces.unwrap_or_else(|| vec![0.0; times_s.len()])
+}
+
+/// The same in the elastic rod; `None` where the coupler's part has no rod.
+pub fn rod_history(
+    train: &Train,
+    scenario: usize,
+    broken: Option<usize>,
+    coupler: usize,
+    times_s: &[f64],
+) -> Option<Vec<f64>> {
+    if train.extras.damping_ratio > 0.0 {
+        return None;
+    }
+    in_part(train, scenario, broken, coupler, times_s, |scene, i, t| Some(Rod::new(scene)?.history(i, t)))
+}
+
+/// Asks the part that holds a coupler for forces, in the solvers' units and back; `None` for the broken coupler.
+fn in_part(
+    train: &Train,
+    scenario: usize,
+    broken: Option<usize>,
+    coupler: usize,
+    times_s: &[f64],
+    ask: impl Fn(&Scene, usize, &[f64]) -> Option<Vec<f64>>,
+) -> Option<Vec<f64>> {
+    let scenario = &train.scenarios[scenario];
+    if scenario::beyond_steps(&train.extras.dashpot_n_s_per_m, &scenario.event) {
+        return None;
+    }
+    let horizon_s = scenario::horizon_s(train, scenario, broken);
+    let scales = Scales::of(train);
+    let parts = scenario::parts(train, &scenario.event, broken, horizon_s);
+    let holds = |p: &&Part| (p.first_coupler..p.first_coupler + p.scene.initial.len()).contains(&coupler);
+    let part = parts.iter().find(holds)?;
+    let times: Vec<f64> = times_s.iter().map(|t| t / scales.time_s).collect();
+    let forces = ask(&part.scene, coupler - part.first_coupler, &times)?;
+    Some(forces.into_iter().map(|f| f * scales.force_n).collect())
+}

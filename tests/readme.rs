@@ -28,10 +28,10 @@ fn every_field_is_documented() {
         .collect();
     let dir = tempfile::tempdir().expect("a folder");
     let mut written = BTreeSet::new();
-    for train in ["paper-figure-4", "mixed-manifest-train"] {
+    for train in ["paper-figure-4", "mixed-manifest-train", "hauled-train-on-a-grade"] {
         let out = dir.path().join(train);
         let run = Command::new(env!("CARGO_BIN_EXE_trainsafe"))
-            .args(["analyze", &format!("{root}/trains/{train}.toml"), "--all-time-bound", "--out"])
+            .args(["analyze", &format!("{root}/trains/{train}.toml"), "--all-time-bound", "--map", "--out"])
             .arg(&out)
             .output()
             .expect("it runs");

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::section::{Section, section};
 use super::train_facts::train_facts;
-use crate::consist::Train;
+use crate::consist::{self, Train};
 use crate::findings::Analysis;
 
 const TEMPLATE: &str = include_str!("report.md.jinja");
@@ -34,6 +34,8 @@ struct Report {
     cascades: bool,
     sections: Vec<Section>,
     train: Vec<[String; 2]>,
+    /// What a reader should know beforehand: loads over ratings, horizons that end before a wave has crossed the train.
+    warnings: Vec<String>,
 }
 
 /// The report as Markdown.
@@ -53,6 +55,7 @@ pub fn markdown(train: &Train, analysis: &Analysis, pictures: &Pictures) -> Resu
         cascades: analysis.scenarios.iter().flat_map(|s| &s.cases).any(|c| c.cascade.is_some()),
         sections: analysis.scenarios.iter().enumerate().map(|(i, s)| section(train, s, of(i))).collect(),
         train: train_facts(train),
+        warnings: consist::warnings(train),
     };
     render(TEMPLATE, report)
 }

@@ -32,6 +32,8 @@ pub struct Section {
     limited: Option<Table>,
     figures: Vec<Figure>,
     rod: String,
+    /// Couplers left out of all cases because they cannot exceed at any time.
+    left_out: usize,
     methods: Vec<String>,
     accuracy: String,
     horizon: String,
@@ -72,6 +74,7 @@ pub fn section(train: &Train, scenario: &ScenarioFindings, pictures: &[Picture])
         limited: single.and_then(|case| table(limits::passing(case), |c| limits::row(train, c, case))),
         figures: pictures.iter().map(|p| Figure { file: p.file.clone(), caption: p.caption.clone() }).collect(),
         rod: words::rod(scenario),
+        left_out: cases.iter().map(|c| c.left_out).sum(),
         methods: methods(cases),
         accuracy: accuracy(cases),
         horizon: horizon(cases),
@@ -147,11 +150,13 @@ fn often(scenario: &ScenarioFindings) -> Option<Table> {
     Some(table)
 }
 
-/// Each method with its reason, once.
+/// Each method with its reason, once; of many cases without the counts, which differ from case to case.
 fn methods(cases: &[CaseFindings]) -> Vec<String> {
     let mut said: Vec<(String, usize)> = Vec::new();
     for case in cases {
-        let reason = if case.method_reason.is_empty() { String::new() } else { format!(": {}", case.method_reason) };
+        let whole = case.method_reason.as_str();
+        let reason = if cases.len() > 1 { whole.split(" (counted work").next().unwrap_or(whole) } else { whole };
+        let reason = if reason.is_empty() { String::new() } else { format!(": {reason}") };
         let text = format!("{}{reason}", case.method);
         match said.iter_mut().find(|(known, _)| *known == text) {
             Some((_, n)) => *n += 1,

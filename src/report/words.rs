@@ -168,7 +168,7 @@ fn verdict_exceeding(case: &CaseFindings) -> String {
         };
         let word = if case.exceeding == 1 { "it is" } else { "the first is" };
         if exceeds_both_ways(c) {
-            format!("; {word} {}, {when}, and it does so in draft and in buff", place(c))
+            format!("; {word} {}, {when}, and it does so in draft at one time and in buff at another", place(c))
         } else {
             format!("; {word} {}, in {}, {when}", place(c), sense(c.peak_force_n))
         }
@@ -247,7 +247,13 @@ pub fn rod(scenario: &ScenarioFindings) -> String {
     let chain_largest = cases.iter().map(|(c, _)| by_chain(c)).fold(0.0, f64::max);
     let rod: usize = cases.iter().map(|(_, rod)| rod.exceeding).sum();
     let chain: usize = cases.iter().map(|(c, _)| c.exceeding).sum();
-    let over = if scenario.cases.len() > 1 { format!(", summed over {} breaks", cases.len()) } else { String::new() };
+    let over = match (scenario.cases.len(), cases.len()) {
+        (1, _) => String::new(),
+        (all, n) if all == n => format!(", summed over all {n} breaks"),
+        (all, n) => {
+            format!("; this is of the {n} of {all} breaks that leave parts of equal vehicles and couplers only")
+        }
+    };
     format!(
         "An elastic rod of the same mass and stiffness would have called {} overloaded (largest utilisation {} %), the \
          chain calls {chain} (largest {} %){over}.",

@@ -36,7 +36,10 @@ pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
         print(&summary(&outcome, &dir))?;
     }
     if outcome.scenes.0 > 0 {
-        say(&format!("{} scenes solved, {} more were the same as one of them", outcome.scenes.1, outcome.scenes.0));
+        say(&format!(
+            "{} parts of trains solved, {} more were the same as one of them",
+            outcome.scenes.1, outcome.scenes.0
+        ));
     }
     match outcome {
         Outcome { computed: 0, .. } => Err(Failure::Input),

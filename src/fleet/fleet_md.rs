@@ -105,7 +105,10 @@ fn probabilities(run: &Run, summary: &Summary) -> Table {
         head.push("95 % confidence");
         text.push("At least one coupler exceeds its rating in at least one case of the train. The interval is Clopper and Pearson's.".to_owned());
         if run.latin_hypercube {
-            text.push("It takes samples as independent; those of a Latin hypercube usually do better.".to_owned());
+            text.push(
+                "The interval takes samples as independent; those of a Latin hypercube usually scatter less."
+                    .to_owned(),
+            );
         }
         text.push(
             "Draws that make no train, such as a negative strength, are left out and listed in errors.csv.".to_owned(),
@@ -153,8 +156,15 @@ fn worst(summary: &Summary) -> Option<Table> {
     };
     let mut text = Vec::new();
     more(&mut text, trains.len(), LISTED, "unsafe trains");
-    let head =
-        vec!["train", "file", "utilisation, %", "coupler", "when", "safe load factor", "cases with an exceedance"];
+    let head = vec![
+        "train",
+        "file",
+        "utilisation, %",
+        "coupler",
+        "when",
+        "smallest safe load factor of all cases",
+        "cases with an exceedance",
+    ];
     let rows: Vec<_> = trains.iter().take(LISTED).map(row).collect();
     (!rows.is_empty()).then_some(Table { title: "Unsafe trains, worst first", text, head, rows })
 }
@@ -180,7 +190,7 @@ fn overloaded(summary: &Summary) -> Option<Table> {
     more(&mut text, found.len(), COUPLERS, "couplers");
     let rows: Vec<_> = found.iter().take(COUPLERS).map(|(c, n)| vec![c.to_string(), n.to_string()]).collect();
     let head = vec!["coupler", "cases in which it is the worst"];
-    (!rows.is_empty()).then_some(Table { title: "Couplers overloaded most often", text, head, rows })
+    (!rows.is_empty()).then_some(Table { title: "Couplers that are most often the worst", text, head, rows })
 }
 
 fn errors(summary: &Summary) -> Option<Table> {

@@ -153,8 +153,8 @@ struct Fronts<'a> {
     table: Table,
     /// G of each spring at the instant before a block and at the block's.
     force: Vec<[f64; INSTANTS]>,
-    /// Per step of a block of instants and block of springs: a bound on the norm of `h^2 G''` around it.
-    norms: [Vec<f64>; LANES],
+    /// Per block of springs and step of a block of instants: a bound on the norm of `h^2 G''` around it.
+    norms: Vec<[f64; LANES]>,
     /// Whether no step like that follows.
     last: [bool; LANES],
 }
@@ -174,7 +174,7 @@ impl<'a> Fronts<'a> {
             remainders: motion.remainders(width),
             table: Table::default(),
             force: vec![[0.0; INSTANTS]; scene.initial.len()],
-            norms: std::array::from_fn(|_| Vec::new()),
+            norms: vec![[0.0; LANES]; scene.initial.len().div_ceil(BLOCK)],
             last: [false; LANES],
         }
     }
@@ -278,7 +278,7 @@ impl<'a> Fronts<'a> {
                 let step = self.step(n);
                 let at = |end: usize, s: usize| self.force[s][l + end];
                 search.departures_of(spring, &self.force[spring][..=l]);
-                search.consider(&step, spring, self.remainders[1][spring], self.norms[l][spring / BLOCK], at);
+                search.consider(&step, spring, self.remainders[1][spring], self.norms[spring / BLOCK][l], at);
             }
         }
         for l in 0..last_lane {
@@ -294,13 +294,19 @@ impl<'a> Fronts<'a> {
         let row = |s: Option<usize>| s.and_then(|s| self.force.get(s)).unwrap_or(&zero);
         let (before, here, after) = (row(spring.checked_sub(1)), row(Some(spring)), row(Some(spring + 1)));
         let (ahead, behind) = (square * self.motion.ahead[spring], square * self.motion.behind[spring]);
-        let bend: [f64; INSTANTS] =
-            std::array::from_fn(|l| ahead * (here[l] - before[l]) + behind * (here[l] - after[l]));
-        let mut drive = [0.0; LANES];
-        if self.motion.drive[spring] != 0.0 {
-            drive = std::array::from_fn(|l| square * self.motion.drive[spring] * self.outside(first + l));
+        let mut ends = [[0.0; LANES]; 2];
+        let drive = square * self.motion.drive[spring];
+        for l in 0..LANES {
+            ends[0][l] = ahead * (here[l] - before[l]) + behind * (here[l] - after[l]);
+            ends[1][l] = ahead * (here[l + 1] - before[l + 1]) + behind * (here[l + 1] - after[l + 1]);
         }
-        [std::array::from_fn(|l| bend[l] - drive[l]), std::array::from_fn(|l| bend[l + 1] - drive[l])]
+        if drive != 0.0 {
+            for l in 0..LANES {
+                let push = drive * self.outside(first + l);
+                ends.iter_mut().for_each(|end| end[l] -= push);
+            }
+        }
+        ends
     }
 
     #[inline(always)]
@@ -315,11 +321,13 @@ impl<'a> Fronts<'a> {
             }
         }
         let mut ends = [vec![0.0; blocks], vec![0.0; blocks]];
-        for (l, norms) in self.norms.iter_mut().enumerate() {
+        let mut norms = Vec::with_capacity(blocks);
+        for l in 0..LANES {
             for (e, end) in ends.iter_mut().enumerate() {
                 end.iter_mut().zip(&energy).for_each(|(sum, block)| *sum = block[e][l]);
             }
-            local_norms([&ends[0], &ends[1]], norms);
+            local_norms([&ends[0], &ends[1]], &mut norms);
+            self.norms.iter_mut().zip(&norms).for_each(|(of, norm)| of[l] = *norm);
         }
     }
 
@@ -331,11 +339,13 @@ impl<'a> Fronts<'a> {
         let remainder = self.remainders[0][spring];
         let side = |of: &[Vec<f64>; 2]| [of[0][spring], of[1][spring]];
         let (level, crossing) = (side(&search.levels), side(&search.crossings));
-        let block = spring / BLOCK;
-        std::array::from_fn(|l| {
-            let remainder = remainder * self.norms[l][block];
-            opening([here[l], here[l + 1]], [q0[l], q1[l]], remainder, level, crossing, self.last[l])
-        })
+        let norms = &self.norms[spring / BLOCK];
+        let mut open = [0.0; LANES];
+        for l in 0..LANES {
+            let remainder = remainder * norms[l];
+            open[l] = opening([here[l], here[l + 1]], [q0[l], q1[l]], remainder, level, crossing, self.last[l]);
+        }
+        open
     }
 }
 

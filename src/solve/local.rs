@@ -79,14 +79,6 @@ impl Local {
         [Piece { b: x, fb: f, db: d, ..*p }, Piece { a: x, fa: f, da: d, ..*p }]
     }
 
-    /// Whether `sign` times the value can pass `level` on [-1, 1]; two cubics decide, generously.
-    pub fn may_pass(&self, sign: f64, level: f64) -> bool {
-        let (left, middle, right) = (self.value_and_slope(-1.0), self.value_and_slope(0.0), self.value_and_slope(1.0));
-        let turn = |(f, d): (f64, f64)| [sign * f, sign * d];
-        let top = |a, b| hermite_top(1.0, turn(a), turn(b)).value;
-        top(left, middle).max(top(middle, right)) + self.fourth() / 384.0 > level
-    }
-
     /// The largest value over [a, b] if it is over `floor`; otherwise `None`. Right to a few units of rounding.
     pub fn largest(&self, a: f64, b: f64, floor: f64) -> Option<Point> {
         let fourth = self.fourth();

@@ -31,8 +31,6 @@ pub struct Motion {
     pub compliance: Vec<f64>,
     /// Bounds on `(A G)_i` and `(A^2 G)_i` per unit of the norm of `G_i / sqrt(k_i)`.
     row: Vec<[f64; 2]>,
-    /// `1 / sqrt(m_source)`: the norm of accelerations and rates of extension that a unit step of force starts and keeps up.
-    pub jolt: f64,
 }
 
 impl Motion {
@@ -58,7 +56,7 @@ impl Motion {
         };
         let row = (0..springs).map(|i| [first[i], second(i)]).collect();
         let compliance = chain.stiffness.iter().map(|k| 1.0 / k).collect();
-        Motion { ahead, behind, drive, compliance, row, jolt: inverse(scene.source).sqrt() }
+        Motion { ahead, behind, drive, compliance, row }
     }
 
     /// The two remainders of every spring over steps of `width`, per unit of the local norm of `h^2 G''`; whole blocks of springs.

@@ -59,7 +59,8 @@ pub fn error_bound(scene: &Scene, omega: f64) -> f64 {
     let force = scene.force.abs();
     let pulses = if scene.duration < scene.horizon { 2.0 } else { 1.0 };
     let stiffest = scene.chain.stiffness.iter().fold(0.0f64, |a, &k| a.max(k)).sqrt();
-    let jolt = Motion::new(scene).jolt * force * pulses;
+    // The norm of accelerations and rates of extension that the force starts and keeps up; the source is never held.
+    let jolt = (1.0 / scene.chain.mass[scene.source]).sqrt() * force * pulses;
     let width = (PHASE / omega).min(scene.horizon);
     let marching = 40.0 * (scene.horizon + 20.0 * width) * jolt * stiffest * roundoff;
     // Rounding of the state's and the polynomial's own numbers, and the series' last terms.

@@ -160,14 +160,7 @@ impl Scan<'_> {
             self.watch.note_peak(spring, negative, &local, 1.0, exact);
             return Vec::new();
         }
-        let turned = if negative { local.negated() } else { local };
-        let quarter = |k: u8| {
-            let x = |k: u8| -1.0 + 0.5 * f64::from(k);
-            let top = turned.largest(x(k), x(k + 1), f64::NEG_INFINITY).map_or(f64::INFINITY, |top| top.value);
-            let time = |k: u8| if k == 4 { b } else { a + (b - a) * f64::from(k) / 4.0 };
-            Interval { upper: top + slack, from: time(k), to: time(k + 1) }
-        };
-        (0..4).map(quarter).collect()
+        of.quarters(if negative { local.negated() } else { local }, slack)
     }
 
     /// The largest value of a side over intervals, the most promising first.
@@ -206,7 +199,8 @@ impl Scan<'_> {
             let at = self.field.coordinates(stretch, 0.5 * (a + b));
             let (local, slack) = self.look(stretch, spring, &at, a, b);
             if slack > self.watch.grain() {
-                open.extend(self.split(stretch, (spring, negative), &interval).into_iter().rev());
+                let turned = if negative { local.negated() } else { local };
+                open.extend(interval.quarters(turned, slack).into_iter().rev());
             } else if self.watch.note_crossing(spring, negative, &local) {
                 return;
             }
@@ -237,6 +231,18 @@ struct Interval {
 impl Interval {
     fn new(upper: f64, (from, to): (f64, f64)) -> Interval {
         Interval { upper, from, to }
+    }
+
+    /// Its quarters, each with its bound: the largest value of a side's polynomial on it, and how far other modes can move it.
+    fn quarters(&self, local: Local, slack: f64) -> Vec<Interval> {
+        let (a, b) = (self.from, self.to);
+        let quarter = |k: u8| {
+            let x = |k: u8| -1.0 + 0.5 * f64::from(k);
+            let top = local.largest(x(k), x(k + 1), f64::NEG_INFINITY).map_or(f64::INFINITY, |top| top.value);
+            let time = |k: u8| if k == 4 { b } else { a + (b - a) * f64::from(k) / 4.0 };
+            Interval { upper: top + slack, from: time(k), to: time(k + 1) }
+        };
+        (0..4).map(quarter).collect()
     }
 
     /// Times cannot be told apart any further.

@@ -43,6 +43,13 @@ pub enum Command {
     /// Print a commented train file to start from
     #[command(after_help = "Example: trainsafe new > consist.toml")]
     New,
+    /// Print the JSON Schema of train files, by which editors complete and check them
+    #[command(after_help = "Example: trainsafe schema > train.schema.json")]
+    Schema {
+        /// Of study files instead
+        #[arg(long)]
+        study: bool,
+    },
 }
 
 #[derive(Debug, Args)]

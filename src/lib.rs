@@ -19,10 +19,12 @@ pub mod consist;
 pub mod error;
 pub mod findings;
 pub mod fleet;
+mod keys;
 pub mod play;
 pub mod report;
 pub mod rod;
 pub mod scenario;
+pub mod schema;
 pub mod solve;
 pub mod units;
 

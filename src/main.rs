@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 use clap::Parser;
 use trainsafe::accuracy::{self, AccuracyError};
 use trainsafe::solve::Method;
-use trainsafe::{Analysis, Options, Train, consist, findings, report};
+use trainsafe::{Analysis, Options, Train, consist, findings, report, schema};
 
 use cli::{Cli, Command};
 
@@ -37,6 +37,7 @@ fn main() -> ExitCode {
         Command::Accuracy(args) => accuracy(&args),
         Command::Check { train } => read(&train).and_then(|t| print(&consist::describe(&t))),
         Command::New => print(consist::TEMPLATE),
+        Command::Schema { study } => print(&schema::text(study)),
     };
     done.map_or_else(|failure| ExitCode::from(failure as u8), |()| ExitCode::SUCCESS)
 }

@@ -5,23 +5,16 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::extras::{Extras, LIMITS, Limits, Steady};
+use super::keys::COUPLER;
 use super::loads::{self, OwnLoad};
 use super::scenarios;
 use super::table::Row;
-use super::tree::{Found, Read, Sign, Table, Value};
+use super::tree::{Found, Read, Table, Value};
 use super::{Coupler, MOST_VEHICLES, Train, Vehicle};
 use crate::error::{Problem, printable, quoted};
 use crate::play::Rule;
 use crate::scenario::{self, Scenario};
-use crate::units::{Amount, Dimension};
-
-/// Keys of the whole file.
-pub(crate) const KEYS: [&str; 8] =
-    ["name", "damping_ratio", "coupler", "vehicle", "vehicles", "coupler_override", "load", "scenario"];
-const COUPLER_KEYS: [&str; 5] = ["stiffness", "rated_load", "rated_buff", "limits", "damping"];
-const OVERRIDE_KEYS: [&str; 6] = ["at", "stiffness", "rated_load", "rated_buff", "limits", "damping"];
-const VEHICLE_KEYS: [&str; 9] =
-    ["label", "count", "mass", "held", "length", "tractive_effort", "rolling_resistance", "grade", "brake_force"];
+use crate::units::Amount;
 
 /// Reads the whole train, going on after a problem as far as what follows can be judged without it.
 ///
@@ -99,19 +92,20 @@ struct CouplerKeys<'s> {
 
 impl<'s> CouplerKeys<'s> {
     fn of(table: &Table<'s>) -> Self {
-        let [stiffness, draft, buff, limits, damping] = COUPLER_KEYS.map(|key| table.get(key));
+        let [stiffness, draft, buff, limits, damping] =
+            ["stiffness", "rated_load", "rated_buff", "limits", "damping"].map(|key| table.get(key));
         CouplerKeys { stiffness, draft, buff, limits, damping }
     }
 
     fn damping(&self) -> Read<Option<f64>> {
-        self.damping.as_ref().map(|v| v.quantity(Dimension::Damping, Sign::NotNegative)).transpose()
+        self.damping.as_ref().map(|v| v.quantity()).transpose()
     }
 }
 
 /// A `limits` table.
 fn limits(value: &Value) -> Read<Limits> {
-    let table = value.table("limits", &LIMITS)?;
-    let quantity = |key| table.get(key).map(|v| v.quantity(Dimension::Force, Sign::Positive)).transpose();
+    let table = value.table()?;
+    let quantity = |key| table.get(key).map(|v| v.quantity()).transpose();
     let [fatigue, proof, ultimate] = LIMITS.map(quantity);
     if table.is_empty() {
         return Err(value.wrong("limits is empty", "give it fatigue, proof or ultimate: fatigue = \"970 kN\""));
@@ -150,16 +144,15 @@ impl Ratings {
 
 fn base_coupler(root: &Table) -> Read<Ratings> {
     let value = root.require("coupler", "add a [coupler] table with stiffness and rated_load")?;
-    let table = value.table("[coupler]", &COUPLER_KEYS)?;
+    let table = value.table()?;
     let keys = CouplerKeys::of(&table);
     let damping = keys.damping();
     let stiffness = table
         .require("stiffness", "add stiffness = \"30 MN/m\", that of the whole connection between two vehicles")
-        .and_then(|v| v.quantity(Dimension::Stiffness, Sign::Positive));
-    let draft = table
-        .require("rated_load", "add rated_load = \"1.5 MN\", the capacity in draft")
-        .and_then(|v| v.quantity(Dimension::Force, Sign::Positive));
-    let buff = keys.buff.map_or(Ok(Amount::Share(1.0)), |v| v.amount(Dimension::Force, Sign::Positive));
+        .and_then(|v| v.quantity());
+    let draft =
+        table.require("rated_load", "add rated_load = \"1.5 MN\", the capacity in draft").and_then(|v| v.quantity());
+    let buff = keys.buff.map_or(Ok(Amount::Share(1.0)), |v| v.amount());
     let limits = keys.limits.as_ref().map_or(Ok(Limits::default()), limits);
     Ok(Ratings {
         stiffness_n_per_m: stiffness?,
@@ -181,7 +174,7 @@ fn rate_by_table(ratings: &mut [Ratings], rows: &[Row]) {
 }
 
 fn couplers(root: &Table, base: &Ratings, mut ratings: Vec<Ratings>) -> Vec<Ratings> {
-    let overrides = root.get("coupler_override").and_then(|v| v.tables("[[coupler_override]]", &OVERRIDE_KEYS).ok());
+    let overrides = root.get("coupler_override").and_then(|v| v.tables().ok());
     let mut seen = HashMap::new();
     for table in overrides.into_iter().flatten() {
         // A problem in it has been noted: the other overrides can be read all the same.
@@ -195,19 +188,19 @@ type Seen = HashMap<(usize, &'static str), Range<usize>>;
 
 fn apply_override(table: &Table, base: &Ratings, ratings: &mut [Ratings], seen: &mut Seen) -> Read<()> {
     let keys = CouplerKeys::of(table);
-    if COUPLER_KEYS.iter().all(|key| table.get(key).is_none()) {
+    if COUPLER.names().all(|key| table.key_span(key).is_none()) {
         table.wrong("[[coupler_override]] overrides nothing", "give it a key of [coupler], such as rated_load");
     }
     let damping = keys.damping();
-    let stiffness = keys.stiffness.map(|v| v.quantity(Dimension::Stiffness, Sign::Positive)).transpose();
-    let draft = keys.draft.map(|v| v.amount(Dimension::Force, Sign::Positive)).transpose();
-    let buff = keys.buff.map(|v| v.amount(Dimension::Force, Sign::Positive)).transpose();
+    let stiffness = keys.stiffness.map(|v| v.quantity()).transpose();
+    let draft = keys.draft.map(|v| v.amount()).transpose();
+    let buff = keys.buff.map(|v| v.amount()).transpose();
     let limits = keys.limits.as_ref().map(limits).transpose();
     let right = format!("expected a coupler's number from 1 to {}, or a list of them", ratings.len());
     let at = table.require("at", &right).and_then(|v| coupler_list(&v, ratings.len(), &right));
     let (at, stiffness, draft, buff, limits, damping) = (at?, stiffness?, draft?, buff?, limits?, damping?);
     for i in at {
-        for key in COUPLER_KEYS {
+        for key in COUPLER.names() {
             let Some(span) = table.key_span(key) else { continue };
             if let Some(earlier) = seen.insert((i, key), span.clone()) {
                 let title = format!("coupler {} has its {key} overridden twice", i + 1);
@@ -291,7 +284,7 @@ fn vehicles<'s>(found: &Found, root: &Table<'s>) -> Read<(Vec<Group<'s>>, Vec<Ve
     let Some(value) = root.get("vehicle") else {
         return Err(found.note(Problem::of_file("the train has no vehicles", right)));
     };
-    let tables = value.tables("[[vehicle]]", &VEHICLE_KEYS)?;
+    let tables = value.tables()?;
     let groups = tables.iter().map(group).collect::<Vec<_>>().into_iter().collect::<Read<Vec<Group>>>()?;
     let mut total = 0usize;
     for (group, table) in groups.iter().zip(&tables) {
@@ -334,8 +327,8 @@ fn group<'s>(table: &Table<'s>) -> Read<Group<'s>> {
     let right = format!("expected a whole number from 1 to {MOST_VEHICLES}, how many of them follow each other");
     let count = table.get("count").map_or(Ok(1), |v| v.number(MOST_VEHICLES, |n| format!("count is {n}"), &right));
     let mass = table.require("mass", "add mass = \"160 t\", that of each vehicle of the group");
-    let mass = mass.and_then(|v| v.quantity(Dimension::Mass, Sign::Positive));
-    let length = table.get("length").map(|v| v.quantity(Dimension::Length, Sign::Positive)).transpose();
+    let mass = mass.and_then(|v| v.quantity());
+    let length = table.get("length").map(|v| v.quantity()).transpose();
     let held = table.get("held").map_or(Ok(None), |v| v.flag().map(|held| held.then_some(v)));
     let load = loads::own(table, held.as_ref().is_ok_and(Option::is_some));
     let count = count?;

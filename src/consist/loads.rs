@@ -11,10 +11,10 @@
 //! load is unstretched.
 
 use super::extras::Steady;
-use super::tree::{Read, Sign, Table};
+use super::tree::{Read, Table};
 use super::{Coupler, Vehicle};
 use crate::solve::dd::Dd;
-use crate::units::{Amount, Dimension};
+use crate::units::Amount;
 
 /// Standard gravity, m/s2 (CGPM 1901).
 const GRAVITY: f64 = 9.806_65;
@@ -34,11 +34,11 @@ const OWN_KEYS: [&str; 4] = ["tractive_effort", "rolling_resistance", "grade", "
 
 /// Reads the loads of one `[[vehicle]]` table.
 pub(super) fn own(table: &Table, held: bool) -> Read<OwnLoad> {
-    let quantity = |key, dimension, sign| table.get(key).map(|v| v.quantity(dimension, sign)).transpose();
-    let traction = quantity("tractive_effort", Dimension::Force, Sign::Any);
-    let brake = quantity("brake_force", Dimension::Force, Sign::NotNegative);
-    let resistance = quantity("rolling_resistance", Dimension::Resistance, Sign::NotNegative);
-    let grade = quantity("grade", Dimension::Grade, Sign::Any);
+    let quantity = |key| table.get(key).map(|v| v.quantity()).transpose();
+    let traction = quantity("tractive_effort");
+    let brake = quantity("brake_force");
+    let resistance = quantity("rolling_resistance");
+    let grade = quantity("grade");
     let first = OWN_KEYS.into_iter().find_map(|key| Some((key, table.key_span(key)?)));
     if let Some((key, span)) = first.as_ref().filter(|_| held) {
         let help = "a held vehicle takes whatever force it needs to keep its speed: leave the key out";
@@ -61,13 +61,10 @@ pub(super) fn read(
     own: &[OwnLoad],
     weakest_n: f64,
 ) -> Read<(Vec<f64>, Option<Steady>)> {
-    let table = root.get("load").map(|v| v.table("[load]", &["uniform", "rolling_resistance", "grade"])).transpose()?;
-    let quantity = |key, dimension, sign| {
-        let value = table.as_ref().and_then(|t| t.get(key));
-        value.map(|v| v.quantity(dimension, sign)).transpose()
-    };
-    let resistance = quantity("rolling_resistance", Dimension::Resistance, Sign::NotNegative);
-    let grade = quantity("grade", Dimension::Grade, Sign::Any);
+    let table = root.get("load").map(|v| v.table()).transpose()?;
+    let quantity = |key| table.as_ref().and_then(|t| t.get(key)).map(|v| v.quantity()).transpose();
+    let resistance = quantity("rolling_resistance");
+    let grade = quantity("grade");
     let (resistance, grade) = (resistance?, grade?);
     let by_vehicle = resistance.is_some() || grade.is_some() || own.iter().any(|o| o.given);
     let Some(table) = table.filter(|t| !by_vehicle || t.get("uniform").is_some()) else {
@@ -86,7 +83,7 @@ pub(super) fn read(
         let help = "keep uniform, or else tractive_effort, rolling_resistance, grade and brake_force";
         return Err(uniform.wrong(title, help));
     }
-    let load_n = match uniform.amount(Dimension::Force, Sign::Any)? {
+    let load_n = match uniform.amount()? {
         Amount::Si(value) => value,
         Amount::Share(share) => share * weakest_n,
     };

@@ -7,6 +7,7 @@
 mod describe;
 mod extras;
 mod file;
+pub(crate) mod keys;
 mod loads;
 mod record;
 mod scenarios;
@@ -103,7 +104,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Train, InputError> {
         None => None,
     };
     let found = tree::Found::default();
-    let root = tree::Table::root(&found, root.get_ref(), "the train file", &file::KEYS);
+    let root = tree::Table::root(&found, root.get_ref(), &keys::TRAIN);
     let train = file::train(&found, &root, rows.as_deref(), path);
     let problems = found.into_problems();
     match train {

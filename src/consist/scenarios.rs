@@ -5,44 +5,21 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::file::coupler_list;
-use super::tree::{Read, Sign, Table, Value};
+use super::keys::SCENARIO;
+use super::tree::{Read, Table, Value};
 use super::{Vehicle, record};
 use crate::error::quoted;
 use crate::play::{Drive, Rule};
 use crate::scenario::{Event, Scenario};
-use crate::units::{Amount, Dimension};
+use crate::units::Amount;
 
 /// More breaks than this, over all scenarios, are refused.
 const MOST_CASES: usize = 1_000_000;
 
-const KEYS: [&str; 15] = [
-    "name",
-    "kind",
-    "coupler",
-    "at",
-    "force",
-    "duration",
-    "shape",
-    "rise",
-    "fall",
-    "record",
-    "vehicles",
-    "speed",
-    "horizon",
-    "cascade",
-    "buff_breaks",
-];
-/// Keys of one kind of scenario or another.
-const OWN_KEYS: [(&str, &[&str]); 3] = [
-    ("break", &["coupler"]),
-    ("pulse", &["at", "force", "duration", "shape", "rise", "fall", "record"]),
-    ("impact", &["at", "vehicles", "speed"]),
-];
-
 /// The scenarios, or each coupler in turn if there are none.
 pub(super) fn read(root: &Table, vehicles: &[Vehicle], weakest_n: f64, path: &Path) -> Read<Vec<Scenario>> {
     let each = || Event::Break { couplers: (0..vehicles.len() - 1).collect() };
-    let tables = root.get("scenario").map_or(Ok(vec![]), |v| v.tables("[[scenario]]", &KEYS))?;
+    let tables = root.get("scenario").map_or(Ok(vec![]), |v| v.tables())?;
     if tables.is_empty() {
         let event = each();
         let name = default_name(&event, vehicles.len());
@@ -73,10 +50,10 @@ struct Unnamed<'s> {
 
 fn scenario<'s>(table: &Table<'s>, vehicles: &[Vehicle], weakest_n: f64, path: &Path) -> Read<Unnamed<'s>> {
     let name = table.get("name").map(|v| v.name().map(|text| (text, v.clone()))).transpose();
-    let horizon = table.get("horizon").map(|v| v.quantity(Dimension::Time, Sign::Positive)).transpose();
+    let horizon = table.get("horizon").map(|v| v.quantity()).transpose();
     let cascade = cascade(table);
     let kind = table.require("kind", "add kind = \"break\", kind = \"pulse\" or kind = \"impact\"")?;
-    let kind = kind.word(&["break", "pulse", "impact"])?;
+    let kind = kind.word()?;
     only_of(table, kind);
     let event = match kind {
         "break" => break_of(table, vehicles.len() - 1),
@@ -104,28 +81,19 @@ fn cascade(table: &Table) -> Read<Rule> {
 
 /// Notes keys that belong to other kinds alone.
 fn only_of(table: &Table, kind: &str) {
-    let own = OWN_KEYS.iter().find(|(name, _)| *name == kind).map_or(&[][..], |(_, keys)| keys);
-    for (other, keys) in OWN_KEYS.iter().filter(|(name, _)| *name != kind) {
-        for key in keys.iter().filter(|key| !own.contains(*key)) {
-            if let Some(span) = table.key_span(key) {
-                let all = own.join(", ");
-                let help = format!(
-                    "the keys of {} {kind} are name, kind, {all}, horizon, cascade, buff_breaks",
-                    article(kind)
-                );
-                let title = format!(
-                    "{key} is a key of {} {other}, and this scenario is {} {kind}",
-                    article(other),
-                    article(kind)
-                );
-                table.note_at(span, title, help);
-            }
+    let foreign = |key: &str| SCENARIO.foreign(kind).any(|(other, _)| other == key);
+    let all = SCENARIO.names().filter(|key| !foreign(key)).collect::<Vec<_>>().join(", ");
+    for (key, other) in SCENARIO.foreign(kind) {
+        if let Some(span) = table.key_span(key) {
+            let (one, kind) = (with_article(other.word), with_article(kind));
+            let title = format!("{key} is a key of {one}, and this scenario is {kind}");
+            table.note_at(span, title, format!("the keys of {kind} are {all}"));
         }
     }
 }
 
-fn article(word: &str) -> &'static str {
-    if word.starts_with('i') { "an" } else { "a" }
+fn with_article(word: &str) -> String {
+    format!("{} {word}", if word.starts_with('i') { "an" } else { "a" })
 }
 
 fn break_of(table: &Table, count: usize) -> Read<Event> {
@@ -146,12 +114,10 @@ fn pulse(table: &Table, vehicles: &[Vehicle], weakest_n: f64, path: &Path) -> Re
     }
     let force = table
         .require("force", "add force = \"-1.2 MN\", the outside force on that vehicle, forward positive")
-        .and_then(|v| v.amount(Dimension::Force, Sign::NonZero));
-    let duration = table
-        .require("duration", "add duration = \"60 ms\", how long the force acts")
-        .and_then(|v| v.quantity(Dimension::Time, Sign::Positive));
-    let shapes = ["rectangle", "half-sine", "triangle", "trapezoid"];
-    let shape = table.get("shape").map_or(Ok(shapes[0]), |v| v.word(&shapes));
+        .and_then(|v| v.amount());
+    let duration =
+        table.require("duration", "add duration = \"60 ms\", how long the force acts").and_then(|v| v.quantity());
+    let shape = table.get("shape").map_or(Ok("rectangle"), |v| v.word());
     let (shape, duration_s) = (shape?, duration?);
     let ramps = ramps(table, shape, duration_s)?;
     let force_n = match force? {
@@ -171,7 +137,7 @@ fn pulse(table: &Table, vehicles: &[Vehicle], weakest_n: f64, path: &Path) -> Re
 
 /// A trapezoid's times of rise and fall, s.
 fn ramps(table: &Table, shape: &str, duration_s: f64) -> Read<[f64; 2]> {
-    let quantity = |key| table.get(key).map(|v| v.quantity(Dimension::Time, Sign::Positive)).transpose();
+    let quantity = |key| table.get(key).map(|v| v.quantity()).transpose();
     let (rise, fall) = (quantity("rise"), quantity("fall"));
     if shape != "trapezoid" {
         for key in ["rise", "fall"] {
@@ -208,14 +174,12 @@ fn recorded(table: &Table, record: &Value, vehicle: usize, path: &Path) -> Read<
 
 fn impact(table: &Table, count: usize) -> Read<Event> {
     let right = "add at = \"tail\" or at = \"head\": the end that is struck";
-    let at = table.require("at", right).and_then(|v| v.word(&["head", "tail"]));
+    let at = table.require("at", right).and_then(|v| v.word_of(&["head", "tail"]));
     let most = format!("expected a whole number from 1 to {}: at least one vehicle stands", count - 1);
     let vehicles = table
         .require("vehicles", "add vehicles = 3, how many arrive together")
         .and_then(|v| v.number(count - 1, |n| format!("vehicles is {n}"), &most));
-    let speed = table
-        .require("speed", "add speed = \"6 mph\", how fast they arrive")
-        .and_then(|v| v.quantity(Dimension::Speed, Sign::Positive));
+    let speed = table.require("speed", "add speed = \"6 mph\", how fast they arrive").and_then(|v| v.quantity());
     Ok(Event::Impact { at_head: at? == "head", vehicles: vehicles?, speed_m_per_s: speed? })
 }
 

@@ -6,6 +6,7 @@ use std::ops::Range;
 use toml::de::{DeTable, DeValue};
 
 use crate::error::{Problem, Problems, quoted};
+use crate::keys::{Key, Kind, LONGEST_NAME, Shape, Sign};
 use crate::units::{self, Amount, Dimension, one_of};
 
 /// What was found wrong with a text so far.
@@ -32,41 +33,27 @@ impl Found {
     }
 }
 
-/// Which signs a quantity may have.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Sign {
-    Positive,
-    NonZero,
-    NotNegative,
-    Any,
-}
-
-/// A table with its name as it is written, such as `[coupler]`, and the place of its header.
+/// A table with the keys that it may have, and the place of its header.
 #[derive(Clone)]
 pub(crate) struct Table<'s> {
     found: &'s Found,
-    name: &'static str,
-    keys: &'static [&'static str],
+    shape: &'static Shape,
     table: &'s DeTable<'s>,
     span: Range<usize>,
 }
 
 impl<'s> Table<'s> {
-    /// The whole file, called `name`.
-    pub(crate) fn root(
-        found: &'s Found,
-        table: &'s DeTable<'s>,
-        name: &'static str,
-        keys: &'static [&'static str],
-    ) -> Self {
-        Table { found, name, keys, table, span: 0..0 }.checked()
+    /// The whole file.
+    pub(crate) fn root(found: &'s Found, table: &'s DeTable<'s>, shape: &'static Shape) -> Self {
+        Table { found, shape, table, span: 0..0 }.checked()
     }
 
     /// The same, with every key noted that it cannot have.
     fn checked(self) -> Self {
-        for key in self.table.keys().filter(|key| !self.keys.contains(&key.get_ref().as_ref())) {
-            let title = format!("unknown key {} in {}", quoted(key.get_ref()), self.name);
-            let all = format!("the keys of {} are {}", self.name, self.keys.join(", "));
+        let name = self.shape.name;
+        for key in self.table.keys().filter(|key| self.shape.key(key.get_ref()).is_none()) {
+            let title = format!("unknown key {} in {name}", quoted(key.get_ref()));
+            let all = format!("the keys of {name} are {}", self.shape.names().collect::<Vec<_>>().join(", "));
             let help =
                 self.nearest(key.get_ref()).map_or(all.clone(), |near| format!("did you mean \"{near}\"? {all}"));
             self.note_at(key.span(), title, help);
@@ -81,13 +68,14 @@ impl<'s> Table<'s> {
             return None;
         }
         let distance = |known: &str| strsim::damerau_levenshtein(&key.to_lowercase(), known);
-        let near = self.keys.iter().min_by_key(|known| distance(known)).copied();
+        let near = self.shape.names().min_by_key(|known| distance(known));
         near.filter(|known| distance(known) <= (known.len() / 3).max(1))
     }
 
-    /// The value of a key, if it is there.
-    pub(crate) fn get(&self, key: &'static str) -> Option<Value<'s>> {
+    /// The value of a key of its shape, if it is there.
+    pub(crate) fn get(&self, key: &str) -> Option<Value<'s>> {
         let (_, value) = self.table.get_key_value(key)?;
+        let Some(key) = self.shape.key(key) else { unreachable!("{key} is no key of {}", self.shape.name) };
         Some(Value { found: self.found, key, value: value.get_ref(), span: value.span() })
     }
 
@@ -102,12 +90,12 @@ impl<'s> Table<'s> {
     }
 
     /// The value of a key that must be there.
-    pub(crate) fn require(&self, key: &'static str, right: &str) -> Read<Value<'s>> {
+    pub(crate) fn require(&self, key: &str, right: &str) -> Read<Value<'s>> {
         let misspelt = || self.table.keys().any(|k| *k.get_ref() != key && self.nearest(k.get_ref()) == Some(key));
         match self.get(key) {
             Some(value) => Ok(value),
             None if misspelt() => Err(Reported(())),
-            None => Err(self.wrong(format!("{} has no {key}", self.name), right)),
+            None => Err(self.wrong(format!("{} has no {key}", self.shape.name), right)),
         }
     }
 
@@ -142,7 +130,7 @@ impl<'s> Table<'s> {
 #[derive(Clone)]
 pub(crate) struct Value<'s> {
     found: &'s Found,
-    key: &'static str,
+    key: &'static Key,
     value: &'s DeValue<'s>,
     span: Range<usize>,
 }
@@ -167,12 +155,12 @@ impl<'s> Value<'s> {
 
     /// Notes that this value is of the wrong type.
     pub(crate) fn wrong_type(&self, right: impl Into<String>) -> Reported {
-        self.wrong(format!("{} is {}", self.key, type_name(self.value)), right)
+        self.wrong(format!("{} is {}", self.key.name, type_name(self.value)), right)
     }
 
     /// Notes that this is a word that has no meaning here.
     pub(crate) fn wrong_word(&self, text: &str, right: impl Into<String>) -> Reported {
-        self.wrong(format!("{} is {}", self.key, quoted(text)), right)
+        self.wrong(format!("{} is {}", self.key.name, quoted(text)), right)
     }
 
     pub(crate) fn span(&self) -> Range<usize> {
@@ -184,8 +172,16 @@ impl<'s> Value<'s> {
         self.value.as_str()
     }
 
+    /// One of the words that its key has.
+    pub(crate) fn word(&self) -> Read<&'static str> {
+        match self.key.kind {
+            Kind::Word(words) => self.word_of(words),
+            _ => unreachable!("{} is no word", self.key.name),
+        }
+    }
+
     /// One of several fixed words.
-    pub(crate) fn word(&self, words: &[&'static str]) -> Read<&'static str> {
+    pub(crate) fn word_of(&self, words: &[&'static str]) -> Read<&'static str> {
         let right = || format!("expected {}", one_of(words.iter().map(|w| format!("\"{w}\""))));
         let text = self.as_text().ok_or_else(|| self.wrong_type(right()))?;
         let known = words.iter().find(|w| **w == text).copied();
@@ -194,20 +190,18 @@ impl<'s> Value<'s> {
 
     /// A string to show: neither empty nor longer than 200 characters, and of one line.
     pub(crate) fn name(&self) -> Read<&'s str> {
-        const LONGEST: usize = 200;
-        let right = format!("expected a string of 1 to {LONGEST} characters");
+        let right = format!("expected a string of 1 to {LONGEST_NAME} characters");
         let text = self.as_text().ok_or_else(|| self.wrong_type(&*right))?;
         if text.trim().is_empty() {
-            return Err(self.wrong(format!("{} is empty", self.key), right));
+            return Err(self.wrong(format!("{} is empty", self.key.name), right));
         }
         let length = text.chars().count();
-        if length > LONGEST {
-            return Err(self.wrong(format!("{} has {length} characters", self.key), right));
+        if length > LONGEST_NAME {
+            return Err(self.wrong(format!("{} has {length} characters", self.key.name), right));
         }
         if text.chars().any(char::is_control) {
-            return Err(
-                self.wrong(format!("{} has a control character: {}", self.key, quoted(text)), "expected plain text")
-            );
+            return Err(self
+                .wrong(format!("{} has a control character: {}", self.key.name, quoted(text)), "expected plain text"));
         }
         Ok(text)
     }
@@ -226,7 +220,7 @@ impl<'s> Value<'s> {
             _ => return Err(self.wrong_type(right)),
         };
         let number = text.parse().ok().filter(|x: &f64| *x > 0.0 && x.is_finite());
-        number.ok_or_else(|| self.wrong(format!("{} is {text}", self.key), right))
+        number.ok_or_else(|| self.wrong(format!("{} is {text}", self.key.name), right))
     }
 
     pub(crate) fn flag(&self) -> Read<bool> {
@@ -250,18 +244,26 @@ impl<'s> Value<'s> {
             _ => return Err(self.wrong_type(right)),
         };
         let ratio = text.parse::<f64>().ok().filter(|r| (0.0..1.0).contains(r));
-        ratio.ok_or_else(|| self.wrong(format!("{} is {}", self.key, quoted(&text)), right))
+        ratio.ok_or_else(|| self.wrong(format!("{} is {}", self.key.name, quoted(&text)), right))
     }
 
-    /// A quantity in SI units.
-    pub(crate) fn quantity(&self, dimension: Dimension, sign: Sign) -> Read<f64> {
-        match self.read_amount(dimension, sign, false)? {
+    /// A quantity such as its key has, in SI units.
+    pub(crate) fn quantity(&self) -> Read<f64> {
+        match self.amount()? {
             Amount::Si(value) | Amount::Share(value) => Ok(value),
         }
     }
 
-    /// A quantity in SI units or a share in %.
-    pub(crate) fn amount(&self, dimension: Dimension, sign: Sign) -> Read<Amount> {
+    /// A quantity such as its key has, in SI units or, where the key has shares, in %.
+    pub(crate) fn amount(&self) -> Read<Amount> {
+        match self.key.kind {
+            Kind::Quantity { of, sign, share } => self.read_amount(of, sign, share),
+            _ => unreachable!("{} is no quantity", self.key.name),
+        }
+    }
+
+    /// A quantity of this kind, in SI units or a share in %.
+    pub(crate) fn amount_of(&self, dimension: Dimension, sign: Sign) -> Read<Amount> {
         self.read_amount(dimension, sign, true)
     }
 
@@ -281,7 +283,7 @@ impl<'s> Value<'s> {
             (None, None) => return Err(self.wrong_type(right())),
         };
         let amount = units::parse(text, dimension, share)
-            .map_err(|bad| self.wrong(format!("{} {}", self.key, bad.found), bad.right))?;
+            .map_err(|bad| self.wrong(format!("{} {}", self.key.name, bad.found), bad.right))?;
         let (Amount::Si(value) | Amount::Share(value)) = amount;
         let found = match sign {
             Sign::Positive | Sign::NotNegative if value < 0.0 => "is negative",
@@ -293,7 +295,7 @@ impl<'s> Value<'s> {
             Sign::NotNegative => "expected zero or more",
             _ => "expected a force other than zero",
         };
-        Err(self.wrong(format!("{} {found}", self.key), right))
+        Err(self.wrong(format!("{} {found}", self.key.name), right))
     }
 
     /// The items of a list, or the value itself as the only one.
@@ -309,21 +311,26 @@ impl<'s> Value<'s> {
         Value { found: self.found, key: self.key, value: item.get_ref(), span: item.span() }
     }
 
-    /// A table, called `name`, that may have these keys.
-    pub(crate) fn table(&self, name: &'static str, keys: &'static [&'static str]) -> Read<Table<'s>> {
+    /// A table such as its key has.
+    pub(crate) fn table(&self) -> Read<Table<'s>> {
+        let Kind::Table(shape) = self.key.kind else { unreachable!("{} is no table", self.key.name) };
+        self.table_of(shape)
+    }
+
+    fn table_of(&self, shape: &'static Shape) -> Read<Table<'s>> {
         match self.value {
-            DeValue::Table(table) => {
-                Ok(Table { found: self.found, name, keys, table, span: self.span.clone() }.checked())
-            }
-            _ => Err(self.wrong_type(format!("expected {name}, a table with keys of its own"))),
+            DeValue::Table(table) => Ok(Table { found: self.found, shape, table, span: self.span.clone() }.checked()),
+            _ => Err(self.wrong_type(format!("expected {}, a table with keys of its own", shape.name))),
         }
     }
 
-    /// A list of tables, each called `name`, that may have these keys.
-    pub(crate) fn tables(&self, name: &'static str, keys: &'static [&'static str]) -> Read<Vec<Table<'s>>> {
+    /// A list of tables such as its key has.
+    pub(crate) fn tables(&self) -> Read<Vec<Table<'s>>> {
+        let Kind::Tables(shape) = self.key.kind else { unreachable!("{} is no list of tables", self.key.name) };
+        let right = || format!("write {}, with two brackets on each side, above each of them", shape.name);
         match self.value {
-            DeValue::Array(items) => items.iter().map(|item| self.item(item).table(name, keys)).collect(),
-            _ => Err(self.wrong_type(format!("write {name}, with two brackets on each side, above each of them"))),
+            DeValue::Array(items) => items.iter().map(|item| self.item(item).table_of(shape)).collect(),
+            _ => Err(self.wrong_type(right())),
         }
     }
 }

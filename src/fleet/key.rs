@@ -71,6 +71,14 @@ impl Key {
         }
     }
 
+    /// A regular expression of the paths that [`parse`](Key::parse) takes.
+    pub(crate) fn pattern() -> String {
+        let table = |(name, many, leaves): &(&str, bool, &[&str])| {
+            format!("{name}{}\\.({})", if *many { "\\[\\+?[0-9]+\\]" } else { "" }, leaves.join("|"))
+        };
+        format!("^({})$", TABLES.iter().map(table).collect::<Vec<_>>().join("|"))
+    }
+
     /// What it measures; `None` for a key without a unit.
     pub fn dimension(&self) -> Option<Dimension> {
         Some(match self.leaf {

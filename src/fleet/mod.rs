@@ -19,6 +19,7 @@ mod rows;
 pub mod spread;
 mod statistics;
 mod study;
+pub(crate) mod study_keys;
 mod summary;
 mod variation;
 

@@ -24,32 +24,12 @@ use toml::de::{DeTable, DeValue};
 
 use super::key::Key;
 use super::spread::{Law, Spread};
+use super::study_keys::{LARGEST_SEED, MOST_STEPS, MOST_VARIATIONS, STUDY, VARY};
 use crate::consist;
-use crate::consist::tree::{Found, Read, Sign, Table, Value};
+use crate::consist::tree::{Found, Read, Table, Value};
 use crate::error::InputError;
+use crate::keys::Sign;
 use crate::units::{Amount, Dimension};
-
-/// More variations of a train than this are refused.
-const MOST_VARIATIONS: usize = 10_000_000;
-
-const KEYS: [&str; 5] = ["trains", "samples", "seed", "latin_hypercube", "vary"];
-const VARY_KEYS: [&str; 15] = [
-    "key",
-    "values",
-    "from",
-    "to",
-    "steps",
-    "distribution",
-    "low",
-    "high",
-    "mean",
-    "sd",
-    "scale",
-    "shape",
-    "mode",
-    "location",
-    "per",
-];
 
 /// What a study file says.
 #[derive(Clone, Debug)]
@@ -105,7 +85,7 @@ pub fn is_study(text: &str) -> bool {
 pub fn parse(text: &str, path: &Path) -> Result<Study, InputError> {
     let root = DeTable::parse(text).map_err(|e| consist::not_toml(e, text, path))?;
     let found = Found::default();
-    let study = study(&Table::root(&found, root.get_ref(), "the study file", &KEYS));
+    let study = study(&Table::root(&found, root.get_ref(), &STUDY));
     let problems = found.into_problems();
     match study {
         Ok(study) if problems.is_empty() => Ok(study),
@@ -120,7 +100,7 @@ fn study(root: &Table) -> Read<Study> {
     });
     let draws = draws(root);
     let vary = root.require("vary", "add a [[vary]] table for each key to vary");
-    let tables = vary.and_then(|v| Ok((v.tables("[[vary]]", &VARY_KEYS)?, v)));
+    let tables = vary.and_then(|v| Ok((v.tables()?, v)));
     let (tables, value) = tables?;
     let draws = draws?;
     let inputs = tables.iter().map(|table| input(table, draws.is_some())).collect::<Vec<_>>();
@@ -149,7 +129,7 @@ fn draws(root: &Table) -> Read<Option<Draws>> {
         root.get(key).map(|v| v.number(most, |n| format!("{key} is {n}"), &right)).transpose()
     };
     let samples = whole("samples", MOST_VARIATIONS)?;
-    let seed = whole("seed", u32::MAX as usize)?;
+    let seed = whole("seed", LARGEST_SEED)?;
     let latin = root.get("latin_hypercube").map(|v| v.flag()).transpose()?;
     match (samples, seed.is_some() || latin.is_some()) {
         (None, true) => Err(root.wrong("the study has a way to draw but no number of samples", "add samples = 10000")),
@@ -164,7 +144,7 @@ fn draws(root: &Table) -> Read<Option<Draws>> {
 fn input(table: &Table, drawn: bool) -> Read<Input> {
     let value = table.require("key", "add key = \"coupler.stiffness\", or another key of the train file")?;
     let key = Key::parse(value.name()?).map_err(|bad| value.wrong(bad.title, bad.help))?;
-    let per = table.get("per").map(|v| Ok((v.word(&["train", "coupler"])?, v))).transpose()?;
+    let per = table.get("per").map(|v| Ok((v.word()?, v))).transpose()?;
     let per_coupler = match per {
         Some(("coupler", v)) if !key.of_every_coupler() => {
             return Err(v.wrong(format!("{key} is no key of every coupler"), "only keys of [coupler] have per"));
@@ -193,7 +173,7 @@ fn input(table: &Table, drawn: bool) -> Read<Input> {
 fn values(list: &Value, key: &Key) -> Read<Spread> {
     let one = |item: Value| -> Read<toml::Value> {
         if let Some(dimension) = key.dimension() {
-            item.amount(dimension, Sign::Any)?;
+            item.amount_of(dimension, Sign::Any)?;
         }
         plain(item.raw())
             .ok_or_else(|| item.wrong("this is no value of a train file's key", "expected a string or a number"))
@@ -214,16 +194,15 @@ fn plain(value: &DeValue) -> Option<toml::Value> {
 }
 
 fn range(table: &Table, from: &Value, key: &Key) -> Read<Spread> {
-    const MOST: usize = 1_000_000;
-    let right = format!("add steps = 9, the number of values with both ends, from 2 to {MOST}");
+    let right = format!("add steps = 9, the number of values with both ends, from 2 to {MOST_STEPS}");
     let steps = table.require("steps", &right)?;
-    let steps = match steps.number(MOST, |n| format!("steps is {n}"), &right)? {
+    let steps = match steps.number(MOST_STEPS, |n| format!("steps is {n}"), &right)? {
         1 => return Err(steps.wrong("steps is 1", right)),
         steps => steps,
     };
     let to = table.require("to", "add to, the last value")?;
     let dimension = dimension(key, from)?;
-    let ends = [from.amount(dimension, Sign::Any)?, to.amount(dimension, Sign::Any)?];
+    let ends = [from.amount_of(dimension, Sign::Any)?, to.amount_of(dimension, Sign::Any)?];
     let ([Amount::Si(low), Amount::Si(high)] | [Amount::Share(low), Amount::Share(high)]) = ends else {
         return Err(to.wrong("one end is a share and the other is none", "give both in the same way"));
     };
@@ -239,11 +218,11 @@ fn dimension(key: &Key, at: &Value) -> Read<Dimension> {
 
 fn law(table: &Table, name: &Value, key: &Key) -> Read<Spread> {
     let dimension = dimension(key, name)?;
-    let word = name.word(&["uniform", "normal", "lognormal", "weibull", "triangular"])?;
+    let word = name.word()?;
     let mut share = None;
     let mut quantity = |key: &'static str, sign: Sign| -> Read<f64> {
         let value = table.require(key, &format!("a {word} distribution has {}", parameters(word)))?;
-        let (amount, is_share) = match value.amount(dimension, sign)? {
+        let (amount, is_share) = match value.amount_of(dimension, sign)? {
             Amount::Si(x) => (x, false),
             Amount::Share(x) => (x, true),
         };
@@ -277,19 +256,15 @@ fn law(table: &Table, name: &Value, key: &Key) -> Read<Spread> {
     Ok(Spread::Law { law, dimension, share: share.unwrap_or(false) })
 }
 
-fn parameters(word: &str) -> &'static str {
-    match word {
-        "uniform" => "low, high",
-        "normal" | "lognormal" => "mean, sd",
-        "weibull" => "scale, shape, location",
-        _ => "low, mode, high",
-    }
+fn parameters(word: &str) -> String {
+    VARY.variants().iter().filter(|v| v.word == word).flat_map(|v| v.own).copied().collect::<Vec<_>>().join(", ")
 }
 
 /// Notes parameters that belong to another distribution.
 fn only(table: &Table, word: &str) {
-    for key in ["low", "high", "mean", "sd", "scale", "shape", "mode", "location", "to", "steps"] {
-        if let Some(span) = table.key_span(key).filter(|_| !parameters(word).split(", ").any(|p| p == key)) {
+    let of_a_range = ["to", "steps"];
+    for key in VARY.foreign(word).map(|(key, _)| key).chain(of_a_range) {
+        if let Some(span) = table.key_span(key) {
             let help = format!("a {word} distribution has {}", parameters(word));
             table.note_at(span, format!("{key} is no parameter of a {word} distribution"), help);
         }

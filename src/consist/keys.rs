@@ -1,0 +1,319 @@
+//! The keys of a train file.
+
+use super::{LIMITS, MOST_VEHICLES};
+use crate::keys::{Key, Kind, Shape, Sign, Variant};
+use crate::units::Dimension;
+
+const fn quantity(of: Dimension, sign: Sign) -> Kind {
+    Kind::Quantity { of, sign, share: false }
+}
+
+const fn or_share(of: Dimension, sign: Sign) -> Kind {
+    Kind::Quantity { of, sign, share: true }
+}
+
+const RATING: Kind = quantity(Dimension::Force, Sign::Positive);
+/// A coupler's or vehicle's number.
+const NUMBER: Kind = Kind::Whole { from: 1, to: MOST_VEHICLES };
+const NUMBERS: Kind = Kind::OneOrMore(&NUMBER);
+
+/// The whole file.
+pub(crate) static TRAIN: Shape = Shape {
+    exactly_one: &["vehicle", "vehicles"],
+    ..Shape::new(
+        "the train file",
+        "A train for trainsafe: its vehicles and couplers, the load before the event, and what is to happen.",
+        &[
+            Key::optional("name", Kind::Name, "The train's name; the file's name if absent.", "Ore train"),
+            Key::optional(
+                "damping_ratio",
+                Kind::Ratio,
+                "Share of critical damping of every mode of vibration; for breaks and rectangular pulses, and not beside a \
+                 coupler's damping.",
+                "0.2",
+            )
+            .or("0"),
+            Key::required(
+                "coupler",
+                Kind::Table(&COUPLER),
+                "Every coupler, unless [[coupler_override]] or the table of vehicles says otherwise.",
+                "{ stiffness = \"30 MN/m\", rated_load = \"1.5 MN\" }",
+            ),
+            Key::optional(
+                "vehicle",
+                Kind::Tables(&VEHICLE),
+                "The vehicles in order from the head, alike ones as a group with count; at least two vehicles in all.",
+                "[{ mass = \"195 t\" }, { count = 104, mass = \"160 t\" }]",
+            ),
+            Key::optional(
+                "vehicles",
+                Kind::Name,
+                "The vehicles as a table instead: a CSV file beside this one, a row for each, units in its header.",
+                "consist.csv",
+            ),
+            Key::optional(
+                "coupler_override",
+                Kind::Tables(&OVERRIDE),
+                "Couplers that differ from [coupler].",
+                "[{ at = 53, rated_load = \"60 %\" }]",
+            ),
+            Key::optional(
+                "load",
+                Kind::Table(&LOAD),
+                "The steady state before the event; no load if absent.",
+                "{ uniform = \"0.6 MN\" }",
+            ),
+            Key::optional(
+                "scenario",
+                Kind::Tables(&SCENARIO),
+                "What is to happen; each coupler breaks in turn if absent.",
+                "[{ kind = \"break\", coupler = 1 }]",
+            ),
+        ],
+    )
+};
+
+/// A coupler's keys beside `rated_load`.
+const STIFFNESS: &str = "Stiffness of the whole connection between two vehicles: couplers and draft gears in series.";
+const BUFF: Key = Key::optional(
+    "rated_buff",
+    or_share(Dimension::Force, Sign::Positive),
+    "Capacity in buff (compression), or a share of the same coupler's capacity in draft; equal to that if absent.",
+    "2.0 MN",
+);
+const OWN_LIMITS: Key = Key::optional(
+    "limits",
+    Kind::Table(&LIMITS_TABLE),
+    "More capacities, in draft and in buff; the report says which each coupler passes.",
+    "{ fatigue = \"0.9 MN\", proof = \"1.8 MN\", ultimate = \"2.9 MN\" }",
+);
+const DAMPING: Key = Key::optional(
+    "damping",
+    quantity(Dimension::Damping, Sign::NotNegative),
+    "A dashpot beside each connection's spring; none if absent.",
+    "200 kN*s/m",
+);
+
+pub(super) static COUPLER: Shape = Shape::new(
+    "[coupler]",
+    "Every coupler: the whole connection between two vehicles as one linear spring with two ratings.",
+    &[
+        Key::required("stiffness", quantity(Dimension::Stiffness, Sign::Positive), STIFFNESS, "30 MN/m"),
+        Key::required("rated_load", RATING, "Capacity in draft (tension).", "1.5 MN"),
+        BUFF,
+        OWN_LIMITS,
+        DAMPING,
+    ],
+);
+
+pub(super) static OVERRIDE: Shape = Shape {
+    least: 2,
+    ..Shape::new(
+        "[[coupler_override]]",
+        "Couplers that differ: their numbers, and any key of [coupler].",
+        &[
+            Key::required(
+                "at",
+                NUMBERS,
+                "The couplers' numbers: coupler i is between vehicle i and i+1, counted from 1 at the head.",
+                "[53]",
+            ),
+            Key::optional("stiffness", quantity(Dimension::Stiffness, Sign::Positive), STIFFNESS, "25 MN/m"),
+            Key::optional(
+                "rated_load",
+                or_share(Dimension::Force, Sign::Positive),
+                "Capacity in draft (tension), or a share of [coupler]'s.",
+                "60 %",
+            ),
+            BUFF,
+            OWN_LIMITS,
+            DAMPING,
+        ],
+    )
+};
+
+pub(super) static LIMITS_TABLE: Shape = Shape {
+    least: 1,
+    ..Shape::new(
+        "limits",
+        "Capacities beside the rating, in draft and in buff.",
+        &[
+            Key::optional(LIMITS[0], RATING, "The force that the coupler bears again and again.", "0.9 MN"),
+            Key::optional(LIMITS[1], RATING, "The force that leaves no lasting deformation.", "1.8 MN"),
+            Key::optional(LIMITS[2], RATING, "The force at which the coupler breaks.", "2.9 MN"),
+        ],
+    )
+};
+
+/// Two keys that a vehicle may have of its own, and the load for all.
+const RESISTANCE: Key = Key::optional(
+    "rolling_resistance",
+    quantity(Dimension::Resistance, Sign::NotNegative),
+    "Running resistance, backward, in proportion to the mass; a vehicle's own goes before that of [load].",
+    "15 N/t",
+);
+const GRADE: Key = Key::optional(
+    "grade",
+    quantity(Dimension::Grade, Sign::Any),
+    "Grade of the track, uphill positive; a vehicle's own goes before that of [load].",
+    "1.2 %",
+);
+
+pub(super) static VEHICLE: Shape = Shape::new(
+    "[[vehicle]]",
+    "A vehicle, or several alike that follow each other.",
+    &[
+        Key::optional(
+            "label",
+            Kind::Name,
+            "What reports call it, numbered where the train has it more than once; \"vehicle 1\" and so on if absent.",
+            "ore car",
+        ),
+        Key::optional("count", NUMBER, "How many alike follow each other.", "104").or("1"),
+        Key::required("mass", quantity(Dimension::Mass, Sign::Positive), "Mass of each.", "160 t"),
+        Key::optional(
+            "held",
+            Kind::Flag,
+            "It keeps its speed whatever the couplers do; the first and the last vehicle of the train only.",
+            "true",
+        )
+        .or("false"),
+        Key::optional(
+            "length",
+            quantity(Dimension::Length, Sign::Positive),
+            "Length over couplers, for places along the train and speeds in m/s.",
+            "10.9 m",
+        ),
+        Key::optional(
+            "tractive_effort",
+            quantity(Dimension::Force, Sign::Any),
+            "Force of its drive, forward positive, negative in dynamic braking; not on a held vehicle.",
+            "420 kN",
+        ),
+        RESISTANCE,
+        GRADE,
+        Key::optional(
+            "brake_force",
+            quantity(Dimension::Force, Sign::NotNegative),
+            "Force of its brakes, backward; not on a held vehicle.",
+            "10 kN",
+        ),
+    ],
+);
+
+pub(super) static LOAD: Shape = Shape::new(
+    "[load]",
+    "The steady state before the event: uniform, or the forces on the vehicles from which the couplers' follow.",
+    &[
+        Key::optional(
+            "uniform",
+            or_share(Dimension::Force, Sign::Any),
+            "The force in every coupler, draft positive, or a share of the weakest coupler's capacity in draft.",
+            "0.6 MN",
+        ),
+        RESISTANCE,
+        GRADE,
+    ],
+);
+
+pub(super) static SCENARIO: Shape = Shape {
+    variants: Some((
+        "kind",
+        &[
+            Variant { word: "break", own: &["coupler"], needs: &[&["coupler"]] },
+            Variant {
+                word: "pulse",
+                own: &["at", "force", "duration", "shape", "rise", "fall", "record"],
+                needs: &[&["at", "force", "duration"], &["at", "record"]],
+            },
+            Variant { word: "impact", own: &["at", "vehicles", "speed"], needs: &[&["at", "vehicles", "speed"]] },
+        ],
+    )),
+    ..Shape::new(
+        "[[scenario]]",
+        "Something that happens to the train: a coupler breaks, a force strikes a vehicle, vehicles run into an end.",
+        &[
+            Key::optional("name", Kind::Name, "Made from what happens if absent.", "the knuckle breaks"),
+            Key::required("kind", Kind::Word(&["break", "pulse", "impact"]), "What happens.", "break"),
+            Key::optional(
+                "coupler",
+                Kind::Either(&[Kind::Word(&["each"]), NUMBERS]),
+                "Of a break: the coupler's number, a list of them in turn, or \"each\".",
+                "53",
+            ),
+            Key::optional(
+                "at",
+                Kind::Either(&[Kind::Word(&["head", "tail"]), NUMBER]),
+                "Of a pulse, the vehicle that is struck: \"head\", \"tail\" or its number. Of an impact, the end that is struck: \
+                 \"head\" or \"tail\".",
+                "tail",
+            ),
+            Key::optional(
+                "force",
+                or_share(Dimension::Force, Sign::NonZero),
+                "Of a pulse: the outside force on that vehicle, forward positive, or a share of the weakest coupler's \
+                 capacity in draft.",
+                "-1.2 MN",
+            ),
+            Key::optional(
+                "duration",
+                quantity(Dimension::Time, Sign::Positive),
+                "Of a pulse: how long the force acts.",
+                "60 ms",
+            ),
+            Key::optional(
+                "shape",
+                Kind::Word(&["rectangle", "half-sine", "triangle", "trapezoid"]),
+                "Of a pulse: the force over time.",
+                "trapezoid",
+            )
+            .or("rectangle"),
+            Key::optional(
+                "rise",
+                quantity(Dimension::Time, Sign::Positive),
+                "Of a trapezoid, which needs it: the time to its full size.",
+                "10 ms",
+            ),
+            Key::optional(
+                "fall",
+                quantity(Dimension::Time, Sign::Positive),
+                "Of a trapezoid: the time from its full size; as long as the rise if absent.",
+                "20 ms",
+            ),
+            Key::optional(
+                "record",
+                Kind::Name,
+                "Of a pulse, instead of force, duration and shape: a CSV file beside this one with the columns \
+                 time_ms,force_kn (or other units).",
+                "pulse.csv",
+            ),
+            Key::optional(
+                "vehicles",
+                NUMBER,
+                "Of an impact: how many of the train's vehicles arrive together, and couple; at least one stands.",
+                "3",
+            ),
+            Key::optional(
+                "speed",
+                quantity(Dimension::Speed, Sign::Positive),
+                "Of an impact: how fast they arrive.",
+                "6 mph",
+            ),
+            Key::optional(
+                "horizon",
+                quantity(Dimension::Time, Sign::Positive),
+                "How long forces are followed; four transits of a wave through the longest part if absent.",
+                "8 s",
+            ),
+            Key::optional(
+                "cascade",
+                Kind::Flag,
+                "Couplers that pass their rating in draft break, one after the other; else they are reported.",
+                "true",
+            )
+            .or("false"),
+            Key::optional("buff_breaks", Kind::Flag, "In a cascade, couplers break in buff as well.", "true")
+                .or("false"),
+        ],
+    )
+};

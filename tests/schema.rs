@@ -1,0 +1,324 @@
+//! The JSON Schemas: they refuse what the reader refuses as far as they can see, and never what it takes.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+
+use jsonschema::Validator;
+use proptest::prelude::*;
+use serde_json::{Value, json};
+use trainsafe::units::{self, Dimension};
+use trainsafe::{consist, schema};
+
+#[path = "common/fleets.rs"]
+mod fleets;
+
+fn train_files() -> Validator {
+    jsonschema::draft202012::new(&schema::train()).expect("a schema")
+}
+
+/// A TOML text as the JSON that editors see in it; `None` if it is not TOML.
+fn json_of(text: &str) -> Option<Value> {
+    serde_json::to_value(text.parse::<toml::Table>().ok()?).ok()
+}
+
+fn refusal(validator: &Validator, text: &str) -> Option<String> {
+    let json = json_of(text).expect("TOML");
+    let errors: Vec<String> = validator.iter_errors(&json).map(|e| format!("{}: {e}", e.instance_path())).collect();
+    (!errors.is_empty()).then(|| errors.join("\n"))
+}
+
+fn reader_takes(text: &str) -> bool {
+    // Records and tables that these texts name stand beside the bad trains.
+    consist::parse(text, Path::new("tests/bad_trains/a.toml")).is_ok()
+}
+
+/// The template with the optional keys that its first and its second mark stand for.
+fn full_templates() -> [String; 2] {
+    let all = consist::TEMPLATE.replace("\n#: ", "\n");
+    let stand_ins = consist::TEMPLATE.replace("\n#+ ", "\n").replace("\nuniform", "\n#");
+    [all, stand_ins]
+}
+
+#[test]
+fn both_are_schemas() {
+    for schema in [schema::train(), schema::study()] {
+        jsonschema::meta::validate(&schema).unwrap_or_else(|e| panic!("{}: {e}", e.instance_path()));
+        jsonschema::draft202012::new(&schema).unwrap_or_else(|e| panic!("{e}"));
+    }
+}
+
+#[test]
+fn good_trains_are_taken() {
+    let validator = train_files();
+    let files = fs::read_dir("trains").expect("the folder of trains").map(|f| f.expect("an entry").path());
+    let mut texts: Vec<String> = files.map(|path| fs::read_to_string(path).expect("a train")).collect();
+    assert!(texts.len() >= 10);
+    texts.push(consist::TEMPLATE.to_owned());
+    texts.extend(full_templates());
+    for text in texts {
+        assert_eq!(refusal(&validator, &text), None, "{text}");
+    }
+}
+
+/// Bad trains that no schema can tell from good ones: what is wrong with them lies in other keys, other files, or sizes.
+const UNSEEN: &[&str] = &[
+    "both-held",
+    // JSON Schema has no other type for 2.0.
+    "count-fraction",
+    "count-huge",
+    "coupler-out-of-range",
+    "damping-ratio-cascade",
+    "damping-twice",
+    "duplicate-names",
+    "effort-of-held",
+    "empty-vehicles",
+    "held-group",
+    "held-in-the-middle",
+    "huge",
+    "listed-twice",
+    "load-empty",
+    "load-twice",
+    "one-vehicle",
+    "override-out-of-range",
+    "override-twice",
+    "pulse-on-held",
+    "record-wrong",
+    "subnormal",
+    "trapezoid-wrong",
+    "underflow",
+    "vehicle-out-of-range",
+];
+
+#[test]
+fn bad_trains_are_refused_as_far_as_a_schema_sees() {
+    let validator = train_files();
+    let (mut unseen, mut refused) = (vec![], 0);
+    for file in fs::read_dir("tests/bad_trains").expect("the folder of bad trains") {
+        let path = file.expect("an entry").path();
+        let Some(text) = fs::read_to_string(&path).ok().filter(|_| path.extension().is_some_and(|e| e == "toml"))
+        else {
+            continue;
+        };
+        match json_of(&text) {
+            None => {}
+            Some(_) if refusal(&validator, &text).is_some() => refused += 1,
+            Some(_) => unseen.push(path.file_stem().expect("a name").to_string_lossy().into_owned()),
+        }
+    }
+    unseen.sort();
+    assert_eq!(unseen, UNSEEN);
+    assert!(refused > 40, "{refused}");
+}
+
+/// Where a TOML value stands: keys and places in lists.
+type Place = Vec<Step>;
+
+#[derive(Clone, Debug)]
+enum Step {
+    Key(String),
+    Item(usize),
+}
+
+fn leaves(value: &toml::Value, at: &Place, into: &mut Vec<Place>) {
+    let below = |step: Step| at.iter().cloned().chain([step]).collect::<Place>();
+    match value {
+        toml::Value::Table(table) => table.iter().for_each(|(key, v)| leaves(v, &below(Step::Key(key.clone())), into)),
+        toml::Value::Array(list) => list.iter().enumerate().for_each(|(i, v)| leaves(v, &below(Step::Item(i)), into)),
+        _ => {}
+    }
+    if matches!(at.last(), Some(Step::Key(_))) {
+        into.push(at.clone());
+    }
+}
+
+/// The table with another value at a place, or with none there.
+fn changed(table: &toml::Table, at: &[Step], value: Option<&toml::Value>) -> toml::Table {
+    let mut whole = toml::Value::Table(table.clone());
+    let (last, way) = at.split_last().expect("a place");
+    let mut parent = &mut whole;
+    for step in way {
+        parent = match step {
+            Step::Key(key) => &mut parent[key.as_str()],
+            Step::Item(i) => &mut parent[*i],
+        };
+    }
+    let Step::Key(key) = last else { panic!("a key") };
+    let parent = parent.as_table_mut().expect("a table");
+    match value {
+        Some(value) => parent.insert(key.clone(), value.clone()),
+        None => parent.remove(key),
+    };
+    let toml::Value::Table(table) = whole else { panic!("a table") };
+    table
+}
+
+fn shown(at: &Place) -> String {
+    let step = |step: &Step| match step {
+        Step::Key(key) => format!(".{key}"),
+        Step::Item(i) => format!("[{i}]"),
+    };
+    at.iter().map(step).collect::<String>().split_off(1)
+}
+
+/// What is wrong with these lies in what another key says, and `vehicle = []` in TOML's way to write none.
+const ONLY_BY_READER: &[&str] = &[
+    "load {}",
+    "load.uniform left out",
+    "scenario[1].at \"head\"",
+    "scenario[1].at 1",
+    "scenario[1].cascade left out",
+    "scenario[1].fall \"1 s\"",
+    "scenario[1].rise \"1 s\"",
+    "scenario[1].rise left out",
+    "scenario[1].shape left out",
+    "scenario[2].at 1",
+    "vehicle []",
+    "vehicle[1].count 1",
+    "vehicle[1].count left out",
+];
+
+/// Every key of two full files gets values of every kind, and is left out: the schema refuses no file that the reader takes,
+/// and all that are wrong in the one value alone.
+#[test]
+fn schema_and_reader_agree_on_every_key() {
+    let validator = train_files();
+    let odd = "a = [1, 1.5, 0, -3, true, 'zzz', '', ' ', [], [2], [1, 'x'], {}, {zzz = 1}, 1979-05-27, 'each', 'head', 'break',
+        '1', '1 zzz', '1 t', '1 kN', '-1 kN', '0 kN', '-0 kN', '1 MN/m', '1 s', '1 m', '1 mph', '1 kN*s/m', '1 N/t', '50 %',
+        '-50%', '1e-3 %', '.5 kN', '5. kN']";
+    let odd = odd.parse::<toml::Table>().expect("TOML")["a"].as_array().expect("a list").clone();
+    let (mut taken, mut refused, mut only_by_reader) = (0, 0, BTreeSet::new());
+    for text in full_templates() {
+        let table: toml::Table = text.parse().expect("TOML");
+        assert!(reader_takes(&text));
+        let mut places = vec![];
+        leaves(&toml::Value::Table(table.clone()), &vec![], &mut places);
+        for at in places {
+            for value in odd.iter().map(Some).chain([None]) {
+                let text = toml::to_string(&changed(&table, &at, value)).expect("TOML");
+                let refusal = refusal(&validator, &text);
+                match (reader_takes(&text), refusal) {
+                    (true, None) => taken += 1,
+                    (false, Some(_)) => refused += 1,
+                    (false, None) => {
+                        only_by_reader.insert(format!(
+                            "{} {}",
+                            shown(&at),
+                            value.map_or("left out".to_owned(), toml::Value::to_string)
+                        ));
+                    }
+                    (true, Some(why)) => panic!("{why}\n{text}"),
+                }
+            }
+        }
+    }
+    assert!(taken > 200 && refused > 1500, "{taken} {refused}");
+    let expected = ONLY_BY_READER.iter().map(|s| (*s).to_owned()).collect();
+    assert_eq!(only_by_reader, expected);
+}
+
+/// The keys that a message lists are those of the schema.
+#[test]
+fn the_readers_own_lists_of_keys_are_the_schemas() {
+    let schema = schema::train();
+    let head = "[coupler]\nstiffness = \"1 N/m\"\nrated_load = \"1 N\"\n";
+    let tables = [
+        ("", "zzz = 1\n", "/properties"),
+        ("coupler", "", "/properties/coupler/properties"),
+        ("vehicle", "[[vehicle]]", "/properties/vehicle/items/properties"),
+        ("coupler_override", "[[coupler_override]]", "/properties/coupler_override/items/properties"),
+        ("load", "[load]", "/properties/load/properties"),
+        ("limits", "[coupler.limits]", "/properties/coupler/properties/limits/properties"),
+        ("scenario", "[[scenario]]", "/properties/scenario/items/properties"),
+    ];
+    for (name, header, pointer) in tables {
+        let text = if name.is_empty() { format!("{header}{head}") } else { format!("{head}{header}\nzzz = 1\n") };
+        let text = format!("{text}[[vehicle]]\ncount = 2\nmass = \"1 t\"\n");
+        let message = consist::parse(&text, Path::new("a.toml")).expect_err("a key that is not known").to_string();
+        let list =
+            message.lines().find_map(|l| l.split_once("help: the keys of ")?.1.split_once(" are ")).expect("a list").1;
+        let properties = schema.pointer(pointer).and_then(Value::as_object).expect("properties");
+        assert_eq!(list.split(", ").collect::<Vec<_>>(), properties.keys().collect::<Vec<_>>(), "{name}");
+        for (key, property) in properties {
+            for entry in ["title", "description", "examples"] {
+                assert!(property.get(entry).is_some_and(|e| e.as_str() != Some("")), "{name} {key} has no {entry}");
+            }
+            let validator = jsonschema::draft202012::new(property).expect("a schema");
+            for value in [&property["examples"][0]].into_iter().chain(property.get("default")) {
+                assert!(validator.is_valid(value), "{name} {key}: {value}");
+            }
+        }
+    }
+}
+
+proptest! {
+    /// A string has the pattern of a quantity exactly if it is one that can be computed with.
+    #[test]
+    fn patterns_are_the_readers_grammar(
+        space in " {0,2}", number in "[+-]?[0-9.]{0,5}([eE][+-]?[0-9]{0,2})?", unit in "(k|M)?[a-zN%]{0,2}(/m)?",
+        known in any::<proptest::sample::Index>(), odd in 0..4
+    ) {
+        let mass = &schema::train()["properties"]["vehicle"]["items"]["properties"]["mass"];
+        let load = &schema::train()["properties"]["load"]["properties"]["uniform"];
+        for (property, dimension, share) in [(mass, Dimension::Mass, false), (load, Dimension::Force, true)] {
+            let units: Vec<&str> = dimension.units().chain(["%"]).collect();
+            let unit = if odd == 0 { unit.as_str() } else { units[known.index(units.len())] };
+            let text = format!("{space}{number}{space}{unit}{space}");
+            let read = units::parse(&text, dimension, share);
+            let beyond = read.as_ref().is_err_and(|bad| bad.found.ends_with(" to compute with"));
+            let positive = |amount: &units::Amount| {
+                let (units::Amount::Si(x) | units::Amount::Share(x)) = *amount;
+                share || x > 0.0
+            };
+            let right = beyond && (share || !number.starts_with('-')) || read.as_ref().is_ok_and(positive);
+            let validator = jsonschema::draft202012::new(property).expect("a schema");
+            prop_assert_eq!(validator.is_valid(&json!(text)), right, "{} {:?}", text, read);
+        }
+    }
+}
+
+/// A study is taken or refused before it is run.
+#[test]
+fn no_study_that_the_reader_takes_is_refused() {
+    let validator = jsonschema::draft202012::new(&schema::study()).expect("a schema");
+    let readme = fs::read_to_string("README.md").expect("the README");
+    let blocks = readme.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next());
+    let study = blocks.into_iter().find(|block| block.contains("[[vary]]")).expect("a study in the README");
+    let list = "trains = \"ore-train.toml\"\n[[vary]]\nkey = \"vehicle[1].mass\"\nvalues = [\"90 t\", \"100 t\"]\n";
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::copy("trains/ore-train.toml", folder.path().join("ore-train.toml")).expect("a train");
+    let takes = |text: &str| {
+        fs::write(folder.path().join("study.toml"), text).expect("written");
+        let run = fleets::fleet(folder.path(), &["study.toml", "--dry-run"]);
+        assert!(matches!(run.status.code(), Some(0 | 2)), "{}", fleets::complaint(&run));
+        run.status.success()
+    };
+    let odd = "a = [1, 1.5, true, 'zzz', [], {}, '1 t', '-1 MN', '50 %', 'normal', 'coupler', 'load.uniform', 'load[0].uniform']";
+    let odd = odd.parse::<toml::Table>().expect("TOML")["a"].as_array().expect("a list").clone();
+    let mut refused = 0;
+    for text in [study, list] {
+        assert!(takes(text) && refusal(&validator, text).is_none(), "{text}");
+        let table: toml::Table = text.parse().expect("TOML");
+        let mut places = vec![];
+        leaves(&toml::Value::Table(table.clone()), &vec![], &mut places);
+        for at in places {
+            for value in odd.iter().map(Some).chain([None]) {
+                let text = toml::to_string(&changed(&table, &at, value)).expect("TOML");
+                if let Some(why) = refusal(&validator, &text) {
+                    refused += 1;
+                    assert!(!takes(&text), "{why}\n{text}");
+                }
+            }
+        }
+    }
+    assert!(refused > 100, "{refused}");
+}
+
+#[test]
+fn the_program_prints_them() {
+    for (args, schema) in [(&["schema"][..], schema::train()), (&["schema", "--study"], schema::study())] {
+        let run = fleets::trainsafe(Path::new(".")).args(args).output().expect("it runs");
+        assert!(run.status.success() && run.stderr.is_empty());
+        assert_eq!(serde_json::from_slice::<Value>(&run.stdout).expect("JSON and nothing else"), schema);
+    }
+}

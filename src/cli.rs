@@ -5,16 +5,23 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use trainsafe::fleet::Shard;
 
-/// Which couplers of a train exceed their capacity, and when, after another coupler breaks or a shock hits the train.
-///
-/// Exit status: 0 the analysis ran, whatever it found; 1 a coupler exceeds, with --fail-on-exceed; 2 bad usage or bad input;
-/// 3 the analysis ran for some trains and not for others; 4 the results could not be written.
+const STATUS: &str = "\
+Exit status: 0 the analysis ran, whatever it found; 1 a coupler exceeds, with --fail-on-exceed;
+2 bad usage or bad input; 3 the analysis ran for some trains and not for others; 4 the results
+could not be written.
+
+Example: trainsafe new > train.toml && trainsafe analyze train.toml";
+
+const FLEET: &str = "\
+The folder gets fleet.csv, errors.csv, fleet.md and a figure. The run may be killed at any moment:
+--resume goes on with it. Machines that share a folder compute a share each with --shard, and
+--merge joins them.
+
+Example: trainsafe fleet trains --out reports/yard";
+
+/// Which couplers of a train exceed their capacity, and when, after another coupler breaks or a shock hits the train
 #[derive(Debug, Parser)]
-#[command(
-    version,
-    arg_required_else_help = true,
-    after_help = "Example: trainsafe new > train.toml && trainsafe analyze train.toml"
-)]
+#[command(version, arg_required_else_help = true, after_help = STATUS)]
 pub struct Cli {
     #[command(subcommand)]
     pub command: Command,
@@ -23,32 +30,51 @@ pub struct Cli {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Analyse one train: a short table here, the report in a folder
-    #[command(after_help = "Example: trainsafe analyze consist.toml --scenario \"the rear is hit\" --out study/rear")]
+    #[command(
+        after_help = "Example: trainsafe analyze trains/ore-train.toml --scenario \"the rear is hit\" --out study/rear"
+    )]
     Analyze(Analyze),
     /// Analyse many trains and what-ifs: a row for every case, and a report on all of them
-    ///
-    /// The folder gets fleet.csv, errors.csv, fleet.md and a figure. The run may be killed at any moment: --resume goes on with
-    /// it. On several machines that share a folder, each runs a share with --shard, and --merge joins them.
-    #[command(after_help = "Example: trainsafe fleet trains/ --out reports/yard")]
+    #[command(after_help = FLEET)]
     Fleet(Fleet),
-    /// Show error against run time: every method on this train, and those that engineers know, against 30 digits
-    #[command(after_help = "Example: trainsafe accuracy consist.toml --out accuracy/consist")]
+    /// Show error against run time of every method, and of those that simulators use, on one train
+    #[command(after_help = "Example: trainsafe accuracy trains/paper-figure-4.toml --out accuracy/figure-4")]
     Accuracy(Accuracy),
-    /// Say whether a train file is right, and in words what the train is and what will be run
-    #[command(after_help = "Example: trainsafe check consist.toml")]
+    /// Say whether a train file is right, what the train is and what will be run
+    #[command(after_help = "Example: trainsafe check trains/ore-train.toml")]
     Check {
         /// The train file
         train: PathBuf,
     },
     /// Print a commented train file to start from
-    #[command(after_help = "Example: trainsafe new > consist.toml")]
+    #[command(after_help = "Example: trainsafe new > train.toml")]
     New,
     /// Print the JSON Schema of train files, by which editors complete and check them
-    #[command(after_help = "Example: trainsafe schema > train.schema.json")]
+    #[command(after_help = "\
+An editor with a TOML language server goes by it where a file's first line is
+#:schema ./train.schema.json
+
+Example: trainsafe schema > train.schema.json")]
     Schema {
-        /// Of study files instead
+        /// That of study files
         #[arg(long)]
         study: bool,
+    },
+    /// Print what makes a shell complete commands and options
+    #[command(after_help = "Example: trainsafe completions bash > trainsafe.bash")]
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+    /// Print the manual page, or write those of all commands into a folder
+    #[command(after_help = "Example: trainsafe man --out man1")]
+    Man {
+        /// Print the page of this command
+        #[arg(value_name = "COMMAND")]
+        of: Option<String>,
+        /// Folder for trainsafe.1, trainsafe-analyze.1 and the others
+        #[arg(long, value_name = "DIR", conflicts_with = "of")]
+        out: Option<PathBuf>,
     },
 }
 
@@ -62,19 +88,19 @@ pub struct Analyze {
     /// Run this scenario only
     #[arg(long, value_name = "NAME")]
     pub scenario: Option<String>,
-    /// Print result.json to standard output and nothing else there; write no files
+    /// Print result.json to standard output; write no files
     #[arg(long, conflicts_with = "out")]
     pub json: bool,
     /// Exit with status 1 if some coupler exceeds, or cannot be told not to
     #[arg(long)]
     pub fail_on_exceed: bool,
-    /// Leave out couplers that cannot exceed at any time: their all-time bound is under their rating
+    /// Leave out couplers that cannot exceed at any time
     #[arg(long)]
     pub verdict_only: bool,
-    /// Report the all-time bound of every coupler's force
+    /// Report a bound on every coupler's force over all time
     #[arg(long)]
     pub all_time_bound: bool,
-    /// Add a map to each scenario: the smallest overloading force by duration of the pulse, or the safe load by broken coupler
+    /// Map the smallest overloading force by duration of a pulse, or the safe load by broken coupler
     #[arg(long)]
     pub map: bool,
     #[command(flatten)]
@@ -89,7 +115,7 @@ pub struct Fleet {
     /// Folder for the results [default: reports/<stem of the only path>, or reports/fleet]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Print a line of JSON for every case to standard output and nothing else there; write no files
+    /// Print a line of JSON for every case to standard output; write no files
     #[arg(long, conflicts_with_all = ["out", "resume", "shard", "merge"])]
     pub json: bool,
     /// Go on with the run in the folder: compute what is missing and nothing else
@@ -101,7 +127,7 @@ pub struct Fleet {
     /// Join the shares in the folder into the files of one run
     #[arg(long, requires = "out")]
     pub merge: bool,
-    /// Say how many cases there are and roughly how long they will take, and stop
+    /// Say how many cases there are and about how long they take, and stop
     #[arg(long, conflicts_with_all = ["json", "merge"])]
     pub dry_run: bool,
     /// Exit with status 1 if some coupler exceeds, or cannot be told not to
@@ -132,7 +158,7 @@ pub struct Accuracy {
     /// Compare on this scenario [default: the first]
     #[arg(long, value_name = "NAME")]
     pub scenario: Option<String>,
-    /// Run the extreme cases instead: case, method chosen, error, bound, time, verdict
+    /// Run the extreme cases instead: method, error, bound, time and verdict of each
     #[arg(long, conflicts_with_all = ["train", "scenario", "out"])]
     pub stress: bool,
 }

@@ -1,6 +1,7 @@
 //! The command line: parse, call the library, set the exit status.
 
 mod cli;
+mod manual;
 mod run_fleet;
 
 use std::ffi::OsStr;
@@ -38,6 +39,8 @@ fn main() -> ExitCode {
         Command::Check { train } => read(&train).and_then(|t| print(&consist::describe(&t))),
         Command::New => print(consist::TEMPLATE),
         Command::Schema { study } => print(&schema::text(study)),
+        Command::Completions { shell } => print(&manual::completions(shell)),
+        Command::Man { of, out } => man(of.as_deref(), out.as_deref()),
     };
     done.map_or_else(|failure| ExitCode::from(failure as u8), |()| ExitCode::SUCCESS)
 }
@@ -101,6 +104,21 @@ fn accuracy(args: &cli::Accuracy) -> Result<(), Failure> {
         _ => complain(path, &e),
     })?;
     print(&format!("{}\nReport: {}\n", accuracy::terminal(&compared, None), dir.join("accuracy.md").display()))
+}
+
+fn man(of: Option<&str>, out: Option<&Path>) -> Result<(), Failure> {
+    let pages = manual::pages().map_err(|e| output_failed(&e))?;
+    if let Some(dir) = out {
+        return report::write_all(dir, &pages).map(|_| ()).map_err(|e| output_failed(&e));
+    }
+    let name = of.map_or("trainsafe.1".to_owned(), |of| format!("trainsafe-{of}.1"));
+    match pages.into_iter().find(|(page, _)| *page == name) {
+        Some((_, page)) => print(&String::from_utf8_lossy(&page)),
+        None => {
+            say(&format!("error: trainsafe has no command {:?}; trainsafe --help lists them", of.unwrap_or_default()));
+            Err(Failure::Input)
+        }
+    }
 }
 
 /// How each case is to be solved.

@@ -30,7 +30,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 pub use couplers_csv::csv;
-pub use files::WriteError;
+pub use files::{WriteError, write_all};
 pub use result_json::json;
 pub use terminal_table::terminal;
 

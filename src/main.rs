@@ -14,6 +14,7 @@ use std::time::{Duration, Instant};
 
 use clap::Parser;
 use trainsafe::accuracy::{self, AccuracyError};
+use trainsafe::scenario::Event;
 use trainsafe::solve::Method;
 use trainsafe::{Analysis, Options, Train, consist, findings, report, schema};
 
@@ -55,6 +56,14 @@ fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
         ..options(&args.solver)
     };
     let seconds = findings::estimate_s(&train, &options).map_err(|e| complain(&args.train, &e))?;
+    if args.map {
+        let impacts = train.scenarios.iter().filter(|s| matches!(s.event, Event::Impact { .. }));
+        for scenario in impacts.filter(|s| args.scenario.as_ref().is_none_or(|name| *name == s.name)) {
+            let why =
+                "forces in an impact are in proportion to its speed, so its safe factor says all that a map would";
+            say(&format!("note: {} has no map: {why}", scenario.name));
+        }
+    }
     consist::warnings(&train).iter().for_each(|warning| say(&format!("warning: {warning}")));
     if seconds > LONG_S {
         say(&format!("this will take about {seconds:.0} s"));

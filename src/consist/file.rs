@@ -188,7 +188,8 @@ type Seen = HashMap<(usize, &'static str), Range<usize>>;
 
 fn apply_override(table: &Table, base: &Ratings, ratings: &mut [Ratings], seen: &mut Seen) -> Read<()> {
     let keys = CouplerKeys::of(table);
-    if COUPLER.names().all(|key| table.key_span(key).is_none()) {
+    // A misspelt key has been noted, and is the reason.
+    if COUPLER.names().all(|key| table.key_span(key).is_none()) && !table.has_unknown_keys() {
         table.wrong("[[coupler_override]] overrides nothing", "give it a key of [coupler], such as rated_load");
     }
     let damping = keys.damping();

@@ -84,6 +84,11 @@ impl<'s> Table<'s> {
         self.table.is_empty()
     }
 
+    /// Whether keys have been noted that it cannot have.
+    pub(super) fn has_unknown_keys(&self) -> bool {
+        self.table.keys().any(|key| self.shape.key(key.get_ref()).is_none())
+    }
+
     /// The place of a key, if it is there.
     pub(crate) fn key_span(&self, key: &str) -> Option<Range<usize>> {
         self.table.get_key_value(key).map(|(k, _)| k.span())

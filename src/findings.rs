@@ -109,7 +109,8 @@ pub struct CaseFindings {
     pub exceeding: usize,
     /// Couplers whose rating lies within the error bound of their peak.
     pub undecided: usize,
-    /// Largest factor on the load (break) or on the pulse's force at which no coupler exceeds; `None` where none bounds it.
+    /// Largest factor on the load (break), the force (pulse) or the speed (impact) at which no coupler exceeds; `None` where
+    /// none bounds it.
     pub safe_load_factor: Option<f64>,
     /// The coupler with the largest utilisation; `None` where no coupler is left.
     pub worst: Option<CouplerFindings>,
@@ -156,6 +157,8 @@ pub struct CouplerFindings {
     pub exceeds: Option<bool>,
     /// The first time it is over its rating, s.
     pub first_exceeds_s: Option<f64>,
+    /// Over which rating it is then, `"draft"` or `"buff"`.
+    pub first_exceeds_in: Option<&'static str>,
     /// Bound on |force| over all time, N, where asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub all_time_bound_n: Option<f64>,
@@ -359,7 +362,9 @@ fn coupler_findings(
         (Some(false), Some(false)) => Some(false),
         _ => None,
     };
-    let first = [peaks.draft.first_over, peaks.buff.first_over].into_iter().flatten().reduce(f64::min);
+    let firsts = [(peaks.draft.first_over, "draft"), (peaks.buff.first_over, "buff")];
+    let firsts = firsts.into_iter().filter_map(|(at, sense)| Some((at?, sense)));
+    let first = firsts.reduce(|a, b| if b.0 < a.0 { b } else { a });
     CouplerFindings {
         coupler: index + 1,
         between: [train.vehicles[index].label.clone(), train.vehicles[index + 1].label.clone()],
@@ -374,7 +379,8 @@ fn coupler_findings(
         peak_buff_n: buff.map(|p| p.0),
         peak_buff_time_s: buff.map(|p| p.1),
         exceeds,
-        first_exceeds_s: first.map(|t| t * scales.time_s),
+        first_exceeds_s: first.map(|(t, _)| t * scales.time_s),
+        first_exceeds_in: first.map(|(_, sense)| sense),
         all_time_bound_n,
         limits: None,
     }

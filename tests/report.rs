@@ -133,6 +133,37 @@ fn a_load_that_is_too_much_by_itself_is_said_to_be() {
     assert!(text.contains(&format!("No coupler exceeds up to {:.1} % of this pull", 100.0 * share - 0.05)), "{text}");
 }
 
+/// The load is over the rating in draft from the start, and the front's return in buff is what uses it most.
+#[test]
+fn the_first_exceedance_has_its_own_coupler_and_sense() {
+    let mut train = figure_4();
+    for coupler in &mut train.couplers {
+        (coupler.rated_draft_n, coupler.rated_buff_n) = (0.999, 0.2);
+    }
+    let analysis = analysis_of(&train);
+    let case = &analysis.scenarios[0].cases[0];
+    let worst = case.worst.as_ref().expect("a worst coupler");
+    assert_eq!((worst.first_exceeds_s, worst.first_exceeds_in), (Some(0.0), Some("draft")));
+    assert!(worst.peak_force_n < 0.0 && worst.utilisation > 2.0);
+    let said = report::terminal(&analysis, None);
+    assert!(said.contains("in draft, before anything happens, under the load alone, and later in buff."), "{said}");
+    // Without the load's own exceedance it is the coupler next to the break that is first, while another may be the worst.
+    for coupler in &mut train.couplers {
+        coupler.rated_draft_n = 2.0;
+    }
+    let analysis = analysis_of(&train);
+    let case = &analysis.scenarios[0].cases[0];
+    let time = |c: &trainsafe::findings::CouplerFindings| c.first_exceeds_s.unwrap_or(f64::INFINITY);
+    let first = case.couplers.iter().min_by(|a, b| time(a).total_cmp(&time(b))).expect("a first");
+    assert_eq!(first.first_exceeds_in, Some("buff"));
+    assert_ne!(Some(first.coupler), case.worst.as_ref().map(|w| w.coupler));
+    let said = report::terminal(&analysis, None);
+    assert!(said.contains(&format!("{} in buff, ", first.coupler)), "{said}");
+    let rows = csv_rows(&analysis);
+    let column = rows[0].iter().position(|name| name == "first_exceeds_in").expect("a column");
+    assert_eq!(rows[first.coupler][column], "buff");
+}
+
 #[test]
 fn a_horizon_too_long_to_draw_is_drawn_in_part_and_said_so() {
     let mut train = figure_4();
@@ -155,7 +186,7 @@ fn bounds_that_settle_the_verdict_are_named() {
     }
     let text = markdown(&train, &analysis);
     assert!(
-        text.contains("**No coupler can exceed its rating: the all-time bounds of all 103 lie under it.**"),
+        text.contains("**No coupler can exceed its rating: the all-time bounds of all 103 lie under theirs.**"),
         "{text}"
     );
     assert!(!text.contains(".svg"), "nothing is left to draw: {text}");
@@ -200,7 +231,7 @@ fn the_json_has_the_contract_s_fields_in_order() {
     assert_eq!(
         keys(&case["couplers"][0]),
         "coupler between rated_draft_n rated_buff_n initial_force_n peak_force_n peak_time_s utilisation peak_draft_n \
-         peak_draft_time_s peak_buff_n peak_buff_time_s exceeds first_exceeds_s"
+         peak_draft_time_s peak_buff_n peak_buff_time_s exceeds first_exceeds_s first_exceeds_in"
     );
     assert_eq!(case["couplers"].as_array().map(Vec::len), Some(103));
     let worst = &analysis.scenarios[0].cases[0].worst;
@@ -254,7 +285,7 @@ fn the_csv_reads_back_to_the_same_bits() {
         rows[0].join(","),
         "scenario,broken_coupler,coupler,between_front,between_rear,rated_draft_n,rated_buff_n,initial_force_n,\
          peak_force_n,peak_time_s,utilisation,peak_draft_n,peak_draft_time_s,peak_buff_n,peak_buff_time_s,exceeds,\
-         first_exceeds_s"
+         first_exceeds_s,first_exceeds_in"
     );
     let case = &analysis.scenarios[0].cases[0];
     assert_eq!(rows.len(), 1 + case.couplers.len());

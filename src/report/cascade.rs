@@ -24,8 +24,8 @@ fn of_one(case: &CaseFindings, cascade: &CascadeFindings) -> String {
         [first, ..] => {
             let which = format!("coupler {} (between {} and {})", first.coupler, first.between[0], first.between[1]);
             let head = match cascade.breaks.len() {
-                1 => format!("One coupler more breaks: {which}"),
-                n => format!("{n} couplers more break, the first of them {which}"),
+                1 => format!("One more coupler breaks: {which}"),
+                n => format!("{n} more couplers break, the first of them {which}"),
             };
             format!("{head}, in {}, {}", sense(first.force_n), moment(first.time_s, case))
         }
@@ -76,7 +76,7 @@ fn of_many(cascades: &[(&CaseFindings, &CascadeFindings)]) -> String {
     };
     let most = cascades.iter().reduce(|a, b| if b.1.breaks.len() > a.1.breaks.len() { b } else { a });
     let Some((case, worst)) = most.filter(|_| more > 0) else {
-        return format!("In none of {} a further coupler breaks.{open}", count(cascades.len(), "case"));
+        return format!("In none of {} does a further coupler break.{open}", count(cascades.len(), "case"));
     };
     format!(
         "In {more} of {} further couplers break; the most after that of coupler {}: {} more.{open}",

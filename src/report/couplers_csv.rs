@@ -5,7 +5,7 @@ use std::io::Write;
 use super::cells::{number, optional, text};
 use crate::findings::{Analysis, CaseFindings, CouplerFindings, ScenarioFindings};
 
-const COLUMNS: [&str; 19] = [
+const COLUMNS: [&str; 20] = [
     "scenario",
     "broken_coupler",
     "coupler",
@@ -23,6 +23,7 @@ const COLUMNS: [&str; 19] = [
     "peak_buff_time_s",
     "exceeds",
     "first_exceeds_s",
+    "first_exceeds_in",
     "all_time_bound_n",
     "limits_passed",
 ];
@@ -76,6 +77,7 @@ fn row(scenario: &ScenarioFindings, case: &CaseFindings, c: &CouplerFindings) ->
         optional(c.peak_buff_time_s),
         c.exceeds.map(|e| e.to_string()).unwrap_or_default(),
         optional(c.first_exceeds_s),
+        c.first_exceeds_in.unwrap_or_default().to_owned(),
         optional(c.all_time_bound_n),
         c.limits.as_ref().map(|l| l.passed.join(" ")).unwrap_or_default(),
     ]

@@ -102,7 +102,9 @@ fn exceeding_row(c: &CouplerFindings, case: &CaseFindings) -> Vec<String> {
         given_force(words::rating(c)),
         format!("{} %", percent(c.utilisation)),
         time(c.peak_time_s),
-        c.first_exceeds_s.map(time).unwrap_or_default(),
+        c.first_exceeds_s
+            .map(|t| format!("{}, in {}", time(t), c.first_exceeds_in.unwrap_or_default()))
+            .unwrap_or_default(),
     ]
 }
 

@@ -52,10 +52,11 @@ fn table(scenario: &ScenarioFindings) -> Option<Table> {
     let broken = scenario.kind == "break";
     let mut table = Table::new();
     table.load_style(presets::UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none()));
-    let columns = ["breaks", "worst coupler", "utilisation", "force", "at", "exceeding", "first exceedance"];
+    let columns = ["breaks", "worst coupler", "utilisation", "force", "at", "exceeding", "first to exceed"];
     table.set_header(&columns[usize::from(!broken)..]);
     for (case, worst) in rows.iter().take(ROWS) {
-        let first = case.couplers.iter().filter_map(|c| c.first_exceeds_s).reduce(f64::min);
+        let first =
+            words::first_to_exceed(case).and_then(|c| Some((c.coupler, c.first_exceeds_in?, c.first_exceeds_s?)));
         let cells = [
             case.broken_coupler.map(|b| b.to_string()).unwrap_or_default(),
             worst.coupler.to_string(),
@@ -63,7 +64,7 @@ fn table(scenario: &ScenarioFindings) -> Option<Table> {
             format!("{} {}", force(worst.peak_force_n, case.error_bound_n), words::sense(worst.peak_force_n)),
             time(worst.peak_time_s),
             case.exceeding.to_string(),
-            first.map_or("-".to_owned(), time),
+            first.map_or("-".to_owned(), |(coupler, sense, at)| format!("{coupler} in {sense}, {}", time(at))),
         ];
         table.add_row(&cells[usize::from(!broken)..]);
     }

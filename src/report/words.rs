@@ -110,6 +110,12 @@ pub fn exceeding(case: &CaseFindings) -> Vec<&CouplerFindings> {
     found
 }
 
+/// The coupler that is the first over its rating; of several at once the worst.
+pub fn first_to_exceed(case: &CaseFindings) -> Option<&CouplerFindings> {
+    let time_of = |c: &CouplerFindings| c.first_exceeds_s.unwrap_or(f64::INFINITY);
+    exceeding(case).into_iter().reduce(|a, b| if time_of(b) < time_of(a) { b } else { a })
+}
+
 /// The couplers for which the answer is open, worst first.
 pub fn undecided(case: &CaseFindings) -> Vec<&CouplerFindings> {
     let mut found: Vec<_> = case.couplers.iter().filter(|c| c.exceeds.is_none()).collect();
@@ -122,7 +128,8 @@ pub fn verdict(case: &CaseFindings) -> String {
     let Some(worst) = &case.worst else {
         return match case.left_out {
             0 => "No coupler is left to exceed anything.".to_owned(),
-            n => format!("No coupler can exceed its rating: the all-time bounds of all {n} lie under it."),
+            1 => "The coupler cannot exceed its rating: its all-time bound lies under it.".to_owned(),
+            n => format!("No coupler can exceed its rating: the all-time bounds of all {n} lie under theirs."),
         };
     };
     if case.exceeding > 0 {
@@ -155,11 +162,10 @@ pub fn verdict(case: &CaseFindings) -> String {
 
 fn verdict_exceeding(case: &CaseFindings) -> String {
     let others = case.couplers.len() + case.left_out;
-    let which = if case.broken_coupler.is_some() { "other couplers" } else { "couplers" };
-    let head = format!("{} of {others} {which} would exceed their rating {}", case.exceeding, after(case));
-    let time_of = |c: &CouplerFindings| c.first_exceeds_s.unwrap_or(f64::INFINITY);
-    let first = exceeding(case).into_iter().reduce(|a, b| if time_of(b) < time_of(a) { b } else { a });
-    let first = first.map_or(String::new(), |c| {
+    let which = count(others, if case.broken_coupler.is_some() { "other coupler" } else { "coupler" });
+    let whose = if case.exceeding == 1 { "its" } else { "their" };
+    let head = format!("{} of {which} would exceed {whose} rating {}", case.exceeding, after(case));
+    let first = first_to_exceed(case).map_or(String::new(), |c| {
         let when = match c.first_exceeds_s {
             Some(0.0) if case.kind == "impact" => "at once, as the vehicles meet".to_owned(),
             Some(0.0) => "before anything happens, under the load alone".to_owned(),
@@ -167,11 +173,13 @@ fn verdict_exceeding(case: &CaseFindings) -> String {
             None => "at a time not found".to_owned(),
         };
         let word = if case.exceeding == 1 { "it is" } else { "the first is" };
-        if exceeds_both_ways(c) {
-            format!("; {word} {}, {when}, and it does so in draft at one time and in buff at another", place(c))
-        } else {
-            format!("; {word} {}, in {}, {when}", place(c), sense(c.peak_force_n))
-        }
+        let sense = c.first_exceeds_in.unwrap_or(sense(c.peak_force_n));
+        let later = match sense {
+            _ if !exceeds_both_ways(c) => "",
+            "draft" => ", and later in buff",
+            _ => ", and later in draft",
+        };
+        format!("; {word} {}, in {sense}, {when}{later}", place(c))
     });
     let open = match case.undecided {
         0 => String::new(),
@@ -222,20 +230,18 @@ pub fn worst_case(scenario: &ScenarioFindings) -> Option<(&CaseFindings, &Couple
 /// What the safe load factor means, in one sentence.
 pub fn safe_load(train: &Train, event: &Event, factor: Option<f64>) -> String {
     let (what, cause) = match event {
-        Event::Pulse { .. } | Event::Shaped { .. } => ("force", "the force"),
-        Event::Impact { .. } => ("speed", "the speed"),
-        Event::Break { .. } if train.initial_force_n.iter().all(|&f| f >= 0.0) => ("pull", "the load"),
-        Event::Break { .. } if train.initial_force_n.iter().all(|&f| f <= 0.0) => ("push", "the load"),
-        Event::Break { .. } => ("load", "the load"),
+        Event::Pulse { .. } | Event::Shaped { .. } => ("force", "force"),
+        Event::Impact { .. } => ("speed", "speed"),
+        Event::Break { .. } if train.initial_force_n.iter().all(|&f| f >= 0.0) => ("pull", "load"),
+        Event::Break { .. } if train.initial_force_n.iter().all(|&f| f <= 0.0) => ("push", "load"),
+        Event::Break { .. } => ("load", "load"),
     };
     match factor {
-        None => format!("Nothing bounds {cause}: no force in any coupler grows with it."),
-        Some(0.0) => format!("Some coupler is at or over its rating however small {cause} is."),
-        Some(f) => format!(
-            "No coupler exceeds up to {} % of this {what} (a safety factor of {} against the ratings).",
-            down(100.0 * f),
-            down(f)
-        ),
+        None => format!("Nothing bounds the {cause}: no force in any coupler grows with it."),
+        Some(0.0) => format!("Some coupler is at or over its rating however small the {cause} is."),
+        Some(f) => {
+            format!("No coupler exceeds up to {} % of this {what} (safe {cause} factor {}).", down(100.0 * f), down(f))
+        }
     }
 }
 

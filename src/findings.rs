@@ -209,6 +209,19 @@ pub enum AnalyzeError {
 ///
 /// # Errors
 /// [`AnalyzeError`] for an unknown scenario, or a method that does not fit the train.
+///
+/// ```
+/// use trainsafe::{Options, analyze, consist};
+/// let train = consist::read("trains/ore-train.toml".as_ref())?;
+/// let options = Options { scenario: Some("the rear is hit".to_owned()), ..Options::default() };
+/// let case = &analyze(&train, &options)?.scenarios[0].cases[0];
+/// // Every coupler has its largest forces in either sense, N, each right to the bound.
+/// assert_eq!(case.couplers.len(), train.couplers.len());
+/// assert!(case.error_bound_n <= case.tolerance_n);
+/// let most_used = case.couplers.iter().map(|c| c.utilisation).fold(0.0, f64::max);
+/// assert_eq!(case.worst.as_ref().map(|w| w.utilisation), Some(most_used));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn analyze(train: &Train, options: &Options) -> Result<Analysis, AnalyzeError> {
     let memo = Memo::new(REMEMBERED);
     let scenarios = chosen(train, options)?.into_iter().map(|s| scenario_findings(train, s, options, &memo));

@@ -11,6 +11,19 @@
 //! coupler's largest force in a scene, with a bound on its error; [`findings`] turns those into utilisations and
 //! verdicts; [`report`] writes them down. [`fleet`] does all of it for many trains and what-ifs. [`play`] is a scene with all
 //! that the paper's chain has not: dashpots, speeds, forces of any shape, couplers that break one after the other.
+//! [`schema`] makes of the reader's tables of keys a JSON Schema for editors.
+//!
+//! ```
+//! let train = trainsafe::consist::read("trains/paper-figure-4.toml".as_ref())?;
+//! let analysis = trainsafe::analyze(&train, &trainsafe::Options::default())?;
+//! let case = &analysis.scenarios[0].cases[0];
+//! let worst = case.worst.as_ref().expect("50 couplers are left");
+//! // The paper's overload of a half, in draft at the held end, long after that coupler was first over its rating in buff.
+//! assert_eq!((worst.coupler, case.exceeding), (1, 48));
+//! assert!((worst.utilisation - 1.508).abs() < 1e-3 && worst.peak_force_n > 0.0);
+//! assert_eq!(worst.first_exceeds_in, Some("buff"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 #![doc = include_str!("equations.md")]
 
 pub mod accuracy;

@@ -208,6 +208,13 @@ pub fn shown(value: f64, dimension: Dimension) -> String {
 ///
 /// # Errors
 /// What the text is instead, and what would be right.
+///
+/// ```
+/// use trainsafe::units::{Amount, Dimension, parse};
+/// assert_eq!(parse("0.6 MN", Dimension::Force, true), Ok(Amount::Si(6e5)));
+/// assert_eq!(parse("60 %", Dimension::Force, true), Ok(Amount::Share(0.6)));
+/// assert_eq!(parse("0.6 t", Dimension::Force, true).unwrap_err().found, "has \"t\", a unit of mass");
+/// ```
 pub fn parse(text: &str, dimension: Dimension, share: bool) -> Result<Amount, BadQuantity> {
     let text = text.trim();
     let (number, unit) = split(text);

@@ -90,6 +90,27 @@ pub fn read(path: &Path) -> Result<Train, InputError> {
 ///
 /// # Errors
 /// Every problem in the text that can be seen at once, with its place and what would be right.
+///
+/// ```
+/// use std::path::Path;
+/// let text = r#"
+///     [coupler]
+///     stiffness = "30 MN/m"
+///     rated_load = "1.5 MN"
+///     [[vehicle]]
+///     count = 3
+///     mass = "160 t"
+///     [load]
+///     uniform = "40 %"
+/// "#;
+/// let train = trainsafe::consist::parse(text, Path::new("three.toml"))?;
+/// assert_eq!(train.couplers[0].stiffness_n_per_m, 30e6);
+/// assert_eq!(train.initial_force_n, [0.6e6, 0.6e6]);
+///
+/// let wrong = trainsafe::consist::parse(&text.replace("MN/m", "MN"), Path::new("three.toml")).unwrap_err();
+/// assert!(wrong.to_string().contains("stiffness has \"MN\", a unit of force"));
+/// # Ok::<(), trainsafe::error::InputError>(())
+/// ```
 pub fn parse(text: &str, path: &Path) -> Result<Train, InputError> {
     if text.trim().is_empty() {
         let help = "`trainsafe new` prints one to start from";

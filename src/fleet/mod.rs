@@ -64,7 +64,7 @@ pub enum FleetError {
 }
 
 /// How a run is to be made.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Request {
     /// Train files, folders and globs, or one study file.
     pub paths: Vec<PathBuf>,
@@ -157,6 +157,17 @@ pub fn estimate(request: &Request) -> Result<Estimate, FleetError> {
 ///
 /// # Errors
 /// As for [`run`].
+///
+/// ```
+/// use trainsafe::fleet::{Request, stream};
+/// let request = Request { paths: vec!["trains/paper-figure-4.toml".into()], ..Request::default() };
+/// let mut rows = Vec::new();
+/// let outcome = stream(&request, &mut rows)?;
+/// assert_eq!((outcome.computed, outcome.failed, outcome.exceeding), (1, 0, 1));
+/// let row: serde_json::Value = serde_json::from_slice(&rows)?;
+/// assert_eq!((&row["broken_coupler"], &row["worst_coupler"]), (&51.into(), &1.into()));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn stream(request: &Request, out: &mut dyn Write) -> Result<Outcome, FleetError> {
     let inputs = Inputs::find(&request.paths)?;
     let memo = Memo::new(request.memo_bytes.unwrap_or(REMEMBERED));

@@ -77,7 +77,7 @@ pub struct Work {
 }
 
 /// What is asked of a solution.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Ask {
     /// The error that each force may have.
     pub tolerance: f64,
@@ -137,6 +137,22 @@ pub enum SolveError {
 /// # Errors
 /// [`SolveError::NotEqual`] when a method for equal chains is asked for on another; [`SolveError::TooMuch`] when even the
 /// cheapest method would run for hours or fill the memory.
+///
+/// A mass on a spring from a wall, pulled away by a unit step of force, `F(t) = 1 - cos t`:
+///
+/// ```
+/// use trainsafe::chain::{Chain, Scene};
+/// use trainsafe::solve::{Ask, solve};
+/// let chain = Chain { mass: vec![1.0; 2], stiffness: vec![1.0], held_head: true, held_tail: false };
+/// let (source, force, duration, horizon) = (1, -1.0, f64::INFINITY, 10.0);
+/// let (initial, rated_draft, rated_buff) = (vec![0.0], vec![1.5], vec![1.5]);
+/// let scene = Scene { chain, source, force, duration, initial, rated_draft, rated_buff, horizon };
+/// let solution = solve(&scene, &Ask { tolerance: 1e-12, ..Ask::default() })?;
+/// let draft = &solution.springs[0].as_ref().expect("not left out").draft;
+/// assert!((draft.best.value - 2.0).abs() <= solution.error_bound && solution.error_bound <= 1e-12);
+/// assert!((draft.first_over.expect("2 is over 1.5") - (-0.5f64).acos()).abs() < 1e-9);
+/// # Ok::<(), trainsafe::solve::SolveError>(())
+/// ```
 pub fn solve(scene: &Scene, ask: &Ask) -> Result<Solution, SolveError> {
     if scene.force == 0.0 {
         return Ok(at_rest(scene, ask));

@@ -99,7 +99,7 @@ pub struct CaseFindings {
     pub method_reason: String,
     /// How long forces were followed, s.
     pub horizon_s: f64,
-    /// No reported force is further than this from the exact solution of the model, N.
+    /// No reported force is further than this from the exact solution of the model, N, not negative.
     pub error_bound_n: f64,
     /// The error that was asked for, N.
     pub tolerance_n: f64,
@@ -137,25 +137,25 @@ pub struct CouplerFindings {
     pub rated_draft_n: f64,
     /// Capacity in compression, N, positive.
     pub rated_buff_n: f64,
-    /// Force before the event, N.
+    /// Force before the event, N, draft positive.
     pub initial_force_n: f64,
     /// The force of the largest utilisation, N, draft positive.
     pub peak_force_n: f64,
     /// When, s after the event.
     pub peak_time_s: f64,
-    /// |peak_force_n| over the rating in that sign.
+    /// |peak_force_n| over the rating in that sign: a share, 1 at the rating.
     pub utilisation: f64,
-    /// Largest tension, N; `None` if it is never in tension.
+    /// Largest tension, N, positive; `None` if it is never in tension.
     pub peak_draft_n: Option<f64>,
-    /// When, s.
+    /// When, s after the event.
     pub peak_draft_time_s: Option<f64>,
     /// Largest compression, N, negative; `None` if it is never in compression.
     pub peak_buff_n: Option<f64>,
-    /// When, s.
+    /// When, s after the event.
     pub peak_buff_time_s: Option<f64>,
     /// Over its rating in either sign; `None`: not decided, the rating lies within the error bound of the peak.
     pub exceeds: Option<bool>,
-    /// The first time it is over its rating, s.
+    /// The first time it is over its rating, s after the event; `None` if it never is.
     pub first_exceeds_s: Option<f64>,
     /// Over which rating it is then, `"draft"` or `"buff"`.
     pub first_exceeds_in: Option<&'static str>,
@@ -172,7 +172,7 @@ pub struct CouplerFindings {
 pub struct RodFindings {
     /// Couplers over their rating in the elastic rod.
     pub exceeding: usize,
-    /// The rod's largest utilisation.
+    /// The rod's largest utilisation, a share.
     pub utilisation: f64,
 }
 

@@ -177,9 +177,9 @@ pub fn horizon_s(train: &Train, scenario: &Scenario, broken: Option<usize>) -> f
 pub struct Wave {
     /// `sqrt(mass / stiffness)`, the model's unit of time, s: the mean over the train's couplers where they differ.
     pub time_unit_s: f64,
-    /// Vehicles that a wave passes in a second.
+    /// Vehicles that a wave passes in a second, 1/s.
     pub vehicles_per_s: f64,
-    /// m/s, where every vehicle has a length.
+    /// Speed of a long wave, m/s, where every vehicle has a length.
     pub metres_per_s: Option<f64>,
     /// From one end of the train to the other, s.
     pub transit_s: f64,

@@ -1,34 +1,45 @@
-//! The README's field table names every field that is written.
+//! The README's field table names every field that is written, and the unit and sign of every number.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
+use std::path::Path;
 use std::process::Command;
 
 use serde_json::Value;
 
-fn keys(value: &Value, into: &mut BTreeSet<String>) {
+/// Fields by name, and whether a number was seen in them.
+type Fields = BTreeMap<String, bool>;
+
+fn add(name: &str, number: bool, into: &mut Fields) {
+    *into.entry(name.to_owned()).or_default() |= number;
+}
+
+fn json_fields(name: &str, value: &Value, into: &mut Fields) {
     match value {
         Value::Object(map) => map.iter().for_each(|(key, inner)| {
-            into.insert(key.clone());
-            keys(inner, into);
+            add(key, false, into);
+            json_fields(key, inner, into);
         }),
-        Value::Array(list) => list.iter().for_each(|inner| keys(inner, into)),
-        _ => {}
+        Value::Array(list) => list.iter().for_each(|inner| json_fields(name, inner, into)),
+        other => add(name, other.is_number(), into),
     }
 }
 
-#[test]
-fn every_field_is_documented() {
+fn csv_fields(path: &Path, into: &mut Fields) {
+    let mut reader = csv::Reader::from_path(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    let names = reader.headers().expect("a header").clone();
+    for row in reader.records() {
+        for (name, cell) in names.iter().zip(row.expect("a row").iter()) {
+            add(name, cell.parse::<f64>().is_ok(), into);
+        }
+    }
+}
+
+/// Everything that `analyze` writes for a few trains that have all of it.
+fn written() -> Fields {
     let root = env!("CARGO_MANIFEST_DIR");
-    let readme = std::fs::read_to_string(format!("{root}/README.md")).expect("the README");
-    let table = readme.split("## Fields of").nth(1).and_then(|t| t.split("\n## ").next()).expect("the field table");
-    let documented: BTreeSet<&str> = table
-        .lines()
-        .filter_map(|line| line.strip_prefix("| ")?.split(" | ").next())
-        .flat_map(|cell| cell.split('`').skip(1).step_by(2))
-        .collect();
     let dir = tempfile::tempdir().expect("a folder");
-    let mut written = BTreeSet::new();
-    for train in ["paper-figure-4", "mixed-manifest-train", "hauled-train-on-a-grade"] {
+    let mut fields = Fields::new();
+    for train in ["paper-figure-4", "paper-figure-5", "mixed-manifest-train", "hauled-train-on-a-grade"] {
         let out = dir.path().join(train);
         let run = Command::new(env!("CARGO_BIN_EXE_trainsafe"))
             .args(["analyze", &format!("{root}/trains/{train}.toml"), "--all-time-bound", "--map", "--out"])
@@ -37,10 +48,53 @@ fn every_field_is_documented() {
             .expect("it runs");
         assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
         let json = std::fs::read_to_string(out.join("result.json")).expect("JSON");
-        keys(&serde_json::from_str(&json).expect("JSON"), &mut written);
-        let csv = std::fs::read_to_string(out.join("couplers.csv")).expect("CSV");
-        written.extend(csv.lines().next().expect("a header").split(',').map(str::to_owned));
+        json_fields("", &serde_json::from_str(&json).expect("JSON"), &mut fields);
+        for file in std::fs::read_dir(&out).expect("the report") {
+            let path = file.expect("an entry").path();
+            if path.extension().is_some_and(|e| e == "csv") {
+                csv_fields(&path, &mut fields);
+            }
+        }
     }
-    let missing: Vec<&String> = written.iter().filter(|w| !documented.contains(w.as_str())).collect();
+    fields
+}
+
+/// What the table says of units and signs, by field; a field may stand in several rows.
+fn documented() -> BTreeMap<String, Vec<String>> {
+    let readme = std::fs::read_to_string(format!("{}/README.md", env!("CARGO_MANIFEST_DIR"))).expect("the README");
+    let table = readme.split("## Fields of").nth(1).and_then(|t| t.split("\n## ").next()).expect("the field table");
+    let mut rows: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for line in table.lines().filter(|line| line.starts_with("| ")) {
+        let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
+        for name in cells[0].split('`').skip(1).step_by(2) {
+            rows.entry(name.to_owned()).or_default().push(cells[1].to_owned());
+        }
+    }
+    rows
+}
+
+/// Whether a cell tells the unit that a number of this name has, and for forces and energies its sign.
+fn tells(cell: &str, name: &str) -> bool {
+    let word = |unit: &str| cell.split([',', ';', ' ']).any(|w| w == unit);
+    let sign = ["draft +", "forward +", "\u{2265} 0", "> 0", "\u{2264} 0"].iter().any(|sign| cell.contains(sign));
+    match name.rsplit_once('_').map(|(_, suffix)| suffix) {
+        Some("n") => word("N") && sign,
+        Some("j") => word("J") && sign,
+        Some("s") => word("s"),
+        _ => ["count", "counts", "share", "factor", "from 1"].iter().any(|unit| cell.contains(unit)),
+    }
+}
+
+#[test]
+fn every_field_is_documented_with_its_unit_and_sign() {
+    let (written, documented) = (written(), documented());
+    let missing: Vec<&String> = written.keys().filter(|name| !documented.contains_key(*name)).collect();
     assert!(missing.is_empty(), "fields without a line in the README: {missing:?}");
+    let of_a_unit = |name: &str| ["_n", "_s", "_j"].iter().any(|suffix| name.ends_with(suffix));
+    let numbers: Vec<&String> =
+        written.iter().filter(|(name, number)| **number || of_a_unit(name)).map(|(n, _)| n).collect();
+    assert!(numbers.len() > 30, "{numbers:?}");
+    let untold: Vec<&&String> =
+        numbers.iter().filter(|name| !documented[**name].iter().any(|cell| tells(cell, name))).collect();
+    assert!(untold.is_empty(), "numbers without a unit, or a force without a sign, in the README: {untold:?}");
 }

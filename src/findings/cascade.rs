@@ -42,7 +42,7 @@ pub struct CascadeBreak {
     pub force_n: f64,
     /// Others break at the same instant, as near as can be told.
     pub together: bool,
-    /// Elastic energy that it gives up, J.
+    /// Elastic energy that it gives up, J, not negative.
     pub energy_j: f64,
 }
 

@@ -32,7 +32,7 @@ pub struct MapPoint {
     /// Smallest force, N, of the scenario's sign, over which a coupler exceeds its rating, or the largest factor on the load at
     /// which none does; `None` where nothing bounds it.
     pub chain: Option<f64>,
-    /// What the elastic rod says; `None` where the train has none or nothing bounds it.
+    /// What the elastic rod says, in the same unit and sign; `None` where the train has none or nothing bounds it.
     pub rod: Option<f64>,
 }
 

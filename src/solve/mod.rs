@@ -79,7 +79,7 @@ pub struct Work {
 /// What is asked of a solution.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Ask {
-    /// The error that each force may have.
+    /// The error that each force may have, in the scene's unit of force.
     pub tolerance: f64,
     /// A method to use whatever it costs.
     pub method: Option<Method>,
@@ -96,11 +96,11 @@ pub struct Solution {
     pub method: Method,
     /// Why so.
     pub reason: String,
-    /// No extreme is further than this from the exact one.
+    /// No extreme is further than this from the exact one, in the scene's unit of force.
     pub error_bound: f64,
     /// One per spring; `None` where it was left out.
     pub springs: Vec<Option<SpringPeaks>>,
-    /// Bound on |F| over all time, where asked for or used to leave springs out.
+    /// Bound on |F| over all time, in the scene's unit of force, where asked for or used to leave springs out.
     pub all_time_bounds: Option<Vec<f64>>,
     /// What it took.
     pub work: Work,

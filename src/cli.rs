@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
-use trainsafe::fleet::Shard;
+use trainsafe::fleet::{Format, Shard};
 
 /// Which couplers of a train exceed their capacity, and when, after another coupler breaks or a shock hits the train.
 ///
@@ -27,7 +27,7 @@ pub enum Command {
     Analyze(Analyze),
     /// Analyse many trains and what-ifs: a row for every case, and a report on all of them
     ///
-    /// The folder gets fleet.csv, errors.csv, fleet.md and a figure. The run may be killed at any moment: --resume goes on with
+    /// The folder gets fleet.csv, errors.csv, fleet.md and a figure, or what --format says. The run may be killed at any moment: --resume goes on with
     /// it. On several machines that share a folder, each runs a share with --shard, and --merge joins them.
     #[command(after_help = "Example: trainsafe fleet trains/ --out reports/yard")]
     Fleet(Fleet),
@@ -85,6 +85,10 @@ pub struct Fleet {
     /// Print a line of JSON for every case to standard output and nothing else there; write no files
     #[arg(long, conflicts_with_all = ["out", "resume", "shard", "merge"])]
     pub json: bool,
+    /// Files to write, separated by commas; the others are made from fleet.csv and errors.csv, which are always written
+    #[arg(long, value_name = "LIST", default_value = "csv,md", value_delimiter = ',',
+          value_parser = Format::ALL.map(Format::name), conflicts_with = "json")]
+    pub format: Vec<String>,
     /// Go on with the run in the folder: compute what is missing and nothing else
     #[arg(long, conflicts_with = "merge")]
     pub resume: bool,

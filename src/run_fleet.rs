@@ -4,7 +4,7 @@ use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::thread::available_parallelism;
 
-use trainsafe::fleet::{self, Estimate, FleetError, Outcome, Request};
+use trainsafe::fleet::{self, Estimate, FleetError, Format, Outcome, Request};
 
 use crate::{Failure, cli, options, print, say};
 
@@ -14,6 +14,7 @@ pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
         options: options(&args.solver),
         shard: args.shard,
         resume: args.resume,
+        formats: args.format.iter().filter_map(|name| Format::from_name(name)).collect(),
         memo_bytes: None,
     };
     if args.dry_run {
@@ -27,13 +28,13 @@ pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
             other => other,
         }
     } else if args.merge {
-        fleet::merge(&dir)
+        fleet::merge(&dir, &request.formats)
     } else {
         fleet::run(&request, &dir)
     };
     let outcome = outcome.map_err(|e| failed(&e))?;
     if !args.json {
-        print(&summary(&outcome, &dir))?;
+        print(&summary(&outcome, &dir, outcome.verdict.is_empty()))?;
     }
     if outcome.scenes.0 > 0 {
         say(&format!(
@@ -57,11 +58,15 @@ fn default_dir(paths: &[PathBuf]) -> PathBuf {
     Path::new("reports").join(name.unwrap_or("fleet".as_ref()))
 }
 
-fn summary(outcome: &Outcome, dir: &Path) -> String {
-    match &outcome.report {
-        Some(report) => format!("{}\nreport: {}\n", outcome.verdict.join("\n"), report.display()),
-        None => format!("this share is done; when all are: trainsafe fleet --merge --out {}\n", dir.display()),
+fn summary(outcome: &Outcome, dir: &Path, is_share: bool) -> String {
+    if is_share {
+        return format!("this share is done; when all are: trainsafe fleet --merge --out {}\n", dir.display());
     }
+    let (what, path) = match &outcome.report {
+        Some(report) => ("report", report.as_path()),
+        None => ("results", dir),
+    };
+    format!("{}\n{what}: {}\n", outcome.verdict.join("\n"), path.display())
 }
 
 fn told(estimate: &Estimate) -> String {

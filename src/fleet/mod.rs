@@ -1,7 +1,7 @@
 //! Many trains and what-ifs: every case of every variation of every train, one row each.
 //!
 //! ```text
-//! inputs (+ study) -> plan: numbered chunks of cases -> part files -> fleet.csv, errors.csv, fleet.md
+//! inputs (+ study) -> plan: numbered chunks of cases -> part files -> fleet.csv, errors.csv -> fleet.md, fleet.parquet
 //! ```
 //!
 //! The chunks depend on the inputs alone, never on threads, shards or attempts. A chunk's rows appear in a part file whole
@@ -12,6 +12,9 @@ mod fleet_md;
 mod inputs;
 mod join;
 mod key;
+mod outputs;
+#[cfg(feature = "parquet")]
+mod parquet_file;
 mod parts;
 mod plan;
 mod progress;
@@ -27,6 +30,7 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
+pub use outputs::Format;
 pub use plan::Shard;
 
 use crate::error::InputError;
@@ -73,6 +77,8 @@ pub struct Request {
     pub shard: Option<Shard>,
     /// Go on with the run that the folder holds.
     pub resume: bool,
+    /// Files to write, besides `fleet.csv` and `errors.csv`.
+    pub formats: Vec<Format>,
     /// Bytes of memory for scenes that have been solved; `None`: 160 MiB. Results do not depend on it.
     pub memo_bytes: Option<usize>,
 }
@@ -82,7 +88,7 @@ pub struct Request {
 pub struct Outcome {
     /// The verdict, as sentences; empty for a shard.
     pub verdict: Vec<String>,
-    /// The report; `None` for a shard.
+    /// The report; `None` for a shard, and where none was asked for.
     pub report: Option<PathBuf>,
     /// Trains with a result, as far as this run knows.
     pub computed: usize,
@@ -112,6 +118,7 @@ pub struct Estimate {
 /// # Errors
 /// [`FleetError`]; what has been computed until then stays, for a run that resumes.
 pub fn run(request: &Request, dir: &Path) -> Result<Outcome, FleetError> {
+    outputs::can_write(&request.formats)?;
     let inputs = Inputs::find(&request.paths)?;
     let memo = Memo::new(request.memo_bytes.unwrap_or(REMEMBERED));
     let plan = Plan::new(&inputs, &request.options, &memo)?;
@@ -122,7 +129,7 @@ pub fn run(request: &Request, dir: &Path) -> Result<Outcome, FleetError> {
             return Ok(Outcome { failed, computed: 1, scenes: memo.counts(), ..Outcome::default() });
         }
     }
-    let outcome = finish(dir, &description)?;
+    let outcome = finish(dir, &description, &request.formats)?;
     Ok(Outcome { scenes: memo.counts(), ..outcome })
 }
 
@@ -130,10 +137,11 @@ pub fn run(request: &Request, dir: &Path) -> Result<Outcome, FleetError> {
 ///
 /// # Errors
 /// [`FleetError`] where the folder holds no run, or parts are missing.
-pub fn merge(dir: &Path) -> Result<Outcome, FleetError> {
+pub fn merge(dir: &Path, formats: &[Format]) -> Result<Outcome, FleetError> {
+    outputs::can_write(formats)?;
     let run = parts::read(dir)?;
     let none = || FleetError::Usage(format!("{} holds no run of shards to merge", dir.display()));
-    finish(dir, &run.ok_or_else(none)?)
+    finish(dir, &run.ok_or_else(none)?, formats)
 }
 
 /// Counts the work without doing it.
@@ -141,6 +149,7 @@ pub fn merge(dir: &Path) -> Result<Outcome, FleetError> {
 /// # Errors
 /// As for [`run`].
 pub fn estimate(request: &Request) -> Result<Estimate, FleetError> {
+    outputs::can_write(&request.formats)?;
     let inputs = Inputs::find(&request.paths)?;
     let memo = Memo::new(0);
     let plan = Plan::new(&inputs, &request.options, &memo)?;
@@ -244,15 +253,17 @@ fn work(plan: &Plan, chunk: usize, progress: &Progress) -> Result<rows::Chunk, F
     Ok(rows)
 }
 
-/// Joins the parts, unless that has been done.
-fn finish(dir: &Path, run: &Run) -> Result<Outcome, FleetError> {
+/// Joins the parts, unless that has been done, and makes of them what is asked for.
+fn finish(dir: &Path, run: &Run, formats: &[Format]) -> Result<Outcome, FleetError> {
     let known = parts::read(dir)?.is_some_and(|found| found.complete);
     let summary = if known { join::summarise(dir, run)? } else { join::join(dir, run)? };
+    let report = outputs::write(dir, run, &summary, formats)?;
     if !known {
+        outputs::remove_others(dir, formats);
         parts::describe(dir, &Run { complete: true, ..run.clone() })?;
     }
     parts::remove(dir);
-    Ok(outcome(run, &summary, Some(join::report(dir))))
+    Ok(outcome(run, &summary, report))
 }
 
 fn outcome(run: &Run, summary: &Summary, report: Option<PathBuf>) -> Outcome {

@@ -35,6 +35,14 @@ pub const BACK: [&str; 20] = [
 /// Columns of `errors.csv`.
 pub const ERRORS: [&str; 5] = ["file", "variation", "scenario", "broken_coupler", "error"];
 
+/// Columns of text, here and in `errors.csv`.
+pub const TEXTS: [&str; 8] = ["file", "train", "scenario", "kind", "between_front", "between_rear", "method", "error"];
+
+/// Columns of whole numbers.
+#[cfg(feature = "parquet")]
+pub const WHOLE: [&str; 7] =
+    ["vehicles", "variation", "broken_coupler", "worst_coupler", "exceeding", "undecided", "rod_exceeding"];
+
 /// The rows of a chunk of cases, without headings.
 #[derive(Default)]
 pub struct Chunk {
@@ -138,8 +146,7 @@ pub fn json<S: AsRef<str>>(headings: &[S], lines: &[u8]) -> String {
 }
 
 fn json_cell(heading: &str, cell: &str) -> serde_json::Value {
-    let is_text = ["file", "train", "scenario", "kind", "between_front", "between_rear", "method", "error"];
-    if is_text.contains(&heading) && !cell.is_empty() {
+    if TEXTS.contains(&heading) && !cell.is_empty() {
         return cell.into();
     }
     let whole = cell.parse::<u64>().map(serde_json::Value::from);

@@ -1,7 +1,7 @@
 //! Files that appear whole or not at all.
 
 use std::fs;
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
@@ -85,6 +85,57 @@ pub fn unfinished(dir: &Path) -> io::Result<NamedTempFile> {
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     builder.tempfile_in(dir)
+}
+
+/// A large file under way, which has its name only once it is whole and on the disk.
+pub struct Unnamed {
+    file: BufWriter<NamedTempFile>,
+    path: PathBuf,
+}
+
+impl Unnamed {
+    /// Begins a file that is to stand at this path.
+    ///
+    /// # Errors
+    /// [`WriteError`] with the path.
+    pub fn new(path: PathBuf) -> Result<Unnamed, WriteError> {
+        let dir = path.parent().unwrap_or(Path::new(""));
+        let file = unfinished(dir).map_err(|e| WriteError::new(&path, e))?;
+        Ok(Unnamed { file: BufWriter::new(file), path })
+    }
+
+    /// Appends bytes.
+    ///
+    /// # Errors
+    /// [`WriteError`] with the path.
+    pub fn append(&mut self, bytes: &[u8]) -> Result<(), WriteError> {
+        self.file.write_all(bytes).map_err(|e| WriteError::new(&self.path, e))
+    }
+
+    /// Lets a writer append to the file.
+    ///
+    /// # Errors
+    /// [`WriteError`] with the path and what the writer said.
+    #[cfg(feature = "parquet")]
+    pub fn with(
+        &mut self,
+        write: impl FnOnce(&mut BufWriter<NamedTempFile>) -> io::Result<()>,
+    ) -> Result<(), WriteError> {
+        write(&mut self.file).map_err(|e| WriteError::new(&self.path, e))
+    }
+
+    /// Gives the file its name.
+    ///
+    /// # Errors
+    /// [`WriteError`] with the path.
+    pub fn finish(self) -> Result<(), WriteError> {
+        let Unnamed { file, path } = self;
+        let file = file.into_inner().map_err(|e| WriteError::new(&path, e.into_error()))?;
+        // What it was made of is removed afterwards: a power failure must not find a name without its bytes.
+        file.as_file().sync_all().map_err(|e| WriteError::new(&path, e))?;
+        file.persist(&path).map_err(|e| WriteError::new(&path, e.error))?;
+        Ok(())
+    }
 }
 
 /// Removes what a run that was killed left under temporary names.

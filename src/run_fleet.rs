@@ -1,6 +1,6 @@
 //! `trainsafe fleet`.
 
-use std::io::{self, ErrorKind};
+use std::io::{self, ErrorKind, IsTerminal};
 use std::path::{Path, PathBuf};
 use std::thread::available_parallelism;
 
@@ -20,6 +20,9 @@ pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
     if args.dry_run {
         return fleet::estimate(&request).map_err(|e| failed(&e)).and_then(|estimate| print(&told(&estimate)));
     }
+    if !args.json {
+        heed_signals(args);
+    }
     let dir = args.out.clone().unwrap_or_else(|| default_dir(&args.paths));
     let outcome = if args.json {
         match fleet::stream(&request, &mut io::stdout().lock()) {
@@ -32,7 +35,13 @@ pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
     } else {
         fleet::run(&request, &dir)
     };
-    let outcome = outcome.map_err(|e| failed(&e))?;
+    let outcome = outcome.map_err(|e| {
+        let failure = failed(&e);
+        if matches!(e, FleetError::Write(_)) && fleet::is_begun(&dir) {
+            say(&go_on(args));
+        }
+        failure
+    })?;
     if !args.json {
         print(&summary(&outcome, &dir, outcome.verdict.is_empty()))?;
     }
@@ -48,6 +57,31 @@ pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
         Outcome { exceeding: 1.., .. } if args.fail_on_exceed => Err(Failure::Exceeds),
         _ => Ok(()),
     }
+}
+
+/// On Ctrl-C or SIGTERM: says how to go on, and stops at once. Rows are whole at any moment, so there is nothing to wait for.
+#[cfg(unix)]
+fn heed_signals(args: &cli::Fleet) {
+    use signal_hook::consts::{SIGINT, SIGTERM};
+    let go_on = go_on(args);
+    // Without them a signal ends the program as it would any other.
+    let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGINT, SIGTERM]) else { return };
+    std::thread::spawn(move || {
+        if let Some(signal) = signals.forever().next() {
+            let line = if io::stderr().is_terminal() { "\n" } else { "" };
+            say(&format!("{line}stopped; {go_on}"));
+            std::process::exit(128 + signal);
+        }
+    });
+}
+
+#[cfg(not(unix))]
+fn heed_signals(_: &cli::Fleet) {}
+
+/// How to go on after a run was cut short.
+fn go_on(args: &cli::Fleet) -> String {
+    let with = if args.shard.is_some() || args.merge || args.resume { "again" } else { "with --resume" };
+    format!("cases that are done are kept: to go on, give the same command {with}")
 }
 
 fn default_dir(paths: &[PathBuf]) -> PathBuf {

@@ -12,6 +12,7 @@ mod fleet_md;
 mod inputs;
 mod join;
 mod key;
+mod lock;
 mod outputs;
 #[cfg(feature = "parquet")]
 mod parquet_file;
@@ -123,6 +124,7 @@ pub fn run(request: &Request, dir: &Path) -> Result<Outcome, FleetError> {
     let memo = Memo::new(request.memo_bytes.unwrap_or(REMEMBERED));
     let plan = Plan::new(&inputs, &request.options, &memo)?;
     let description = description(&inputs, &plan, &request.options);
+    let _lock = lock::hold(dir, request.shard.is_some())?;
     if start(request, dir, &description)? {
         let failed = compute(request, dir, &plan)?;
         if request.shard.is_some() {
@@ -139,9 +141,16 @@ pub fn run(request: &Request, dir: &Path) -> Result<Outcome, FleetError> {
 /// [`FleetError`] where the folder holds no run, or parts are missing.
 pub fn merge(dir: &Path, formats: &[Format]) -> Result<Outcome, FleetError> {
     outputs::can_write(formats)?;
-    let run = parts::read(dir)?;
     let none = || FleetError::Usage(format!("{} holds no run of shards to merge", dir.display()));
-    finish(dir, &run.ok_or_else(none)?, formats)
+    parts::read(dir)?.ok_or_else(none)?;
+    let _lock = lock::hold(dir, false)?;
+    let run = parts::read(dir)?.ok_or_else(none)?;
+    finish(dir, &run, formats)
+}
+
+/// Whether a folder holds a run, finished or not.
+pub fn is_begun(dir: &Path) -> bool {
+    parts::read(dir).is_ok_and(|run| run.is_some())
 }
 
 /// Counts the work without doing it.
@@ -232,6 +241,7 @@ fn start(request: &Request, dir: &Path, new: &Run) -> Result<bool, FleetError> {
 /// Computes the chunks that are missing; how many trains or cases failed in them.
 fn compute(request: &Request, dir: &Path, plan: &Plan) -> Result<usize, FleetError> {
     let mine = |chunk: &usize| request.shard.is_none_or(|shard| shard.has(*chunk));
+    parts::prepare(dir)?;
     let missing: Vec<usize> = (0..plan.chunks()).filter(mine).filter(|&c| !parts::is_done(dir, c)).collect();
     let cases = |chunk: &usize| plan.range(*chunk).end - plan.range(*chunk).start;
     let progress = Progress::new(missing.iter().map(cases).sum());

@@ -198,6 +198,40 @@ fn ten_bad_files_of_a_hundred_are_ten_errors_with_their_places() {
     }
 }
 
+/// Every way of being wrong that this project knows, among trains that are right.
+#[test]
+fn bad_files_of_every_kind_are_errors_with_their_places() {
+    let folder = folder();
+    let trains = folder.path().join("trains");
+    write_fleet(&trains, 5, 3);
+    let known = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/bad_trains");
+    let mut bad = vec![];
+    for entry in fs::read_dir(known).expect("bad trains") {
+        let path = entry.expect("an entry").path();
+        let name = path.file_name().expect("a name").to_string_lossy().into_owned();
+        fs::copy(&path, trains.join(&name)).expect("a copy");
+        // The place that the message for one train names.
+        let Ok(message) = fs::read_to_string(path.with_extension("txt")) else { continue };
+        let place = message.lines().find_map(|l| l.trim_start().strip_prefix("--> ")).expect("a place").to_owned();
+        if name.ends_with(".toml") {
+            bad.push((format!("trains/{name}"), place));
+        }
+    }
+    let output = fleet(folder.path(), &["trains", "--out", "out"]);
+    assert_eq!(output.status.code(), Some(3), "{}", complaint(&output));
+    let errors = rows(&folder.path().join("out/errors.csv"));
+    bad.sort();
+    assert!(bad.len() > 50 && errors.len() == bad.len(), "{} of {}", errors.len(), bad.len());
+    for (row, (file, place)) in errors.iter().zip(&bad) {
+        assert_eq!(&row["file"], file);
+        let place = place.rsplit('/').next().unwrap_or_default();
+        assert!(row["error"].starts_with(&format!("trains/{place}: ")), "{}: expected {place}", row["error"]);
+    }
+    let mut names: Vec<String> = rows(&folder.path().join("out/fleet.csv")).iter().map(|r| r["file"].clone()).collect();
+    names.dedup();
+    assert_eq!(names.len(), 5);
+}
+
 #[test]
 fn none_but_bad_files_is_bad_input() {
     let folder = folder();

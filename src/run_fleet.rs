@@ -2,7 +2,6 @@
 
 use std::io::{self, ErrorKind, IsTerminal};
 use std::path::{Path, PathBuf};
-use std::thread::available_parallelism;
 
 use trainsafe::fleet::{self, Estimate, FleetError, Format, Outcome, Request};
 
@@ -104,15 +103,22 @@ fn summary(outcome: &Outcome, dir: &Path, is_share: bool) -> String {
 }
 
 fn told(estimate: &Estimate) -> String {
-    let Estimate { trains, variations, cases, seconds } = estimate;
-    let threads = available_parallelism().map_or(1, |n| n.get());
-    let time = |s: f64| match s {
-        s if s < 90.0 => format!("{s:.0} s"),
-        s if s < 5400.0 => format!("{:.0} min", s / 60.0),
-        s => format!("{:.1} hours", s / 3600.0),
+    let Estimate { trains, variations, cases, seconds: [least, most], threads } = *estimate;
+    let (unit, length) = match most {
+        s if s < 90.0 => ("s", 1.0),
+        s if s < 5400.0 => ("min", 60.0),
+        _ => ("hours", 3600.0),
     };
-    let on_all = time(seconds / threads as f64);
-    format!("{trains} trains, {variations} variations of each, {cases} cases\nabout {on_all} on {threads} threads\n")
+    let time = match (least / length, most / length) {
+        (_, most) if most < 1.0 => format!("less than 1 {unit}"),
+        // Two digits where there are any: nobody plans by more.
+        (least, most) if most < 10.0 => format!("about {least:.1} to {most:.1} {unit}"),
+        (least, most) => format!("about {least:.0} to {most:.0} {unit}"),
+    };
+    let varied = if variations == 1 { String::new() } else { format!("{variations} variations of each, ") };
+    let plural = |n: u64| if n == 1 { "" } else { "s" };
+    let counts = format!("{trains} train{}, {varied}{cases} case{}", plural(trains as u64), plural(cases));
+    format!("{counts}\n{time} on {threads} thread{}\n", plural(threads as u64))
 }
 
 fn failed(error: &FleetError) -> Failure {

@@ -8,6 +8,7 @@
 //! or not at all, so a run may be killed at any moment, and another may do what is missing; the parts in order are the
 //! result. Only the rows of chunks under way are in memory.
 
+mod estimate;
 mod fleet_md;
 mod inputs;
 mod join;
@@ -110,8 +111,10 @@ pub struct Estimate {
     pub variations: usize,
     /// Cases in all.
     pub cases: u64,
-    /// On one thread, s; roughly.
-    pub seconds: f64,
+    /// The shortest and the longest time that it will probably take on all threads, s.
+    pub seconds: [f64; 2],
+    /// How many those are.
+    pub threads: usize,
 }
 
 /// Runs what the request asks for and writes the results into a folder, made if need be.
@@ -153,20 +156,21 @@ pub fn is_begun(dir: &Path) -> bool {
     parts::read(dir).is_ok_and(|run| run.is_some())
 }
 
-/// Counts the work without doing it.
+/// Counts the work, does a little of it to see how long that takes, and writes nothing.
 ///
 /// # Errors
 /// As for [`run`].
 pub fn estimate(request: &Request) -> Result<Estimate, FleetError> {
     outputs::can_write(&request.formats)?;
     let inputs = Inputs::find(&request.paths)?;
-    let memo = Memo::new(0);
+    let memo = Memo::new(REMEMBERED);
     let plan = Plan::new(&inputs, &request.options, &memo)?;
     Ok(Estimate {
         trains: inputs.files.len(),
         variations: inputs.variations(),
         cases: plan.cases(),
-        seconds: plan.estimate_s()?,
+        seconds: estimate::seconds(&plan)?,
+        threads: rayon::current_num_threads(),
     })
 }
 

@@ -46,8 +46,10 @@ pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
     }
     if outcome.scenes.0 > 0 {
         say(&format!(
-            "{} parts of trains solved, {} more were the same as one of them",
-            outcome.scenes.1, outcome.scenes.0
+            "{} of trains solved, {} more {} the same as one of them",
+            count(outcome.scenes.1, "part"),
+            outcome.scenes.0,
+            if outcome.scenes.0 == 1 { "was" } else { "were" }
         ));
     }
     match outcome {
@@ -116,9 +118,12 @@ fn told(estimate: &Estimate) -> String {
         (least, most) => format!("about {least:.0} to {most:.0} {unit}"),
     };
     let varied = if variations == 1 { String::new() } else { format!("{variations} variations of each, ") };
-    let plural = |n: u64| if n == 1 { "" } else { "s" };
-    let counts = format!("{trains} train{}, {varied}{cases} case{}", plural(trains as u64), plural(cases));
-    format!("{counts}\n{time} on {threads} thread{}\n", plural(threads as u64))
+    let [trains, threads] = [count(trains as u64, "train"), count(threads as u64, "thread")];
+    format!("{trains}, {varied}{}\n{time} on {threads}\n", count(cases, "case"))
+}
+
+fn count(n: u64, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }
 
 fn failed(error: &FleetError) -> Failure {

@@ -36,14 +36,16 @@ fn rows_are_what_analyze_finds() {
         let analysis = analyze(&consist::read(&path).expect("a train"), &Options::default()).expect("an analysis");
         for case in &analysis.scenarios[0].cases {
             let worst = case.worst.as_ref().expect("a worst coupler");
-            let first = case.couplers.iter().filter_map(|c| c.first_exceeds_s).reduce(f64::min);
+            let times = case.couplers.iter().filter_map(|c| Some((c.first_exceeds_s?, c.coupler)));
+            let first = times.min_by(|a, b| a.0.total_cmp(&b.0));
             expected.push([
                 analysis.train.clone(),
                 format!("{}", case.broken_coupler.expect("a break")),
                 worst.coupler.to_string(),
                 format!("{:?}", worst.peak_force_n),
                 format!("{:?}", worst.utilisation),
-                first.map_or(String::new(), |t| format!("{t:?}")),
+                first.map_or(String::new(), |(_, coupler)| coupler.to_string()),
+                first.map_or(String::new(), |(t, _)| format!("{t:?}")),
                 case.exceeding.to_string(),
                 case.safe_load_factor.map_or(String::new(), |f| format!("{f:?}")),
                 format!("{:?}", case.error_bound_n),
@@ -57,6 +59,7 @@ fn rows_are_what_analyze_finds() {
         "worst_coupler",
         "peak_force_n",
         "utilisation",
+        "first_coupler",
         "first_exceeds_s",
         "exceeding",
         "safe_load_factor",

@@ -86,7 +86,16 @@ mod with_the_feature {
         );
         assert_eq!(
             of(Type::INT64),
-            ["vehicles", "variation", "broken_coupler", "worst_coupler", "exceeding", "undecided", "rod_exceeding"]
+            [
+                "vehicles",
+                "variation",
+                "broken_coupler",
+                "worst_coupler",
+                "first_coupler",
+                "exceeding",
+                "undecided",
+                "rod_exceeding"
+            ]
         );
         let (_, rows) = read(&folder.path().join("out/fleet.parquet"));
         assert!(

@@ -25,7 +25,8 @@ pub fn headings(run: &Run) -> Vec<String> {
 pub fn join(dir: &Path, run: &Run) -> Result<Summary, FleetError> {
     let missing = (0..run.chunks()).filter(|&chunk| !parts::is_done(dir, chunk)).count();
     if missing > 0 {
-        let share = format!("{missing} of {} parts of the run are missing", run.chunks());
+        let are = if missing == 1 { "is" } else { "are" };
+        let share = format!("{missing} of {} parts of the run {are} missing", run.chunks());
         return Err(FleetError::Usage(format!("{share}: let every shard finish, or run it again with --resume")));
     }
     files::remove_unfinished(dir);

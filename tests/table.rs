@@ -156,9 +156,9 @@ fn the_template_s_table_can_be_used() {
     let folder = tempfile::tempdir().expect("a folder");
     let table = format!("{columns}\nlocomotive,1,true,195,22,30,1.5,2\ncar,104,,160,,,,\n");
     fs::write(folder.path().join("vehicles.csv"), table).expect("a table");
-    let (front, rest) = consist::TEMPLATE.split_once("[[vehicle]]").expect("a vehicle");
-    let (_, load) = rest.split_once("[load]").expect("a load");
-    let text = format!("{}[load]{load}", front.replace(line, line.trim_start_matches("# ")));
+    let (front, rest) = consist::TEMPLATE.split_once("\n[[vehicle]]").expect("a vehicle");
+    let (_, load) = rest.split_once("\n[load]").expect("a load");
+    let text = format!("{}\n[load]{load}", front.replace(line, line.trim_start_matches("# ")));
     let train = consist::parse(&text, &folder.path().join("train.toml")).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!((train.vehicles.len(), train.vehicles[0].held, train.couplers[0].rated_buff_n), (105, true, 2e6));
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
-use trainsafe::fleet::Shard;
+use trainsafe::fleet::{Format, Shard};
 
 const STATUS: &str = "\
 Exit status: 0 the analysis ran, whatever it found; 1 a coupler exceeds, with --fail-on-exceed;
@@ -13,7 +13,7 @@ could not be written.
 Example: trainsafe new > train.toml && trainsafe analyze train.toml";
 
 const FLEET: &str = "\
-The folder gets fleet.csv, errors.csv, fleet.md and a figure. The run may be killed at any moment:
+The folder gets fleet.csv, errors.csv, fleet.md and a figure, or what --format says. The run may be killed at any moment:
 --resume goes on with it. Machines that share a folder compute a share each with --shard, and
 --merge joins them.
 
@@ -118,6 +118,10 @@ pub struct Fleet {
     /// Print a line of JSON for every case to standard output; write no files
     #[arg(long, conflicts_with_all = ["out", "resume", "shard", "merge"])]
     pub json: bool,
+    /// Files to write, separated by commas; the others are made from fleet.csv and errors.csv, which are always written
+    #[arg(long, value_name = "LIST", default_value = "csv,md", value_delimiter = ',',
+          value_parser = Format::ALL.map(Format::name), conflicts_with = "json")]
+    pub format: Vec<String>,
     /// Go on with the run in the folder: compute what is missing and nothing else
     #[arg(long, conflicts_with = "merge")]
     pub resume: bool,

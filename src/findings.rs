@@ -10,6 +10,7 @@ mod map;
 use std::time::Instant;
 
 pub use cascade::{CascadeBreak, CascadeFindings};
+pub(crate) use estimate::case_estimate_s;
 pub use estimate::estimate_s;
 use general::Solved;
 pub use history::{history, rod_history};

@@ -1,10 +1,9 @@
 //! `trainsafe fleet`.
 
-use std::io::{self, ErrorKind};
+use std::io::{self, ErrorKind, IsTerminal};
 use std::path::{Path, PathBuf};
-use std::thread::available_parallelism;
 
-use trainsafe::fleet::{self, Estimate, FleetError, Outcome, Request};
+use trainsafe::fleet::{self, Estimate, FleetError, Format, Outcome, Request};
 
 use crate::{Failure, cli, options, print, say};
 
@@ -14,10 +13,14 @@ pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
         options: options(&args.solver),
         shard: args.shard,
         resume: args.resume,
+        formats: args.format.iter().filter_map(|name| Format::from_name(name)).collect(),
         memo_bytes: None,
     };
     if args.dry_run {
         return fleet::estimate(&request).map_err(|e| failed(&e)).and_then(|estimate| print(&told(&estimate)));
+    }
+    if !args.json {
+        heed_signals(args);
     }
     let dir = args.out.clone().unwrap_or_else(|| default_dir(&args.paths));
     let outcome = if args.json {
@@ -27,18 +30,26 @@ pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
             other => other,
         }
     } else if args.merge {
-        fleet::merge(&dir)
+        fleet::merge(&dir, &request.formats)
     } else {
         fleet::run(&request, &dir)
     };
-    let outcome = outcome.map_err(|e| failed(&e))?;
+    let outcome = outcome.map_err(|e| {
+        let failure = failed(&e);
+        if matches!(e, FleetError::Write(_)) && fleet::is_begun(&dir) {
+            say(&go_on(args));
+        }
+        failure
+    })?;
     if !args.json {
-        print(&summary(&outcome, &dir))?;
+        print(&summary(&outcome, &dir, outcome.verdict.is_empty()))?;
     }
     if outcome.scenes.0 > 0 {
         say(&format!(
-            "{} parts of trains solved, {} more were the same as one of them",
-            outcome.scenes.1, outcome.scenes.0
+            "{} of trains solved, {} more {} the same as one of them",
+            count(outcome.scenes.1, "part"),
+            outcome.scenes.0,
+            if outcome.scenes.0 == 1 { "was" } else { "were" }
         ));
     }
     match outcome {
@@ -49,6 +60,31 @@ pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
     }
 }
 
+/// On Ctrl-C or SIGTERM: says how to go on, and stops at once. Rows are whole at any moment, so there is nothing to wait for.
+#[cfg(unix)]
+fn heed_signals(args: &cli::Fleet) {
+    use signal_hook::consts::{SIGINT, SIGTERM};
+    let go_on = go_on(args);
+    // Without them a signal ends the program as it would any other.
+    let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGINT, SIGTERM]) else { return };
+    std::thread::spawn(move || {
+        if let Some(signal) = signals.forever().next() {
+            let line = if io::stderr().is_terminal() { "\n" } else { "" };
+            say(&format!("{line}stopped; {go_on}"));
+            std::process::exit(128 + signal);
+        }
+    });
+}
+
+#[cfg(not(unix))]
+fn heed_signals(_: &cli::Fleet) {}
+
+/// How to go on after a run was cut short.
+fn go_on(args: &cli::Fleet) -> String {
+    let with = if args.shard.is_some() || args.merge || args.resume { "again" } else { "with --resume" };
+    format!("cases that are done are kept: to go on, give the same command {with}")
+}
+
 fn default_dir(paths: &[PathBuf]) -> PathBuf {
     let name = match paths {
         [one] => one.file_stem().filter(|_| one.exists()),
@@ -57,23 +93,37 @@ fn default_dir(paths: &[PathBuf]) -> PathBuf {
     Path::new("reports").join(name.unwrap_or("fleet".as_ref()))
 }
 
-fn summary(outcome: &Outcome, dir: &Path) -> String {
-    match &outcome.report {
-        Some(report) => format!("{}\nreport: {}\n", outcome.verdict.join("\n"), report.display()),
-        None => format!("this share is done; when all are: trainsafe fleet --merge --out {}\n", dir.display()),
+fn summary(outcome: &Outcome, dir: &Path, is_share: bool) -> String {
+    if is_share {
+        return format!("this share is done; when all are: trainsafe fleet --merge --out {}\n", dir.display());
     }
+    let (what, path) = match &outcome.report {
+        Some(report) => ("report", report.as_path()),
+        None => ("results", dir),
+    };
+    format!("{}\n{what}: {}\n", outcome.verdict.join("\n"), path.display())
 }
 
 fn told(estimate: &Estimate) -> String {
-    let Estimate { trains, variations, cases, seconds } = estimate;
-    let threads = available_parallelism().map_or(1, |n| n.get());
-    let time = |s: f64| match s {
-        s if s < 90.0 => format!("{s:.0} s"),
-        s if s < 5400.0 => format!("{:.0} min", s / 60.0),
-        s => format!("{:.1} hours", s / 3600.0),
+    let Estimate { trains, variations, cases, seconds: [least, most], threads } = *estimate;
+    let (unit, length) = match most {
+        s if s < 90.0 => ("s", 1.0),
+        s if s < 5400.0 => ("min", 60.0),
+        _ => ("hours", 3600.0),
     };
-    let on_all = time(seconds / threads as f64);
-    format!("{trains} trains, {variations} variations of each, {cases} cases\nabout {on_all} on {threads} threads\n")
+    let time = match (least / length, most / length) {
+        (_, most) if most < 1.0 => format!("less than 1 {unit}"),
+        // Two digits where there are any: nobody plans by more.
+        (least, most) if most < 10.0 => format!("about {least:.1} to {most:.1} {unit}"),
+        (least, most) => format!("about {least:.0} to {most:.0} {unit}"),
+    };
+    let varied = if variations == 1 { String::new() } else { format!("{variations} variations of each, ") };
+    let [trains, threads] = [count(trains as u64, "train"), count(threads as u64, "thread")];
+    format!("{trains}, {varied}{}\n{time} on {threads}\n", count(cases, "case"))
+}
+
+fn count(n: u64, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }
 
 fn failed(error: &FleetError) -> Failure {

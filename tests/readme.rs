@@ -59,10 +59,10 @@ fn written() -> Fields {
     fields
 }
 
-/// What the table says of units and signs, by field; a field may stand in several rows.
-fn documented() -> BTreeMap<String, Vec<String>> {
+/// What the tables of a section say of units and signs, by field; a field may stand in several rows.
+fn documented(section: &str) -> BTreeMap<String, Vec<String>> {
     let readme = std::fs::read_to_string(format!("{}/README.md", env!("CARGO_MANIFEST_DIR"))).expect("the README");
-    let table = readme.split("## Fields of").nth(1).and_then(|t| t.split("\n## ").next()).expect("the field table");
+    let table = readme.split(section).nth(1).and_then(|t| t.split("\n## ").next()).expect("the section");
     let mut rows: BTreeMap<String, Vec<String>> = BTreeMap::new();
     for line in table.lines().filter(|line| line.starts_with("| ")) {
         let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
@@ -91,7 +91,7 @@ fn part_tells(cell: &str, name: &str) -> bool {
 
 #[test]
 fn every_field_is_documented_with_its_unit_and_sign() {
-    let (written, documented) = (written(), documented());
+    let (written, documented) = (written(), documented("## Fields of"));
     let missing: Vec<&String> = written.keys().filter(|name| !documented.contains_key(*name)).collect();
     assert!(missing.is_empty(), "fields without a line in the README: {missing:?}");
     let of_a_unit = |name: &str| ["_n", "_s", "_j"].iter().any(|suffix| name.ends_with(suffix));
@@ -105,4 +105,23 @@ fn every_field_is_documented_with_its_unit_and_sign() {
     };
     let untold: Vec<&&String> = numbers.iter().filter(|name| !told(name)).collect();
     assert!(untold.is_empty(), "numbers without a unit, or a force without a sign, in the README: {untold:?}");
+}
+
+#[test]
+fn every_column_of_a_fleet_is_documented() {
+    let root = env!("CARGO_MANIFEST_DIR");
+    let dir = tempfile::tempdir().expect("a folder");
+    let run = Command::new(env!("CARGO_BIN_EXE_trainsafe"))
+        .args(["fleet", &format!("{root}/trains/paper-figure-4.toml"), "--out"])
+        .arg(dir.path())
+        .output()
+        .expect("it runs");
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let (own, shared) = (documented("## Fleets"), documented("## Fields of"));
+    for name in ["fleet.csv", "errors.csv"] {
+        let csv = std::fs::read_to_string(dir.path().join(name)).expect("CSV");
+        let columns = csv.lines().next().expect("a header").split(',');
+        let missing: Vec<&str> = columns.filter(|c| !own.contains_key(*c) && !shared.contains_key(*c)).collect();
+        assert!(missing.is_empty(), "columns of {name} without a line in the README: {missing:?}");
+    }
 }

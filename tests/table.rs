@@ -114,7 +114,7 @@ error: row 4, column held: this vehicle cannot be held
         ),
         (
             "mass [t]\n80\n",
-            "error: the table has 1 vehicles
+            "error: the table has 1 vehicle
 --> HERE/consist.csv
  = help: give it a row for each vehicle, at least two",
         ),
@@ -144,4 +144,21 @@ fn hostile_tables_are_errors() {
     ] {
         assert!(read(table, "").is_err(), "{table:?}");
     }
+}
+
+/// What the file to start from says of a table is so: its line taken, and the vehicles from a table with all those columns.
+#[test]
+fn the_template_s_table_can_be_used() {
+    let columns = "label,count,held,mass [t],length [m],stiffness [MN/m],rated_load [MN],rated_buff [MN]";
+    let line = "# vehicles = \"vehicles.csv\"";
+    assert!(consist::TEMPLATE.contains(line));
+    assert!(columns.split(',').all(|column| consist::TEMPLATE.contains(column)));
+    let folder = tempfile::tempdir().expect("a folder");
+    let table = format!("{columns}\nlocomotive,1,true,195,22,30,1.5,2\ncar,104,,160,,,,\n");
+    fs::write(folder.path().join("vehicles.csv"), table).expect("a table");
+    let (front, rest) = consist::TEMPLATE.split_once("\n[[vehicle]]").expect("a vehicle");
+    let (_, load) = rest.split_once("\n[load]").expect("a load");
+    let text = format!("{}\n[load]{load}", front.replace(line, line.trim_start_matches("# ")));
+    let train = consist::parse(&text, &folder.path().join("train.toml")).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!((train.vehicles.len(), train.vehicles[0].held, train.couplers[0].rated_buff_n), (105, true, 2e6));
 }

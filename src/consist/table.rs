@@ -236,7 +236,8 @@ impl Reader<'_> {
         let total = rows.iter().fold(0usize, |sum, row| sum.saturating_add(row.count));
         let help = "give it a row for each vehicle, at least two";
         match total {
-            0 | 1 => self.problems.note(Problem::of_file(format!("the table has {total} vehicles"), help)),
+            0 => self.problems.note(Problem::of_file("the table has no vehicles", help)),
+            1 => self.problems.note(Problem::of_file("the table has 1 vehicle", help)),
             n if n > MOST_VEHICLES => {
                 let title = format!("the table has more than {MOST_VEHICLES} vehicles");
                 self.problems.note(Problem::of_file(title, "a train has at most that many"));

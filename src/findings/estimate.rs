@@ -32,7 +32,8 @@ pub fn estimate_s(train: &Train, options: &Options) -> Result<f64, AnalyzeError>
     if total > MOST_SECONDS { Err(AnalyzeError::TooLong { seconds: total }) } else { Ok(total) }
 }
 
-fn case_estimate_s(
+/// Estimated time of one case on one core, s.
+pub(crate) fn case_estimate_s(
     train: &Train,
     scenario: &Scenario,
     broken: Option<usize>,

@@ -5,10 +5,11 @@ use serde::Serialize;
 
 use super::parts::Run;
 use super::statistics::{clopper_pearson, rank_correlation};
-use super::summary::{Summary, TrainSummary};
+use super::summary::{Places, Summary, TrainSummary};
 use crate::report::figures;
 use crate::report::markdown::render;
 use crate::report::numbers::{digits, down, percent, without_zeros};
+use crate::report::words::count;
 
 const TEMPLATE: &str = include_str!("fleet.md.jinja");
 /// Rows of a table at most.
@@ -66,17 +67,20 @@ pub fn verdict(run: &Run, summary: &Summary) -> Vec<String> {
     let harmful = summary.unsafe_trains().len();
     let varied = run.variations.map_or(String::new(), |n| format!(" in {} each", count(n, "variation")));
     let mut text = vec![format!(
-        "{harmful} of {}{varied} would overload a coupler in some case; {} of {} do.",
+        "{harmful} of {}{varied} would overload a coupler in some case; {} of {} {}.",
         count(seen, "train"),
         summary.harmful,
         count(summary.cases, "case"),
+        if summary.harmful == 1 { "does" } else { "do" },
     )];
     match summary.undecided_trains() {
         0 => {}
         n => text.push(format!("For {n} more it is not decided: a rating lies within the error bound of a peak.")),
     }
-    if summary.failed > 0 {
-        text.push(format!("{} could not be computed: see errors.csv.", count(summary.failed, "train or case")));
+    match summary.failed {
+        0 => {}
+        1 => text.push("1 train or case could not be computed: see errors.csv.".to_owned()),
+        n => text.push(format!("{n} trains or cases could not be computed: see errors.csv.")),
     }
     text
 }
@@ -170,27 +174,40 @@ fn worst(summary: &Summary) -> Option<Table> {
 }
 
 fn breaks(summary: &Summary) -> Option<Table> {
-    let mut found: Vec<_> = summary.breaks.iter().filter(|(_, (_, harmful))| *harmful > 0).collect();
-    found.sort_by_key(|(_, (_, harmful))| std::cmp::Reverse(*harmful));
-    let share = |(all, harmful): (usize, usize)| without_zeros(&digits(100.0 * harmful as f64 / all as f64, 0.0, 3));
-    let row = |&(coupler, &(all, harmful)): &(&usize, &(usize, usize))| {
-        vec![coupler.to_string(), harmful.to_string(), all.to_string(), share((all, harmful))]
+    let share = |[all, harmful]: [usize; 2]| match all {
+        0 => String::new(),
+        _ => without_zeros(&digits(100.0 * harmful as f64 / all as f64, 0.0, 3)),
     };
-    let mut text = Vec::new();
-    more(&mut text, found.len(), COUPLERS, "couplers");
-    let head = vec!["coupler that breaks", "breaks that overload another", "breaks examined", "share, %"];
-    let rows: Vec<_> = found.iter().take(COUPLERS).map(row).collect();
-    (!rows.is_empty()).then_some(Table { title: "Couplers whose break overloads another", text, head, rows })
+    let row = |place: String, c: [usize; 2]| vec![place, c[1].to_string(), c[0].to_string(), share(c)];
+    let (place, text, places) = places(summary, &summary.breaks);
+    let rows: Vec<_> = places.into_iter().map(|(place, counts)| row(place, counts)).collect();
+    let head = vec![place, "breaks that overload another", "breaks examined", "share, %"];
+    (!rows.is_empty()).then_some(Table { title: "Where a break overloads another coupler", text, head, rows })
 }
 
 fn overloaded(summary: &Summary) -> Option<Table> {
-    let mut found: Vec<_> = summary.overloaded.iter().collect();
-    found.sort_by_key(|(_, cases)| std::cmp::Reverse(**cases));
+    let (place, text, places) = places(summary, &summary.overloaded);
+    let rows: Vec<_> = places.into_iter().map(|(place, [cases, _])| vec![place, cases.to_string()]).collect();
+    let head = vec![place, "cases in which the worst coupler is there"];
+    (!rows.is_empty()).then_some(Table { title: "Where couplers are overloaded most", text, head, rows })
+}
+
+/// Counts by coupler of the one train, most harmful first; or by tenths of different trains, whose numbers of couplers tell
+/// nothing side by side. None where nothing exceeds.
+fn places(summary: &Summary, counts: &Places) -> (&'static str, Vec<String>, Vec<(String, [usize; 2])>) {
     let mut text = Vec::new();
+    if summary.trains.len() > 1 {
+        text.push("Of each train's couplers, from the head.".to_owned());
+        let some = counts.tenths.iter().any(|[_, harmful]| *harmful > 0);
+        let tenth = |i: usize| format!("{} to {} %", 10 * i, 10 * (i + 1));
+        let rows = counts.tenths.iter().enumerate().filter(|_| some).map(|(i, c)| (tenth(i), *c)).collect();
+        return ("place along the train", text, rows);
+    }
+    let mut found: Vec<_> = counts.couplers.iter().filter(|(_, [_, harmful])| *harmful > 0).collect();
+    found.sort_by_key(|(_, [_, harmful])| std::cmp::Reverse(*harmful));
     more(&mut text, found.len(), COUPLERS, "couplers");
-    let rows: Vec<_> = found.iter().take(COUPLERS).map(|(c, n)| vec![c.to_string(), n.to_string()]).collect();
-    let head = vec!["coupler", "cases in which it is the worst"];
-    (!rows.is_empty()).then_some(Table { title: "Couplers that are most often the worst", text, head, rows })
+    let rows = found.into_iter().take(COUPLERS).map(|(coupler, c)| (coupler.to_string(), *c)).collect();
+    ("coupler", text, rows)
 }
 
 fn errors(summary: &Summary) -> Option<Table> {
@@ -208,8 +225,4 @@ fn more(text: &mut Vec<String>, all: usize, shown: usize, what: &str) {
     if all > shown {
         text.push(format!("The first {shown} of {all} {what}; fleet.csv has all."));
     }
-}
-
-fn count(n: usize, what: &str) -> String {
-    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }

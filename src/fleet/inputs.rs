@@ -31,7 +31,7 @@ impl Inputs {
     /// Finds the train files, or reads the study file and finds its trains.
     ///
     /// # Errors
-    /// A study file that is wrong, a glob that matches nothing, no train file at all.
+    /// A study file that is wrong, a path that does not exist, a folder or a glob without a train file.
     pub fn find(paths: &[PathBuf]) -> Result<Inputs, FleetError> {
         let (mut study, mut study_text) = (None, String::new());
         let mut wanted = paths.to_vec();
@@ -55,9 +55,6 @@ impl Inputs {
         }
         let mut seen = std::collections::HashSet::new();
         files.retain(|file| seen.insert(file.clone()));
-        if files.is_empty() {
-            return Err(FleetError::Usage("there is no train file (*.toml) in what was given".to_owned()));
-        }
         let digests = files.par_iter().map(|file| digest(file)).collect();
         Ok(Inputs { files, study, digests, study_text })
     }
@@ -133,22 +130,27 @@ fn case_count(train: &Train) -> u32 {
 }
 
 /// The train files that a path stands for: itself, those in a folder and below, those that a glob matches; each sorted.
+///
+/// # Errors
+/// A path that stands for none.
 fn expand(path: &Path, files: &mut Vec<PathBuf>) -> Result<(), FleetError> {
+    let none = |why: &str| Err(FleetError::Usage(format!("{} {why}", path.display())));
+    let before = files.len();
     if path.is_dir() {
-        return in_folder(path, files);
+        in_folder(path, files)?;
+        return if files.len() == before { none("has no train file (*.toml) in it or below") } else { Ok(()) };
     }
     let text = path.to_string_lossy();
-    if path.exists() || !text.contains(['*', '?', '[']) {
+    if path.exists() {
         files.push(path.to_owned());
         return Ok(());
     }
-    let matches = glob::glob(&text).map_err(|e| FleetError::Usage(format!("{text} is no glob: {}", e.msg)))?;
-    let before = files.len();
-    files.extend(matches.flatten().filter(|found| found.is_file()));
-    if files.len() == before {
-        return Err(FleetError::Usage(format!("{text} matches no file")));
+    if !text.contains(['*', '?', '[']) {
+        return none("does not exist");
     }
-    Ok(())
+    let matches = glob::glob(&text).map_err(|e| FleetError::Usage(format!("{text} is no glob: {}", e.msg)))?;
+    files.extend(matches.flatten().filter(|found| found.is_file()));
+    if files.len() == before { none("matches no file") } else { Ok(()) }
 }
 
 fn in_folder(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), FleetError> {

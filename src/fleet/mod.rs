@@ -1,17 +1,22 @@
 //! Many trains and what-ifs: every case of every variation of every train, one row each.
 //!
 //! ```text
-//! inputs (+ study) -> plan: numbered chunks of cases -> part files -> fleet.csv, errors.csv, fleet.md
+//! inputs (+ study) -> plan: numbered chunks of cases -> part files -> fleet.csv, errors.csv -> fleet.md, fleet.parquet
 //! ```
 //!
 //! The chunks depend on the inputs alone, never on threads, shards or attempts. A chunk's rows appear in a part file whole
 //! or not at all, so a run may be killed at any moment, and another may do what is missing; the parts in order are the
 //! result. Only the rows of chunks under way are in memory.
 
+mod estimate;
 mod fleet_md;
 mod inputs;
 mod join;
 mod key;
+mod lock;
+mod outputs;
+#[cfg(feature = "parquet")]
+mod parquet_file;
 mod parts;
 mod plan;
 mod progress;
@@ -28,6 +33,7 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
+pub use outputs::Format;
 pub use plan::Shard;
 
 use crate::error::InputError;
@@ -74,6 +80,8 @@ pub struct Request {
     pub shard: Option<Shard>,
     /// Go on with the run that the folder holds.
     pub resume: bool,
+    /// Files to write, besides `fleet.csv` and `errors.csv`.
+    pub formats: Vec<Format>,
     /// Bytes of memory for scenes that have been solved; `None`: 160 MiB. Results do not depend on it.
     pub memo_bytes: Option<usize>,
 }
@@ -83,7 +91,7 @@ pub struct Request {
 pub struct Outcome {
     /// The verdict, as sentences; empty for a shard.
     pub verdict: Vec<String>,
-    /// The report; `None` for a shard.
+    /// The report; `None` for a shard, and where none was asked for.
     pub report: Option<PathBuf>,
     /// Trains with a result, as far as this run knows.
     pub computed: usize,
@@ -104,8 +112,10 @@ pub struct Estimate {
     pub variations: usize,
     /// Cases in all.
     pub cases: u64,
-    /// On one thread, s; roughly.
-    pub seconds: f64,
+    /// The shortest and the longest time that it will probably take on all threads, s.
+    pub seconds: [f64; 2],
+    /// How many those are.
+    pub threads: usize,
 }
 
 /// Runs what the request asks for and writes the results into a folder, made if need be.
@@ -113,17 +123,19 @@ pub struct Estimate {
 /// # Errors
 /// [`FleetError`]; what has been computed until then stays, for a run that resumes.
 pub fn run(request: &Request, dir: &Path) -> Result<Outcome, FleetError> {
+    outputs::can_write(&request.formats)?;
     let inputs = Inputs::find(&request.paths)?;
     let memo = Memo::new(request.memo_bytes.unwrap_or(REMEMBERED));
     let plan = Plan::new(&inputs, &request.options, &memo)?;
     let description = description(&inputs, &plan, &request.options);
+    let _lock = lock::hold(dir, request.shard.is_some())?;
     if start(request, dir, &description)? {
         let failed = compute(request, dir, &plan)?;
         if request.shard.is_some() {
             return Ok(Outcome { failed, computed: 1, scenes: memo.counts(), ..Outcome::default() });
         }
     }
-    let outcome = finish(dir, &description)?;
+    let outcome = finish(dir, &description, &request.formats)?;
     Ok(Outcome { scenes: memo.counts(), ..outcome })
 }
 
@@ -131,25 +143,35 @@ pub fn run(request: &Request, dir: &Path) -> Result<Outcome, FleetError> {
 ///
 /// # Errors
 /// [`FleetError`] where the folder holds no run, or parts are missing.
-pub fn merge(dir: &Path) -> Result<Outcome, FleetError> {
-    let run = parts::read(dir)?;
+pub fn merge(dir: &Path, formats: &[Format]) -> Result<Outcome, FleetError> {
+    outputs::can_write(formats)?;
     let none = || FleetError::Usage(format!("{} holds no run of shards to merge", dir.display()));
-    finish(dir, &run.ok_or_else(none)?)
+    parts::read(dir)?.ok_or_else(none)?;
+    let _lock = lock::hold(dir, false)?;
+    let run = parts::read(dir)?.ok_or_else(none)?;
+    finish(dir, &run, formats)
 }
 
-/// Counts the work without doing it.
+/// Whether a folder holds a run, finished or not.
+pub fn is_begun(dir: &Path) -> bool {
+    parts::read(dir).is_ok_and(|run| run.is_some())
+}
+
+/// Counts the work, does a little of it to see how long that takes, and writes nothing.
 ///
 /// # Errors
 /// As for [`run`].
 pub fn estimate(request: &Request) -> Result<Estimate, FleetError> {
+    outputs::can_write(&request.formats)?;
     let inputs = Inputs::find(&request.paths)?;
-    let memo = Memo::new(0);
+    let memo = Memo::new(REMEMBERED);
     let plan = Plan::new(&inputs, &request.options, &memo)?;
     Ok(Estimate {
         trains: inputs.files.len(),
         variations: inputs.variations(),
         cases: plan.cases(),
-        seconds: plan.estimate_s()?,
+        seconds: estimate::seconds(&plan)?,
+        threads: rayon::current_num_threads(),
     })
 }
 
@@ -235,6 +257,7 @@ fn start(request: &Request, dir: &Path, new: &Run) -> Result<bool, FleetError> {
 /// Computes the chunks that are missing; how many trains or cases failed in them.
 fn compute(request: &Request, dir: &Path, plan: &Plan) -> Result<usize, FleetError> {
     let mine = |chunk: &usize| request.shard.is_none_or(|shard| shard.has(*chunk));
+    parts::prepare(dir)?;
     let missing: Vec<usize> = (0..plan.chunks()).filter(mine).filter(|&c| !parts::is_done(dir, c)).collect();
     let cases = |chunk: &usize| plan.range(*chunk).end - plan.range(*chunk).start;
     let progress = Progress::new(missing.iter().map(cases).sum());
@@ -256,15 +279,17 @@ fn work(plan: &Plan, chunk: usize, progress: &Progress) -> Result<rows::Chunk, F
     Ok(rows)
 }
 
-/// Joins the parts, unless that has been done.
-fn finish(dir: &Path, run: &Run) -> Result<Outcome, FleetError> {
+/// Joins the parts, unless that has been done, and makes of them what is asked for.
+fn finish(dir: &Path, run: &Run, formats: &[Format]) -> Result<Outcome, FleetError> {
     let known = parts::read(dir)?.is_some_and(|found| found.complete);
     let summary = if known { join::summarise(dir, run)? } else { join::join(dir, run)? };
+    let report = outputs::write(dir, run, &summary, formats)?;
     if !known {
+        outputs::remove_others(dir, formats);
         parts::describe(dir, &Run { complete: true, ..run.clone() })?;
     }
     parts::remove(dir);
-    Ok(outcome(run, &summary, Some(join::report(dir))))
+    Ok(outcome(run, &summary, report))
 }
 
 fn outcome(run: &Run, summary: &Summary, report: Option<PathBuf>) -> Outcome {

@@ -85,14 +85,23 @@ pub fn is_done(dir: &Path, chunk: usize) -> bool {
     paths(dir, chunk)[0].exists()
 }
 
-/// Keeps a chunk's rows.
+/// Makes the folder of the parts.
+///
+/// # Errors
+/// [`WriteError`] with the path.
+pub fn prepare(dir: &Path) -> Result<(), FleetError> {
+    let parts = dir.join(PARTS);
+    Ok(fs::create_dir_all(&parts).map_err(|e| WriteError::new(&parts, e))?)
+}
+
+/// Keeps a chunk's rows. A folder that has gone since the run began is not made again: what was in it is missing.
 ///
 /// # Errors
 /// [`WriteError`] with the path.
 pub fn keep(dir: &Path, chunk: usize, rows: Chunk) -> Result<(), FleetError> {
     let [rows, errors] = rows.into_bytes();
     let [rows_name, errors_name] = names(chunk);
-    files::write_all(&dir.join(PARTS), &[(errors_name, errors), (rows_name, rows)])?;
+    files::write_into(&dir.join(PARTS), &[(errors_name, errors), (rows_name, rows)])?;
     Ok(())
 }
 

@@ -5,6 +5,7 @@ use std::ops::Range;
 use super::FleetError;
 use super::inputs::Inputs;
 use super::rows::{self, Chunk};
+use super::variation::Varied;
 use crate::consist::Train;
 use crate::findings::{self, Options, cases};
 use crate::solve::memo::Memo;
@@ -17,8 +18,10 @@ const MOST_CASES: u64 = 500;
 /// Cases of all variations of all trains, in order, cut into chunks.
 pub struct Plan<'a> {
     inputs: &'a Inputs,
-    options: &'a Options,
-    memo: &'a Memo,
+    /// Tolerance and method of each case.
+    pub options: &'a Options,
+    /// Scenes that have been solved.
+    pub memo: &'a Memo,
     /// The number of cases up to and with each unit, a unit being a variation of a train.
     ends: Vec<u64>,
     /// Cases in each chunk but the last.
@@ -73,6 +76,27 @@ impl<'a> Plan<'a> {
         from..(from + self.chunk_cases).min(self.cases())
     }
 
+    /// All variations of all trains.
+    pub fn units(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// The unit that a case is of, and its index in it.
+    pub fn place(&self, case: u64) -> (usize, usize) {
+        let unit = self.ends.partition_point(|end| *end <= case);
+        let start = if unit == 0 { 0 } else { self.ends[unit - 1] };
+        (unit, (case - start) as usize)
+    }
+
+    /// The train of a unit.
+    ///
+    /// # Errors
+    /// As for [`Inputs::load`].
+    pub fn load(&self, unit: usize) -> Result<Varied, FleetError> {
+        let variations = self.inputs.variations();
+        self.inputs.load(unit / variations, unit % variations)
+    }
+
     /// Computes a chunk's rows.
     ///
     /// # Errors
@@ -82,11 +106,10 @@ impl<'a> Plan<'a> {
         let mut rows = Chunk::default();
         let mut at = range.start;
         while at < range.end {
-            let unit = self.ends.partition_point(|end| *end <= at);
-            let start = if unit == 0 { 0 } else { self.ends[unit - 1] };
-            let end = self.ends[unit].min(range.end);
-            self.unit(unit, (at - start) as usize..(end - start) as usize, &mut rows)?;
-            at = end;
+            let (unit, index) = self.place(at);
+            let count = self.ends[unit].min(range.end) - at;
+            self.unit(unit, index..index + count as usize, &mut rows)?;
+            at += count;
         }
         Ok(rows)
     }
@@ -95,7 +118,7 @@ impl<'a> Plan<'a> {
     fn unit(&self, unit: usize, range: Range<usize>, rows: &mut Chunk) -> Result<(), FleetError> {
         let variations = self.inputs.variations();
         let (file, variation) = (unit / variations, unit % variations);
-        let varied = self.inputs.load(file, variation)?;
+        let varied = self.load(unit)?;
         let place = rows::Place {
             file: self.inputs.files[file].display().to_string(),
             variation: self.inputs.study.as_ref().map(|_| variation + 1),
@@ -118,27 +141,6 @@ impl<'a> Plan<'a> {
             }
         }
         Ok(())
-    }
-
-    /// Roughly how long it will take on one thread, s, from the count of the work of a few trains.
-    ///
-    /// # Errors
-    /// As for [`Inputs::load`].
-    pub fn estimate_s(&self) -> Result<f64, FleetError> {
-        const LOOKED_AT: usize = 100;
-        let every = self.ends.len().div_ceil(LOOKED_AT);
-        let variations = self.inputs.variations();
-        let (mut seconds, mut cases) = (0.0, 0u64);
-        for unit in (0..self.ends.len()).step_by(every) {
-            let varied = self.inputs.load(unit / variations, unit % variations)?;
-            let Ok(train) = varied.train else { continue };
-            cases += all_cases(&train).count() as u64;
-            seconds += match findings::estimate_s(&train, self.options) {
-                Ok(seconds) | Err(findings::AnalyzeError::TooLong { seconds }) => seconds,
-                Err(_) => 0.0,
-            };
-        }
-        Ok(if cases == 0 { 0.0 } else { seconds * self.cases() as f64 / cases as f64 })
     }
 }
 

@@ -9,7 +9,7 @@ use crate::scenario::Scenario;
 pub const FRONT: [&str; 4] = ["file", "train", "vehicles", "variation"];
 
 /// Columns after those of a study's inputs, named as in `couplers.csv` and `result.json`.
-pub const BACK: [&str; 20] = [
+pub const BACK: [&str; 21] = [
     "scenario",
     "kind",
     "broken_coupler",
@@ -22,6 +22,7 @@ pub const BACK: [&str; 20] = [
     "peak_force_n",
     "peak_time_s",
     "utilisation",
+    "first_coupler",
     "first_exceeds_s",
     "exceeding",
     "undecided",
@@ -34,6 +35,22 @@ pub const BACK: [&str; 20] = [
 
 /// Columns of `errors.csv`.
 pub const ERRORS: [&str; 5] = ["file", "variation", "scenario", "broken_coupler", "error"];
+
+/// Columns of text, here and in `errors.csv`.
+pub const TEXTS: [&str; 8] = ["file", "train", "scenario", "kind", "between_front", "between_rear", "method", "error"];
+
+/// Columns of whole numbers.
+#[cfg(feature = "parquet")]
+pub const WHOLE: [&str; 8] = [
+    "vehicles",
+    "variation",
+    "broken_coupler",
+    "worst_coupler",
+    "first_coupler",
+    "exceeding",
+    "undecided",
+    "rod_exceeding",
+];
 
 /// The rows of a chunk of cases, without headings.
 #[derive(Default)]
@@ -82,7 +99,9 @@ impl Chunk {
 fn back(scenario: &Scenario, case: &CaseFindings) -> [String; BACK.len()] {
     let worst = case.worst.as_ref();
     let value = |of: fn(&crate::findings::CouplerFindings) -> f64| optional(worst.map(of));
-    let first = case.couplers.iter().filter_map(|c| c.first_exceeds_s).reduce(f64::min);
+    // Not always the worst one: a weaker wave may have met another coupler before.
+    let times = case.couplers.iter().filter_map(|c| Some((c.first_exceeds_s?, c.coupler)));
+    let first = times.min_by(|a, b| a.0.total_cmp(&b.0));
     [
         text(&scenario.name),
         scenario.event.kind().to_owned(),
@@ -96,7 +115,8 @@ fn back(scenario: &Scenario, case: &CaseFindings) -> [String; BACK.len()] {
         value(|w| w.peak_force_n),
         value(|w| w.peak_time_s),
         value(|w| w.utilisation),
-        optional(first),
+        whole(first.map(|(_, coupler)| coupler)),
+        optional(first.map(|(time_s, _)| time_s)),
         case.exceeding.to_string(),
         case.undecided.to_string(),
         optional(case.safe_load_factor),
@@ -138,8 +158,7 @@ pub fn json<S: AsRef<str>>(headings: &[S], lines: &[u8]) -> String {
 }
 
 fn json_cell(heading: &str, cell: &str) -> serde_json::Value {
-    let is_text = ["file", "train", "scenario", "kind", "between_front", "between_rear", "method", "error"];
-    if is_text.contains(&heading) && !cell.is_empty() {
+    if TEXTS.contains(&heading) && !cell.is_empty() {
         return cell.into();
     }
     let whole = cell.parse::<u64>().map(serde_json::Value::from);

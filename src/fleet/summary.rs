@@ -16,10 +16,10 @@ pub struct Summary {
     pub cases: usize,
     /// Cases in which some coupler exceeds.
     pub harmful: usize,
-    /// By broken coupler: cases, and those in which another coupler exceeds.
-    pub breaks: BTreeMap<usize, (usize, usize)>,
-    /// By coupler: cases in which it is the worst and some coupler exceeds.
-    pub overloaded: BTreeMap<usize, usize>,
+    /// Where couplers break: cases, and those in which another coupler exceeds.
+    pub breaks: Places,
+    /// Where the worst coupler is: cases in which some coupler exceeds, twice.
+    pub overloaded: Places,
     /// Smallest safe load factor of each variation of each train; infinite where nothing bounds it.
     pub safe: Vec<f64>,
     /// Each variation's inputs, then its largest utilisation, column by column.
@@ -30,6 +30,25 @@ pub struct Summary {
     pub errors: Vec<[String; 3]>,
     inputs: usize,
     unit: Option<Unit>,
+}
+
+/// Counts of cases by place along the train: all, and those in which some coupler exceeds.
+#[derive(Clone, Debug, Default)]
+pub struct Places {
+    /// By coupler, which means something where all the cases are of one train.
+    pub couplers: BTreeMap<usize, [usize; 2]>,
+    /// By tenth of the train's couplers, from the head.
+    pub tenths: [[usize; 2]; 10],
+}
+
+impl Places {
+    /// Counts a case at a coupler of so many, from 1.
+    fn add(&mut self, coupler: usize, of: usize, exceeds: bool) {
+        let tenth = (10 * (2 * coupler).saturating_sub(1) / (2 * of).max(1)).min(9);
+        for counts in [self.couplers.entry(coupler).or_default(), &mut self.tenths[tenth]] {
+            *counts = [counts[0] + 1, counts[1] + usize::from(exceeds)];
+        }
+    }
 }
 
 /// What is known of one train.
@@ -131,12 +150,12 @@ impl Summary {
         };
         self.cases += 1;
         self.harmful += usize::from(exceeds);
+        let couplers = cell(2).parse::<usize>().map_or(1, |vehicles| vehicles.saturating_sub(1));
         if let Ok(broken) = case.broken.parse() {
-            let (all, harmful) = self.breaks.entry(broken).or_default();
-            (*all, *harmful) = (*all + 1, *harmful + usize::from(exceeds));
+            self.breaks.add(broken, couplers, exceeds);
         }
-        if let Some(coupler) = case.coupler.parse().ok().filter(|_| exceeds) {
-            *self.overloaded.entry(coupler).or_default() += 1;
+        if let Some(worst) = case.coupler.parse().ok().filter(|_| exceeds) {
+            self.overloaded.add(worst, couplers, true);
         }
         if is_new {
             self.close();

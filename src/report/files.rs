@@ -1,10 +1,10 @@
 //! Files that appear whole or not at all.
 
-use std::fs;
-use std::io::{self, Write};
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use tempfile::NamedTempFile;
+use tempfile::{NamedTempFile, TempPath};
 
 /// What the names of unfinished files begin and end with.
 const PREFIX: &str = ".trainsafe-";
@@ -35,6 +35,7 @@ impl WriteError {
             io::ErrorKind::IsADirectory => {
                 "a folder stands where the file must go: move it, or choose another folder with --out DIR"
             }
+            io::ErrorKind::NotFound => "the folder is gone: was it removed or renamed meanwhile?",
             _ => "choose another folder with --out DIR",
         };
         WriteError { path: path.to_owned(), help, source }
@@ -52,6 +53,14 @@ impl WriteError {
 /// [`WriteError`] with the path that could not be written.
 pub fn write_all(dir: &Path, files: &[(String, Vec<u8>)]) -> Result<Vec<PathBuf>, WriteError> {
     fs::create_dir_all(dir).map_err(|e| WriteError::new(dir, e))?;
+    write_into(dir, files)
+}
+
+/// The same where the folder is there.
+///
+/// # Errors
+/// As for [`write_all`].
+pub fn write_into(dir: &Path, files: &[(String, Vec<u8>)]) -> Result<Vec<PathBuf>, WriteError> {
     let staged = files.iter().map(|(name, content)| {
         let path = dir.join(name);
         if fs::read(&path).is_ok_and(|old| old == *content) {
@@ -72,19 +81,67 @@ pub fn write_all(dir: &Path, files: &[(String, Vec<u8>)]) -> Result<Vec<PathBuf>
 
 fn stage(dir: &Path, content: &[u8]) -> io::Result<NamedTempFile> {
     let mut file = unfinished(dir)?;
-    file.write_all(content)?;
-    file.flush()?;
+    // By way of the file itself: the temporary name means nothing to whoever reads of an error.
+    file.as_file_mut().write_all(content)?;
     Ok(file)
 }
 
 /// An empty file under a temporary name, to be renamed once it is whole.
-pub fn unfinished(dir: &Path) -> io::Result<NamedTempFile> {
+fn unfinished(dir: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(PREFIX).suffix(SUFFIX);
     // Temporary files are for their owner alone unless asked otherwise; a report is as readable as any other new file.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     builder.tempfile_in(dir)
+}
+
+/// A large file under way, which has its name only once it is whole and on the disk.
+pub struct Unnamed {
+    file: BufWriter<File>,
+    place: TempPath,
+    path: PathBuf,
+}
+
+impl Unnamed {
+    /// Begins a file that is to stand at this path.
+    ///
+    /// # Errors
+    /// [`WriteError`] with the path.
+    pub fn new(path: PathBuf) -> Result<Unnamed, WriteError> {
+        let dir = path.parent().unwrap_or(Path::new(""));
+        let (file, place) = unfinished(dir).map_err(|e| WriteError::new(&path, e))?.into_parts();
+        Ok(Unnamed { file: BufWriter::new(file), place, path })
+    }
+
+    /// Appends bytes.
+    ///
+    /// # Errors
+    /// [`WriteError`] with the path.
+    pub fn append(&mut self, bytes: &[u8]) -> Result<(), WriteError> {
+        self.file.write_all(bytes).map_err(|e| WriteError::new(&self.path, e))
+    }
+
+    /// Lets a writer append to the file.
+    ///
+    /// # Errors
+    /// [`WriteError`] with the path and what the writer said.
+    #[cfg(feature = "parquet")]
+    pub fn with(&mut self, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<(), WriteError> {
+        write(&mut self.file).map_err(|e| WriteError::new(&self.path, e))
+    }
+
+    /// Gives the file its name.
+    ///
+    /// # Errors
+    /// [`WriteError`] with the path.
+    pub fn finish(self) -> Result<(), WriteError> {
+        let Unnamed { file, place, path } = self;
+        let file = file.into_inner().map_err(|e| WriteError::new(&path, e.into_error()))?;
+        // What it was made of is removed afterwards: a power failure must not find a name without its bytes.
+        file.sync_all().map_err(|e| WriteError::new(&path, e))?;
+        place.persist(&path).map_err(|e| WriteError::new(&path, e.error))
+    }
 }
 
 /// Removes what a run that was killed left under temporary names.

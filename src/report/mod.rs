@@ -24,7 +24,7 @@ mod result_json;
 mod section;
 mod terminal_table;
 mod train_facts;
-mod words;
+pub(crate) mod words;
 
 use std::io;
 use std::path::{Path, PathBuf};

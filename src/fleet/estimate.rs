@@ -1,0 +1,105 @@
+//! Roughly how long a run will take, from a few of its cases.
+//!
+//! Of a random sample of the cases the work is counted; as many of them as take little time are solved, on all threads as the
+//! run itself would. With `c` the counted and `t` the measured time of a case, the run takes
+//!
+//! ```text
+//! cases * mean(c) * sum(t) / sum(c) / threads
+//! ```
+//!
+//! where the mean is over all that were counted and the sums over those that were solved: the counts say how cases differ,
+//! the measurements what a count is worth on this machine today. A case is solved together with the one that mirrors it in its
+//! train, for equal vehicles make them the same. That other trains may have the same scenes is left out.
+
+use std::time::Instant;
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use rayon::prelude::*;
+
+use super::FleetError;
+use super::plan::Plan;
+use crate::findings;
+
+/// Cases whose work is counted, at most.
+const COUNTED: u64 = 300;
+/// Time for solving some of them, s; one that will take longer by its count is not begun.
+const SOLVING_S: f64 = 1.5;
+
+/// What is known of a case, s.
+struct Looked {
+    /// For reading its train.
+    load: f64,
+    /// By the count of its work, and of the one that mirrors it.
+    counted: f64,
+    /// Until they were solved; `None` where they were not.
+    solved: Option<f64>,
+}
+
+/// The shortest and the longest time that the run will probably take on all threads, s.
+///
+/// # Errors
+/// A train file that has changed.
+pub fn seconds(plan: &Plan) -> Result<[f64; 2], FleetError> {
+    let cases = plan.cases();
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let mut sample: Vec<u64> = (0..cases.min(COUNTED)).collect();
+    if cases > COUNTED {
+        sample.iter_mut().for_each(|case| *case = random.next_u64() % cases);
+    } else {
+        // Which of them there is time for must not depend on the order of the trains.
+        sample.sort_by_cached_key(|_| random.next_u64());
+    }
+    let start = Instant::now();
+    let looked = sample.par_iter().with_max_len(1).map(|&case| look(plan, case, start));
+    // Trains that cannot be read take no time.
+    let looked: Vec<Looked> = looked.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
+    let count = looked.len() as f64;
+    if count == 0.0 {
+        return Ok([0.0, 0.0]);
+    }
+    let mean = |of: fn(&Looked) -> f64| looked.iter().map(of).sum::<f64>() / count;
+    let (load, counted) = (mean(|l| l.load), mean(|l| l.counted));
+    let solved: Vec<(f64, f64)> = looked.iter().filter_map(|l| Some((l.counted, l.solved?))).collect();
+    let (sum_counted, sum_solved) = solved.iter().fold((0.0, 0.0), |(c, t), one| (c + one.0, t + one.1));
+    let worth = if sum_counted > 0.0 { sum_solved / sum_counted } else { 1.0 };
+    // Variances of the mean of the counts and of the ratio, relative to their squares.
+    let of_mean = looked.iter().map(|l| (l.counted / counted - 1.0).powi(2)).sum::<f64>() / (count * count);
+    let of_mean = if cases > COUNTED { of_mean } else { 0.0 };
+    let of_ratio = solved.iter().map(|(c, t)| (t - worth * c).powi(2)).sum::<f64>() / sum_solved.powi(2);
+    // Two standard deviations; of a handful no deviation can be told.
+    let spread = if solved.len() < 5 { 1.0 } else { (2.0 * (of_mean + of_ratio).sqrt()).clamp(0.1, 1.0) };
+    let loads = (plan.chunks() + plan.units()) as f64;
+    let threads = rayon::current_num_threads() as f64;
+    let about = (cases as f64 * worth * 0.5 * counted + loads * load) / threads;
+    Ok([about / (1.0 + spread), about * (1.0 + spread)])
+}
+
+/// Counts the work of a case and of its mirror, and solves them if there is time.
+fn look(plan: &Plan, case: u64, start: Instant) -> Result<Option<Looked>, FleetError> {
+    let (unit, index) = plan.place(case);
+    let from = Instant::now();
+    let Ok(train) = plan.load(unit)?.train else { return Ok(None) };
+    let load = from.elapsed().as_secs_f64();
+    let mut before = 0;
+    for scenario in &train.scenarios {
+        let all = findings::cases(&scenario.event);
+        if let Some(&broken) = all.get(index - before) {
+            let pair = [broken, all[all.len() - 1 - (index - before)]];
+            let count = |b: &Option<usize>| findings::case_estimate_s(&train, scenario, *b, plan.options);
+            let counted: f64 = pair.iter().filter_map(|b| count(b).ok()).sum();
+            let begun = Instant::now();
+            let is_time = start.elapsed().as_secs_f64() < SOLVING_S && counted < SOLVING_S;
+            let solved = is_time.then(|| {
+                for broken in pair {
+                    // Those that cannot be computed take their time too.
+                    let _ = findings::case_findings(&train, scenario, broken, plan.options, plan.memo);
+                }
+                begun.elapsed().as_secs_f64()
+            });
+            return Ok(Some(Looked { load, counted, solved }));
+        }
+        before += all.len();
+    }
+    Ok(None)
+}

@@ -1,0 +1,155 @@
+//! `fleet.parquet`: the rows of `fleet.csv` with types.
+//!
+//! It is made from the finished, ordered CSV, so that it holds the same whatever the run went through, a group of rows at a
+//! time, so that a fleet of any size needs the memory of one group.
+
+use std::io;
+use std::path::Path;
+use std::sync::Arc;
+
+use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
+use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
+use parquet::errors::ParquetError;
+use parquet::file::properties::WriterProperties;
+use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
+use parquet::schema::types::Type;
+
+use super::parts::Run;
+use super::rows::{FRONT, TEXTS, WHOLE};
+use super::summary::Summary;
+use super::{FleetError, join};
+use crate::report::files::Unnamed;
+
+/// Rows of a group: some 20 MB while it is under way.
+const GROUP: usize = 32_768;
+
+/// The cells of a column in a group of rows that are there, and for each row whether it is (1) or null (0).
+struct Column {
+    cells: Cells,
+    there: Vec<i16>,
+}
+
+enum Cells {
+    Text(Vec<ByteArray>),
+    Whole(Vec<i64>),
+    Real(Vec<f64>),
+}
+
+/// Writes the rows of a complete run, whose CSV is at `csv`, to a path.
+///
+/// A study's input is a column of numbers if it is one in every variation, else of text.
+///
+/// # Errors
+/// A CSV that cannot be read, a file that cannot be written.
+pub fn write(csv: &Path, run: &Run, summary: &Summary, path: &Path) -> Result<(), FleetError> {
+    let headings = join::headings(run);
+    let is_number = |input: usize| summary.columns[input].iter().all(|x| x.is_finite());
+    let mut columns: Vec<Column> = headings
+        .iter()
+        .enumerate()
+        .map(|(i, heading)| match i.checked_sub(FRONT.len()).filter(|input| *input < run.inputs.len()) {
+            Some(input) => Column::new(!is_number(input), false),
+            None => Column::new(TEXTS.contains(&heading.as_str()), WHOLE.contains(&heading.as_str())),
+        })
+        .collect();
+    let unreadable = |e: &dyn std::fmt::Display| FleetError::Usage(format!("{} cannot be read: {e}", csv.display()));
+    let mut records = csv::Reader::from_path(csv).map_err(|e| unreadable(&e))?.into_records();
+    let mut file = Unnamed::new(path.to_owned())?;
+    let mut broken = None;
+    file.with(|to| {
+        let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
+        let schema = schema(&headings, &columns).map_err(plain)?;
+        let mut writer = SerializedFileWriter::new(to, Arc::new(schema), Arc::new(properties)).map_err(plain)?;
+        loop {
+            let mut rows = 0;
+            for record in records.by_ref().take(GROUP) {
+                match record {
+                    Ok(record) => columns.iter_mut().zip(&record).for_each(|(column, cell)| column.add(cell)),
+                    Err(e) => broken = Some(unreadable(&e)),
+                }
+                rows += 1;
+            }
+            if rows == 0 || broken.is_some() {
+                return writer.close().map(|_| ()).map_err(plain);
+            }
+            let mut group = writer.next_row_group().map_err(plain)?;
+            for column in &mut columns {
+                if let Some(to) = group.next_column().map_err(plain)? {
+                    column.write(to).map_err(plain)?;
+                }
+            }
+            group.close().map_err(plain)?;
+        }
+    })?;
+    match broken {
+        Some(error) => Err(error),
+        None => Ok(file.finish()?),
+    }
+}
+
+fn schema(headings: &[String], columns: &[Column]) -> Result<Type, ParquetError> {
+    let field = |(heading, column): (&String, &Column)| {
+        let (physical, logical) = match column.cells {
+            Cells::Text(_) => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
+            Cells::Whole(_) => (Physical::INT64, None),
+            Cells::Real(_) => (Physical::DOUBLE, None),
+        };
+        let field = Type::primitive_type_builder(heading, physical).with_logical_type(logical);
+        field.with_repetition(Repetition::OPTIONAL).build().map(Arc::new)
+    };
+    let fields = headings.iter().zip(columns).map(field).collect::<Result<Vec<_>, _>>()?;
+    Type::group_type_builder("fleet").with_fields(fields).build()
+}
+
+impl Column {
+    fn new(text: bool, whole: bool) -> Column {
+        let cells = match (text, whole) {
+            (true, _) => Cells::Text(vec![]),
+            (_, true) => Cells::Whole(vec![]),
+            _ => Cells::Real(vec![]),
+        };
+        Column { cells, there: vec![] }
+    }
+
+    /// A cell that is empty is null.
+    fn add(&mut self, cell: &str) {
+        let there = !cell.is_empty() && self.cells.add(cell);
+        self.there.push(i16::from(there));
+    }
+
+    /// Writes the group's cells and forgets them.
+    fn write(&mut self, mut to: SerializedColumnWriter) -> Result<(), ParquetError> {
+        let there = Some(self.there.as_slice());
+        match &mut self.cells {
+            Cells::Text(cells) => to.typed::<ByteArrayType>().write_batch(cells, there, None).map(|_| cells.clear()),
+            Cells::Whole(cells) => to.typed::<Int64Type>().write_batch(cells, there, None).map(|_| cells.clear()),
+            Cells::Real(cells) => to.typed::<DoubleType>().write_batch(cells, there, None).map(|_| cells.clear()),
+        }?;
+        self.there.clear();
+        to.close()
+    }
+}
+
+impl Cells {
+    /// Adds a cell; whether it is one of its kind, as every cell is that this program has written.
+    fn add(&mut self, cell: &str) -> bool {
+        fn push<T>(to: &mut Vec<T>, value: Option<T>) -> bool {
+            let there = value.is_some();
+            to.extend(value);
+            there
+        }
+        match self {
+            Cells::Text(cells) => push(cells, Some(cell.as_bytes().to_vec().into())),
+            Cells::Whole(cells) => push(cells, cell.parse().ok()),
+            Cells::Real(cells) => push(cells, cell.parse().ok()),
+        }
+    }
+}
+
+/// The system's own error, where there is one behind it: a full disk is told as such.
+fn plain(error: ParquetError) -> io::Error {
+    match error {
+        ParquetError::External(inner) => inner.downcast::<io::Error>().map_or_else(io::Error::other, |e| *e),
+        other => io::Error::other(other),
+    }
+}

@@ -7,7 +7,8 @@
 //! | `result.json` | the same for programs |
 //! | `figure-N-envelope.svg` | largest draft and buff along the train; N is the scenario's place in the train file |
 //! | `figure-N-force.svg` | the worst coupler's force over time |
-//! | `figure-N-cascade.svg` | where and when couplers break one after the other, where a scenario follows that |
+//! | `figure-N-wave.svg` | force in every coupler by place and time, and the elastic rod's |
+//! | `figure-N-cascade.svg` | the same when couplers break one after the other, where a scenario follows that |
 //! | `figure-N-map.svg`, `map-N.csv` | overloading force by duration, or safe load by broken coupler, where asked for |
 //! | `figure-N-breaks.svg` | the worst utilisation by broken coupler, where several breaks were examined |
 
@@ -20,6 +21,7 @@ mod limits;
 mod map_csv;
 pub(crate) mod markdown;
 pub(crate) mod numbers;
+mod pictures;
 mod result_json;
 mod section;
 mod terminal_table;
@@ -35,9 +37,9 @@ pub use result_json::json;
 pub use terminal_table::terminal;
 
 use crate::consist::Train;
-use crate::findings::{Analysis, ScenarioFindings};
-use crate::scenario::Event;
-use markdown::Picture;
+use crate::findings::Analysis;
+use markdown::Pictures;
+use pictures::Shown;
 
 /// Writes the whole report into a folder, made if need be, and returns the files' paths, `report.md` last.
 ///
@@ -48,7 +50,8 @@ use markdown::Picture;
 /// # Errors
 /// [`WriteError`] with the path that could not be written.
 pub fn write(train: &Train, analysis: &Analysis, dir: &Path) -> Result<Vec<PathBuf>, WriteError> {
-    let pictures: Vec<Vec<Picture>> = analysis.scenarios.iter().map(|s| pictures(train, s)).collect();
+    let shown: Vec<Option<Shown>> = analysis.scenarios.iter().map(|s| Shown::new(train, s)).collect();
+    let pictures: Pictures = shown.iter().map(|s| s.as_ref().map_or_else(Vec::new, Shown::pictures)).collect();
     let failed = |name: &str| {
         let path = dir.join(name);
         move |source: io::Error| files::WriteError::new(&path, source)
@@ -76,64 +79,6 @@ pub fn write(train: &Train, analysis: &Analysis, dir: &Path) -> Result<Vec<PathB
     Ok(written)
 }
 
-/// The figures of a scenario that has something to show.
-fn pictures(train: &Train, scenario: &ScenarioFindings) -> Vec<Picture> {
-    let (Some((index, source)), Some((case, worst))) = (words::source(train, scenario), words::worst_case(scenario))
-    else {
-        return Vec::new();
-    };
-    let number = index + 1;
-    let picture = |kind: &str, caption: String, draw: &dyn Fn(&str) -> String| {
-        let name = format!("figure-{number}-{kind}");
-        Picture { svg: draw(&name), file: format!("{name}.svg"), caption }
-    };
-    let several = scenario.cases.len() > 1;
-    let mut all = Vec::new();
-    let struck = match source.event {
-        Event::Impact { vehicles, at_head: true, .. } => Some(vehicles),
-        Event::Impact { vehicles, .. } => Some(train.vehicles.len() - vehicles),
-        _ => None,
-    };
-    if let Some(cascade) = case.cascade.as_ref().filter(|c| !several && !c.breaks.is_empty()) {
-        let caption = "Where and when couplers break: time against place.".to_owned();
-        all.push(picture("cascade", caption, &|n| figures::cascade(case, cascade, struck, train.couplers.len(), n)));
-    }
-    if several {
-        let caption = "Utilisation of the worst coupler, by which coupler breaks.".to_owned();
-        all.push(picture("breaks", caption, &|n| figures::breaks(scenario, train.couplers.len(), n)));
-    }
-    if scenario.cases.iter().any(|c| !c.couplers.is_empty()) {
-        let over = if several { ", over all breaks" } else { "" };
-        let caption = format!("Largest draft and buff of every coupler{over}, against the ratings.");
-        all.push(picture("envelope", caption, &|n| figures::envelope(train, scenario, n)));
-    }
-    if let Some(map) = &scenario.map {
-        let what = if map.over == "duration_s" {
-            "The smallest force, of this pulse's shape and sense, that overloads a coupler, against its duration"
-        } else {
-            "The factor on the load up to which no coupler exceeds, against which coupler breaks"
-        };
-        let caption = format!("{what}; the numbers are in map-{number}.csv.");
-        all.push(picture("map", caption, &|n| figures::map(map, n)));
-    }
-    let when = match case.broken_coupler.filter(|_| several) {
-        Some(b) => format!(", when coupler {b} breaks"),
-        None => String::new(),
-    };
-    let shown = match figures::window(train, case, worst) {
-        (from, to) if to - from < case.horizon_s => format!(
-            ", from {} to {} of {}",
-            numbers::brief_time(from),
-            numbers::brief_time(to),
-            numbers::brief_time(case.horizon_s)
-        ),
-        _ => String::new(),
-    };
-    let caption = format!("Force in the worst coupler, {}{when}{shown}.", words::place(worst));
-    all.push(picture("force", caption, &|n| figures::history(train, index, case, worst, n)));
-    all
-}
-
 /// Removes figures of an earlier report; one that stays does no harm, for no report shows it.
 fn remove_stale_figures(dir: &Path, shown: &[String]) {
     let Ok(entries) = dir.read_dir() else { return };
@@ -150,6 +95,6 @@ fn remove_stale_figures(dir: &Path, shown: &[String]) {
 fn is_figure(name: &str) -> bool {
     let parts = name.strip_prefix("figure-").and_then(|n| n.strip_suffix(".svg")).and_then(|n| n.split_once('-'));
     parts.is_some_and(|(number, kind)| {
-        number.bytes().all(|b| b.is_ascii_digit()) && ["breaks", "cascade", "envelope", "force", "map"].contains(&kind)
+        number.bytes().all(|b| b.is_ascii_digit()) && ["breaks", "cascade", "envelope", "force", "map", "wave"].contains(&kind)
     })
 }

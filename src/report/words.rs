@@ -39,6 +39,15 @@ pub fn since(case: &CaseFindings) -> &'static str {
     }
 }
 
+/// What a time axis counts.
+pub fn time_axis(case: &CaseFindings) -> &'static str {
+    match case.kind {
+        "break" => "time after the break",
+        "impact" => "time since the vehicles met",
+        _ => "time since the force set in",
+    }
+}
+
 /// "after coupler 53 breaks", "under the pulse".
 fn after(case: &CaseFindings) -> String {
     match case.broken_coupler {

@@ -11,6 +11,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
 use flate2::write::GzEncoder;
+use sha2::{Digest, Sha256};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("cargo:rerun-if-changed=build.rs");
@@ -25,6 +26,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut packed = GzEncoder::new(Vec::new(), Compression::best());
     packed.write_all(library.as_bytes())?;
     let text = STANDARD.encode(packed.finish()?);
-    fs::write(Path::new(&env::var("OUT_DIR")?).join("plotly.js.gz.base64"), text)?;
+    let out = env::var("OUT_DIR")?;
+    fs::write(Path::new(&out).join("plotly.js.gz.base64"), text)?;
+    fs::write(Path::new(&out).join("plotly.js.sha256"), STANDARD.encode(Sha256::digest(library.as_bytes())))?;
     Ok(())
 }

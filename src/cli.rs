@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use trainsafe::fleet::Shard;
 
 /// Which couplers of a train exceed their capacity, and when, after another coupler breaks or a shock hits the train.
@@ -52,6 +52,9 @@ pub struct Analyze {
     /// Folder for the report [default: reports/<file stem>]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Forms of the report: md, html, or both
+    #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "md,html", conflicts_with = "json")]
+    pub format: Vec<ReportFormat>,
     /// Run this scenario only
     #[arg(long, value_name = "NAME")]
     pub scenario: Option<String>,
@@ -72,6 +75,12 @@ pub struct Analyze {
     pub map: bool,
     #[command(flatten)]
     pub solver: Solver,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ReportFormat {
+    Md,
+    Html,
 }
 
 #[derive(Debug, Args)]

@@ -70,6 +70,18 @@ impl Field {
         })
     }
 
+    /// The same with so many columns in one.
+    pub fn folded(&self, by: usize) -> Field {
+        let by = by.max(1);
+        let middle = |of: &[f64]| 0.5 * (of[0] + of[of.len() - 1]);
+        // Whole columns only differ in the last, whose middle would make them uneven.
+        let times_s: Vec<f64> = self.times_s.chunks(by).map(middle).collect();
+        let larger = |a: f32, b: f32| if a.is_nan() || b.abs() > a.abs() { b } else { a };
+        let fold = |of: &[f32]| of.iter().copied().fold(f32::NAN, larger);
+        let share = (0..self.rows()).flat_map(|r| self.row(r).chunks(by).map(fold)).collect();
+        Field { times_s, share, instants_per_column: self.instants_per_column * by, ..*self }
+    }
+
     fn keep(&mut self, row: usize, column: usize, share: f32) {
         let kept = &mut self.share[row * self.times_s.len() + column];
         if kept.is_nan() || share.abs() > kept.abs() {

@@ -16,8 +16,8 @@ const STEPS: usize = 60;
 const NONE: u8 = 2 * STEPS as u8 + 1;
 const OUTLINE: u8 = NONE + 1;
 /// No image has more pixels to a side, and no file is larger (before it is written in base64).
-const WIDE: usize = 1200;
-const TALL: usize = 480;
+const WIDE: usize = 1000;
+const TALL: usize = 300;
 const LARGEST: usize = 100_000;
 
 /// Place on a scale from 0 to 1 of four colours, mixed.
@@ -45,7 +45,7 @@ fn palette() -> Vec<u8> {
 /// outline lies just outside of what is over its rating.
 pub fn png_base64(field: &Field, most: f64) -> String {
     let rows = field.rows();
-    let mut size = (field.times_s.len().max(WIDE / 2).min(WIDE), TALL.min(rows * TALL.div_ceil(rows).min(24)));
+    let mut size = (field.times_s.len().max(WIDE / 2).min(WIDE), TALL.min(rows * (TALL / rows).clamp(1, 24)));
     loop {
         let image = encode(&pixels(field, most, size), size);
         if image.len() <= LARGEST || size.0 < 100 {

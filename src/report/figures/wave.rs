@@ -88,7 +88,9 @@ fn panel(
     let size = marker_size(broken.len());
     figure.markers(broken, VERMILLION, MarkerShape::Diamond, size, label("a coupler breaks"));
     let x_label = if last { format!("{since}, {}", clock.name) } else { String::new() };
-    let downward = TickFormat::Custom(std::sync::Arc::new(|v| TickFormat::Auto.format(-v)));
+    // There is no coupler 0.
+    let downward = |v: f64| if v < 0.0 { TickFormat::Auto.format(-v) } else { String::new() };
+    let downward = TickFormat::Custom(std::sync::Arc::new(downward));
     let layout = count_couplers(figure.layout(x, y, &x_label, "coupler, from the head"), couplers)
         .with_height(high)
         .with_y_tick_format(downward);

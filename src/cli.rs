@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use trainsafe::fleet::{Format, Shard};
 
 const STATUS: &str = "\
@@ -85,6 +85,9 @@ pub struct Analyze {
     /// Folder for the report [default: reports/<file stem>]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Forms of the report: md, html, or both
+    #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "md,html", conflicts_with = "json")]
+    pub format: Vec<ReportFormat>,
     /// Run this scenario only
     #[arg(long, value_name = "NAME")]
     pub scenario: Option<String>,
@@ -105,6 +108,12 @@ pub struct Analyze {
     pub map: bool,
     #[command(flatten)]
     pub solver: Solver,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ReportFormat {
+    Md,
+    Html,
 }
 
 #[derive(Debug, Args)]

@@ -2,6 +2,7 @@
 
 mod cascade;
 mod estimate;
+mod field;
 mod general;
 mod history;
 mod limits;
@@ -12,6 +13,7 @@ use std::time::Instant;
 pub use cascade::{CascadeBreak, CascadeFindings};
 pub(crate) use estimate::case_estimate_s;
 pub use estimate::estimate_s;
+pub use field::{Field, Of, field};
 use general::Solved;
 pub use history::{history, rod_history};
 pub use limits::LimitFindings;

@@ -14,11 +14,12 @@ use std::time::{Duration, Instant};
 
 use clap::Parser;
 use trainsafe::accuracy::{self, AccuracyError};
+use trainsafe::report::Format;
 use trainsafe::scenario::Event;
 use trainsafe::solve::Method;
 use trainsafe::{Analysis, Options, Train, consist, findings, report, schema};
 
-use cli::{Cli, Command};
+use cli::{Cli, Command, ReportFormat};
 
 /// Analyses that are announced before they start take at least this long, s.
 const LONG_S: f64 = 5.0;
@@ -75,8 +76,15 @@ fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
         print(&(json + "\n"))?;
     } else {
         let dir = args.out.clone().unwrap_or_else(|| default_dir(&args.train));
-        let written = report::write(&train, &analysis, &dir).map_err(|e| output_failed(&e))?;
-        print(&report::terminal(&analysis, written.last().map(PathBuf::as_path)))?;
+        let wanted = |f: &Format| {
+            args.format.contains(match f {
+                Format::Markdown => &ReportFormat::Md,
+                Format::Html => &ReportFormat::Html,
+            })
+        };
+        let formats: Vec<Format> = Format::ALL.into_iter().filter(wanted).collect();
+        let written = report::write(&train, &analysis, &dir, &formats).map_err(|e| output_failed(&e))?;
+        print(&report::terminal(&analysis, &written[written.len() - formats.len()..]))?;
     }
     if args.fail_on_exceed && exceeds(&analysis) { Err(Failure::Exceeds) } else { Ok(()) }
 }

@@ -76,7 +76,7 @@ fn the_sequence_is_told() {
 
 fn markdown(train: &Train, analysis: &Analysis) -> String {
     let dir = tempfile::tempdir().expect("a folder");
-    report::write(train, analysis, dir.path()).expect("written");
+    report::write(train, analysis, dir.path(), &report::Format::ALL).expect("written");
     assert_eq!(
         dir.path().join("figure-1-cascade.svg").exists(),
         analysis.scenarios[0].cases[0].cascade.as_ref().is_some_and(|c| !c.breaks.is_empty())

@@ -61,7 +61,7 @@ fn of_breaks() {
         assert_eq!(p.rod, Some(2.5));
     }
     let dir = tempfile::tempdir().expect("a folder");
-    report::write(&train, &one, dir.path()).expect("written");
+    report::write(&train, &one, dir.path(), &report::Format::ALL).expect("written");
     let rows = fs::read_to_string(dir.path().join("map-1.csv")).expect("the map");
     assert_eq!(rows.lines().count(), 9);
     assert!(rows.starts_with("broken_coupler,safe_load_factor,rod\n1,"), "{rows}");

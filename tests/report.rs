@@ -30,7 +30,7 @@ fn cases(analysis: &mut Analysis) -> impl Iterator<Item = &mut CaseFindings> {
 /// The report's text, written to a folder of its own.
 fn markdown(train: &Train, analysis: &Analysis) -> String {
     let dir = tempfile::tempdir().expect("a folder");
-    report::write(train, analysis, dir.path()).expect("written");
+    report::write(train, analysis, dir.path(), &report::Format::ALL).expect("written");
     fs::read_to_string(dir.path().join("report.md")).expect("a report")
 }
 
@@ -114,7 +114,7 @@ fn a_train_without_load_or_without_another_coupler_is_no_trouble() {
         let analysis = analysis_of(train);
         let text = markdown(train, &analysis);
         let verdict = text.lines().find(|l| l.starts_with("**")).unwrap_or_default();
-        format!("{verdict}\n{}", report::terminal(&analysis, None))
+        format!("{verdict}\n{}", report::terminal(&analysis, &[]))
     });
     insta::assert_snapshot!(told.join("\n"));
 }
@@ -145,7 +145,7 @@ fn the_first_exceedance_has_its_own_coupler_and_sense() {
     let worst = case.worst.as_ref().expect("a worst coupler");
     assert_eq!((worst.first_exceeds_s, worst.first_exceeds_in), (Some(0.0), Some("draft")));
     assert!(worst.peak_force_n < 0.0 && worst.utilisation > 2.0);
-    let said = report::terminal(&analysis, None);
+    let said = report::terminal(&analysis, &[]);
     assert!(said.contains("in draft, before anything happens, under the load alone, and later in buff."), "{said}");
     // Without the load's own exceedance it is the coupler next to the break that is first, while another may be the worst.
     for coupler in &mut train.couplers {
@@ -157,7 +157,7 @@ fn the_first_exceedance_has_its_own_coupler_and_sense() {
     let first = case.couplers.iter().min_by(|a, b| time(a).total_cmp(&time(b))).expect("a first");
     assert_eq!(first.first_exceeds_in, Some("buff"));
     assert_ne!(Some(first.coupler), case.worst.as_ref().map(|w| w.coupler));
-    let said = report::terminal(&analysis, None);
+    let said = report::terminal(&analysis, &[]);
     assert!(said.contains(&format!("{} in buff, ", first.coupler)), "{said}");
     let rows = csv_rows(&analysis);
     let column = rows[0].iter().position(|name| name == "first_exceeds_in").expect("a column");
@@ -197,7 +197,7 @@ fn the_terminal_shows_the_worst() {
     let mut train = one_break();
     train.scenarios.push(breaks("each", (0..104).step_by(8).collect(), Some(8.0)));
     train.scenarios.push(figure_5_like());
-    let text = report::terminal(&analysis_of(&train), Some(std::path::Path::new("reports/ore")));
+    let text = report::terminal(&analysis_of(&train), &["reports/ore/report.md".into()]);
     insta::assert_snapshot!(text);
 }
 
@@ -210,7 +210,7 @@ fn figure_5_like() -> Scenario {
 fn names_cannot_drive_the_terminal() {
     let mut train = one_break();
     train.name = "a\u{1b}[2Jb\nc".to_owned();
-    let text = report::terminal(&analysis_of(&train), None);
+    let text = report::terminal(&analysis_of(&train), &[]);
     assert!(text.starts_with("a [2Jb c: 105 vehicles, 104 couplers\n"), "{text:?}");
 }
 
@@ -329,7 +329,7 @@ fn figures_are_the_same_bytes_every_time() {
     let analysis = analysis_of(&train);
     let figures = || {
         let dir = tempfile::tempdir().expect("a folder");
-        let paths = report::write(&train, &analysis, dir.path()).expect("written");
+        let paths = report::write(&train, &analysis, dir.path(), &report::Format::ALL).expect("written");
         let svg = |p: &std::path::PathBuf| {
             let name = p.file_name()?.to_str()?.to_owned();
             name.ends_with(".svg").then(|| (name, fs::read_to_string(p).expect("a figure")))
@@ -363,7 +363,7 @@ fn forces_of_nothing_but_zero_are_drawn() {
     let mut idle = uniform("idle", 5, 1e5, 1e7, 1e6, 0.0);
     idle.scenarios = vec![breaks("b", vec![2], None)];
     let dir = tempfile::tempdir().expect("a folder");
-    report::write(&idle, &analysis_of(&idle), dir.path()).expect("written");
+    report::write(&idle, &analysis_of(&idle), dir.path(), &report::Format::ALL).expect("written");
     let svg = fs::read_to_string(dir.path().join("figure-1-force.svg")).expect("a figure");
     assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
     assert!(svg.contains(">0.5</text>"), "the axis has a scale");
@@ -374,7 +374,7 @@ fn figures_say_what_they_show() {
     let train = figure_4();
     let dir = tempfile::tempdir().expect("a folder");
     let analysis = analysis_of(&train);
-    report::write(&train, &analysis, dir.path()).expect("written");
+    report::write(&train, &analysis, dir.path(), &report::Format::ALL).expect("written");
     let svg = |name: &str| fs::read_to_string(dir.path().join(name)).expect("a figure");
     let (envelope, force) = (svg("figure-1-envelope.svg"), svg("figure-1-force.svg"));
     for text in ["coupler 51 breaks", "largest draft", "largest buff", "rated", "exceeds its rating", "force, N"] {
@@ -400,7 +400,7 @@ fn a_failure_leaves_an_earlier_report_and_no_fragments() {
     let dir = tempfile::tempdir().expect("a folder");
     fs::write(dir.path().join("report.md"), "earlier").expect("written");
     fs::create_dir_all(dir.path().join("result.json/in the way")).expect("made");
-    let error = report::write(&train, &analysis, dir.path()).expect_err("a folder is in the way");
+    let error = report::write(&train, &analysis, dir.path(), &report::Format::ALL).expect_err("a folder is in the way");
     assert_eq!(error.path, dir.path().join("result.json"));
     assert!(error.to_string().contains("a folder stands where the file must go"), "{error}");
     assert_eq!(fs::read_to_string(dir.path().join("report.md")).expect("there"), "earlier");
@@ -415,7 +415,8 @@ fn a_file_in_the_place_of_the_folder_is_an_error_that_says_so() {
     let dir = tempfile::tempdir().expect("a folder");
     let path = dir.path().join("taken");
     fs::write(&path, "").expect("written");
-    let error = report::write(&train, &analysis_of(&train), &path).expect_err("a file is in the way");
+    let error =
+        report::write(&train, &analysis_of(&train), &path, &report::Format::ALL).expect_err("a file is in the way");
     assert_eq!(error.path, path);
     assert!(error.to_string().contains("choose another folder with --out DIR"), "{error}");
 }
@@ -429,7 +430,7 @@ fn figures_of_an_earlier_report_go_and_other_files_stay() {
     for name in ours.iter().chain(&others) {
         fs::write(dir.path().join(name), "").expect("written");
     }
-    let written = report::write(&train, &analysis_of(&train), dir.path()).expect("written");
+    let written = report::write(&train, &analysis_of(&train), dir.path(), &report::Format::ALL).expect("written");
     assert!(ours.iter().all(|n| !dir.path().join(n).exists()));
     assert!(others.iter().all(|n| dir.path().join(n).exists()));
     assert_eq!(written.last(), Some(&dir.path().join("report.md")));

@@ -3,11 +3,13 @@
 //! | file | what it holds |
 //! | --- | --- |
 //! | `report.md` | the verdict first, then what it rests on |
+//! | `report.html` | the same as one page, with interactive figures |
 //! | `couplers.csv` | every coupler of every case |
 //! | `result.json` | the same for programs |
 //! | `figure-N-envelope.svg` | largest draft and buff along the train; N is the scenario's place in the train file |
 //! | `figure-N-force.svg` | the worst coupler's force over time |
-//! | `figure-N-cascade.svg` | where and when couplers break one after the other, where a scenario follows that |
+//! | `figure-N-wave.svg` | force in every coupler by place and time, and the elastic rod's |
+//! | `figure-N-cascade.svg` | the same when couplers break one after the other, where a scenario follows that |
 //! | `figure-N-map.svg`, `map-N.csv` | overloading force by duration, or safe load by broken coupler, where asked for |
 //! | `figure-N-breaks.svg` | the worst utilisation by broken coupler, where several breaks were examined |
 
@@ -16,10 +18,13 @@ pub(crate) mod cells;
 mod couplers_csv;
 pub(crate) mod figures;
 pub(crate) mod files;
+mod html;
+mod interactive;
 mod limits;
 mod map_csv;
 pub(crate) mod markdown;
 pub(crate) mod numbers;
+mod pictures;
 mod result_json;
 mod section;
 mod terminal_table;
@@ -35,32 +40,59 @@ pub use result_json::json;
 pub use terminal_table::terminal;
 
 use crate::consist::Train;
-use crate::findings::{Analysis, ScenarioFindings};
-use crate::scenario::Event;
-use markdown::Picture;
+use crate::findings::Analysis;
+use markdown::Pictures;
+use pictures::Shown;
 
-/// Writes the whole report into a folder, made if need be, and returns the files' paths, `report.md` last.
+/// A form of the report.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// `report.md`, with its figures as SVG beside it.
+    Markdown,
+    /// `report.html`, with its figures in it.
+    Html,
+}
+
+impl Format {
+    /// Both.
+    pub const ALL: [Format; 2] = [Format::Markdown, Format::Html];
+
+    fn file(self) -> &'static str {
+        if self == Format::Markdown { "report.md" } else { "report.html" }
+    }
+}
+
+/// Writes the whole report into a folder, made if need be, and returns the files' paths, the reports last and `report.md` as the
+/// very last.
 ///
 /// No file ever stands half-written under its own name, and an earlier report is replaced only once the new one is
-/// complete on the disk. Figures of an earlier report that the new one does not show are removed: files named as in the
-/// table above, and nothing else.
+/// complete on the disk. What an earlier report left and the new one does not have is then removed: a report in the other form, and
+/// figures named as in the table above; nothing else.
 ///
 /// # Errors
 /// [`WriteError`] with the path that could not be written.
-pub fn write(train: &Train, analysis: &Analysis, dir: &Path) -> Result<Vec<PathBuf>, WriteError> {
-    let pictures: Vec<Vec<Picture>> = analysis.scenarios.iter().map(|s| pictures(train, s)).collect();
+pub fn write(train: &Train, analysis: &Analysis, dir: &Path, formats: &[Format]) -> Result<Vec<PathBuf>, WriteError> {
+    let shown: Vec<Option<Shown>> = analysis.scenarios.iter().map(|s| Shown::new(train, s)).collect();
+    let pictures: Pictures = shown.iter().map(|s| s.as_ref().map_or_else(Vec::new, Shown::pictures)).collect();
     let failed = |name: &str| {
         let path = dir.join(name);
         move |source: io::Error| files::WriteError::new(&path, source)
     };
+    let wanted = |format: Format| formats.contains(&format).then(|| format.file());
     let mut rows = Vec::new();
     csv(analysis, &mut rows).map_err(io::Error::other).map_err(failed("couplers.csv"))?;
     let json = json(analysis).map_err(io::Error::other).map_err(failed("result.json"))?;
     let report =
         markdown::markdown(train, analysis, &pictures).map_err(io::Error::other).map_err(failed("report.md"))?;
-    let mut all: Vec<(String, Vec<u8>)> =
-        pictures.into_iter().flatten().map(|p| (p.file, p.svg.into_bytes())).collect();
-    let shown: Vec<String> = all.iter().map(|(name, _)| name.clone()).collect();
+    let page = wanted(Format::Html).map(|name| {
+        let data = interactive::data(&shown).map_err(io::Error::other).map_err(failed(name))?;
+        Ok((name.to_owned(), html::html(analysis, &report, &pictures, &data).into_bytes()))
+    });
+    let markdown = wanted(Format::Markdown).map(|name| (name.to_owned(), report.into_bytes()));
+    let mut all: Vec<(String, Vec<u8>)> = Vec::new();
+    if markdown.is_some() {
+        all.extend(pictures.into_iter().flatten().map(|p| (p.file, p.svg.into_bytes())));
+    }
     for scenario in &analysis.scenarios {
         if let (Some(map), Some((index, _))) = (&scenario.map, words::source(train, scenario)) {
             let name = format!("map-{}.csv", index + 1);
@@ -70,77 +102,21 @@ pub fn write(train: &Train, analysis: &Analysis, dir: &Path) -> Result<Vec<PathB
     }
     all.push(("couplers.csv".to_owned(), rows));
     all.push(("result.json".to_owned(), json.into_bytes()));
-    all.push(("report.md".to_owned(), report.into_bytes()));
+    all.extend(page.transpose()?);
+    all.extend(markdown);
     let written = files::write_all(dir, &all)?;
-    remove_stale_figures(dir, &shown);
+    remove_stale(dir, &all);
     Ok(written)
 }
 
-/// The figures of a scenario that has something to show.
-fn pictures(train: &Train, scenario: &ScenarioFindings) -> Vec<Picture> {
-    let (Some((index, source)), Some((case, worst))) = (words::source(train, scenario), words::worst_case(scenario))
-    else {
-        return Vec::new();
-    };
-    let number = index + 1;
-    let picture = |kind: &str, caption: String, draw: &dyn Fn(&str) -> String| {
-        let name = format!("figure-{number}-{kind}");
-        Picture { svg: draw(&name), file: format!("{name}.svg"), caption }
-    };
-    let several = scenario.cases.len() > 1;
-    let mut all = Vec::new();
-    let struck = match source.event {
-        Event::Impact { vehicles, at_head: true, .. } => Some(vehicles),
-        Event::Impact { vehicles, .. } => Some(train.vehicles.len() - vehicles),
-        _ => None,
-    };
-    if let Some(cascade) = case.cascade.as_ref().filter(|c| !several && !c.breaks.is_empty()) {
-        let caption = "Where and when couplers break: time against place.".to_owned();
-        all.push(picture("cascade", caption, &|n| figures::cascade(case, cascade, struck, train.couplers.len(), n)));
-    }
-    if several {
-        let caption = "Utilisation of the worst coupler, by which coupler breaks.".to_owned();
-        all.push(picture("breaks", caption, &|n| figures::breaks(scenario, train.couplers.len(), n)));
-    }
-    if scenario.cases.iter().any(|c| !c.couplers.is_empty()) {
-        let over = if several { ", over all breaks" } else { "" };
-        let caption = format!("Largest draft and buff of every coupler{over}, against the ratings.");
-        all.push(picture("envelope", caption, &|n| figures::envelope(train, scenario, n)));
-    }
-    if let Some(map) = &scenario.map {
-        let what = if map.over == "duration_s" {
-            "The smallest force, of this pulse's shape and sense, that overloads a coupler, against its duration"
-        } else {
-            "The factor on the load up to which no coupler exceeds, against which coupler breaks"
-        };
-        let caption = format!("{what}; the numbers are in map-{number}.csv.");
-        all.push(picture("map", caption, &|n| figures::map(map, n)));
-    }
-    let when = match case.broken_coupler.filter(|_| several) {
-        Some(b) => format!(", when coupler {b} breaks"),
-        None => String::new(),
-    };
-    let shown = match figures::window(train, case, worst) {
-        (from, to) if to - from < case.horizon_s => format!(
-            ", from {} to {} of {}",
-            numbers::brief_time(from),
-            numbers::brief_time(to),
-            numbers::brief_time(case.horizon_s)
-        ),
-        _ => String::new(),
-    };
-    let caption = format!("Force in the worst coupler, {}{when}{shown}.", words::place(worst));
-    all.push(picture("force", caption, &|n| figures::history(train, index, case, worst, n)));
-    all
-}
-
-/// Removes figures of an earlier report; one that stays does no harm, for no report shows it.
-fn remove_stale_figures(dir: &Path, shown: &[String]) {
+/// Removes what an earlier report left; a figure that stays does no harm, for no report shows it.
+fn remove_stale(dir: &Path, written: &[(String, Vec<u8>)]) {
     let Ok(entries) = dir.read_dir() else { return };
     for entry in entries.flatten() {
         let name = entry.file_name();
         let Some(name) = name.to_str() else { continue };
-        if is_figure(name) && !shown.iter().any(|s| s == name) {
+        let ours = is_figure(name) || Format::ALL.iter().any(|f| f.file() == name);
+        if ours && !written.iter().any(|(w, _)| w == name) {
             let _ = std::fs::remove_file(entry.path());
         }
     }
@@ -150,6 +126,7 @@ fn remove_stale_figures(dir: &Path, shown: &[String]) {
 fn is_figure(name: &str) -> bool {
     let parts = name.strip_prefix("figure-").and_then(|n| n.strip_suffix(".svg")).and_then(|n| n.split_once('-'));
     parts.is_some_and(|(number, kind)| {
-        number.bytes().all(|b| b.is_ascii_digit()) && ["breaks", "cascade", "envelope", "force", "map"].contains(&kind)
+        number.bytes().all(|b| b.is_ascii_digit())
+            && ["breaks", "cascade", "envelope", "force", "map", "wave"].contains(&kind)
     })
 }

@@ -62,7 +62,7 @@ pub fn section(train: &Train, scenario: &ScenarioFindings, pictures: &[Picture])
     Section {
         heading: scenario.name.clone(),
         event: event.map(|e| words::event(train, e)).unwrap_or_default(),
-        verdict: single.map_or_else(|| words::verdict_each(scenario), words::verdict),
+        verdict: words::verdict_of(scenario),
         safe_load: event.filter(|_| watched).map(|e| words::safe_load(train, e, factor)).unwrap_or_default(),
         cascade: cascade::sentence(scenario),
         sequence: single.and_then(sequence),

@@ -1,7 +1,7 @@
 //! The short table on the terminal.
 
 use std::fmt::Write;
-use std::path::Path;
+use std::path::PathBuf;
 
 use comfy_table::{CellAlignment, LineStyle, Table, presets};
 
@@ -12,8 +12,8 @@ use crate::findings::{Analysis, CaseFindings, CouplerFindings, ScenarioFindings}
 /// Rows shown of a scenario with many cases.
 const ROWS: usize = 5;
 
-/// The verdict on each scenario and its worst couplers, as plain text without colour; `report` is where the report is.
-pub fn terminal(analysis: &Analysis, report: Option<&Path>) -> String {
+/// The verdict on each scenario and its worst couplers, as plain text without colour; `reports` is where the report is.
+pub fn terminal(analysis: &Analysis, reports: &[PathBuf]) -> String {
     let mut out = format!(
         "{}: {}, {}\n",
         printable(&analysis.train),
@@ -21,10 +21,7 @@ pub fn terminal(analysis: &Analysis, report: Option<&Path>) -> String {
         words::count(analysis.couplers, "coupler")
     );
     for scenario in &analysis.scenarios {
-        let verdict = match &scenario.cases[..] {
-            [case] => words::verdict(case),
-            _ => words::verdict_each(scenario),
-        };
+        let verdict = words::verdict_of(scenario);
         // Writing to a String cannot fail.
         let _ = write!(out, "\n{}\n{}\n", printable(&scenario.name), printable(&verdict));
         let next = super::cascade::sentence(scenario);
@@ -35,8 +32,9 @@ pub fn terminal(analysis: &Analysis, report: Option<&Path>) -> String {
             let _ = writeln!(out, "{table}");
         }
     }
-    if let Some(path) = report {
-        let _ = writeln!(out, "\nReport: {}", path.display());
+    if !reports.is_empty() {
+        let paths: Vec<String> = reports.iter().map(|p| p.display().to_string()).collect();
+        let _ = writeln!(out, "\nReport: {}", paths.join(", "));
     }
     out
 }

@@ -39,6 +39,15 @@ pub fn since(case: &CaseFindings) -> &'static str {
     }
 }
 
+/// What a time axis counts.
+pub fn time_axis(case: &CaseFindings) -> &'static str {
+    match case.kind {
+        "break" => "time after the break",
+        "impact" => "time since the vehicles met",
+        _ => "time since the force set in",
+    }
+}
+
 /// "after coupler 53 breaks", "under the pulse".
 fn after(case: &CaseFindings) -> String {
     match case.broken_coupler {
@@ -124,7 +133,7 @@ pub fn undecided(case: &CaseFindings) -> Vec<&CouplerFindings> {
 }
 
 /// The verdict on one case, in one sentence.
-pub fn verdict(case: &CaseFindings) -> String {
+fn verdict(case: &CaseFindings) -> String {
     let Some(worst) = &case.worst else {
         return match case.left_out {
             0 => "No coupler is left to exceed anything.".to_owned(),
@@ -199,8 +208,13 @@ pub fn interval(c: &CouplerFindings, error_n: f64) -> String {
     format!("between {low} N and {high} N in {}", sense(c.peak_force_n))
 }
 
+/// The verdict on a scenario, in one sentence.
+pub fn verdict_of(scenario: &ScenarioFindings) -> String {
+    if let [case] = &scenario.cases[..] { verdict(case) } else { verdict_each(scenario) }
+}
+
 /// The verdict on a scenario of many cases, in one sentence.
-pub fn verdict_each(scenario: &ScenarioFindings) -> String {
+fn verdict_each(scenario: &ScenarioFindings) -> String {
     let breaks = count(scenario.cases.len(), "break");
     let harmful = scenario.cases.iter().filter(|c| c.exceeding > 0).count();
     let open = scenario.cases.iter().filter(|c| c.exceeding == 0 && c.undecided > 0).count();

@@ -10,7 +10,7 @@
 //! Within a cell of time a mode's Taylor series follows from its equation `q'' = -w^2 q - 2 z w q'`; on cells of half width r with
 //! `w r <= 1` the 25 terms are exact to rounding, and the springs' series are a matrix product.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::dd::Dd;
 use super::local::{COEFFICIENTS, Local};
@@ -161,6 +161,18 @@ impl<'a> Damped<'a> {
             stretch.mean[spring] + (0..self.modes.omega.len()).map(mode).sum::<f64>()
         };
         times.iter().map(at).collect()
+    }
+
+    /// Forces of every spring at given times, ascending.
+    pub fn field(&self, times: &[f64], see: &mut dyn FnMut(usize, usize, f64)) {
+        let stretches = self.stretches();
+        for (n, &t) in times.iter().enumerate() {
+            let stretch = stretches.iter().rev().find(|s| t >= s.from).unwrap_or(&stretches[0]);
+            let modes = self.modes.omega.iter().zip(&stretch.start);
+            let swings = modes.map(|(w, start)| self.swing(*w, *start, t - stretch.from)[0]);
+            let change = &self.modes.share * DVector::from_iterator(self.modes.omega.len(), swings);
+            stretch.mean.iter().zip(&change).enumerate().for_each(|(s, (mean, c))| see(n, s, mean + c));
+        }
     }
 }
 

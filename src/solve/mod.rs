@@ -14,6 +14,7 @@ pub mod between;
 pub mod closed_form;
 pub mod damped_modes;
 pub mod dd;
+pub mod field;
 pub mod fronts;
 pub mod local;
 pub mod memo;

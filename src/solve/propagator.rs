@@ -92,6 +92,13 @@ pub fn history(scene: &Scene, omega: f64, spring: usize, times: &[f64]) -> Vec<f
     record.values
 }
 
+/// Forces of every spring at given times, ascending: by the cubic through the forces and their second derivatives at both ends
+/// of a step.
+pub fn field(scene: &Scene, omega: f64, times: &[f64], see: &mut dyn FnMut(usize, usize, f64)) {
+    let motion = Motion::new(scene);
+    march(scene, &motion, omega, 0.0, &mut Every { scene, times, next: 0, see });
+}
+
 /// What is done with the steps of a march, compiled together with it.
 trait See {
     fn see(&mut self, view: &View);
@@ -167,6 +174,32 @@ impl See for Record<'_> {
             let at = |end: usize, s: usize| view.force[end][s + 1];
             let values = self.search.values(&view.step, self.spring, &self.times[from..self.next], at);
             self.values[from..self.next].iter_mut().zip(values).for_each(|(f, g)| *f += g);
+        }
+    }
+}
+
+/// Shows every spring at given times.
+struct Every<'a> {
+    scene: &'a Scene,
+    times: &'a [f64],
+    next: usize,
+    see: &'a mut dyn FnMut(usize, usize, f64),
+}
+
+impl See for Every<'_> {
+    fn see(&mut self, view: &View) {
+        let until = view.step.from + view.step.width;
+        let last = until + 0.5 * view.step.width > self.scene.horizon;
+        while let Some(t) = self.times.get(self.next).filter(|t| last || **t <= until) {
+            let x = ((t - view.step.from) / view.step.width).min(1.0);
+            let end = |share: f64, end: usize, s: usize| {
+                share * (view.force[end][s + 1] + (1.0 - share * share) / 6.0 * view.bend[end][s + 1])
+            };
+            for (s, steady) in self.scene.initial.iter().enumerate() {
+                let change = if view.range.contains(&s) { end(1.0 - x, 0, s) + end(x, 1, s) } else { 0.0 };
+                (self.see)(self.next, s, steady + change);
+            }
+            self.next += 1;
         }
     }
 }

@@ -10,7 +10,7 @@
 //!
 //! Their extremes are found in [`super::search`].
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::dd::Dd;
 use super::local::{COEFFICIENTS, Local};
@@ -97,6 +97,18 @@ pub fn history(scene: &Scene, modes: &Modes, spring: usize, times: &[f64]) -> Ve
         field.value(stretch, spring, t)
     };
     times.iter().map(at).collect()
+}
+
+/// Forces of every spring at given times, ascending.
+pub fn field(scene: &Scene, modes: &Modes, times: &[f64], see: &mut dyn FnMut(usize, usize, f64)) {
+    let field = Field::new(scene, modes);
+    let stretches = field.stretches();
+    for (n, &t) in times.iter().enumerate() {
+        let stretch = stretches.iter().rev().find(|s| t >= s.from).unwrap_or(&stretches[0]);
+        let added = field.coordinates(stretch, t).into_iter().map(|c| c[0]);
+        let change = &modes.share * DVector::from_iterator(modes.omega.len(), added);
+        scene.initial.iter().zip(&change).enumerate().for_each(|(s, (steady, c))| see(n, s, steady + c));
+    }
 }
 
 /// Bound on the error of every force that [`super::search::peaks`] reports, up to the scene's horizon.

@@ -161,6 +161,26 @@ pub fn history(play: &Play, spring: usize, times: &[f64]) -> Vec<f64> {
     values
 }
 
+/// Forces of every coupler at given times, ascending; no number once it is broken.
+pub fn field(play: &Play, times: &[f64], see: &mut dyn FnMut(usize, usize, f64)) {
+    let mut next = 0;
+    march(play, &mut |piece| {
+        let until = piece.from + piece.end * piece.width;
+        // The horizon may round to just before the last time.
+        let last = until + 0.5 * piece.width > play.scene.horizon;
+        let from = next;
+        next += times[from..].iter().take_while(|t| last || **t <= until).count();
+        for i in (0..play.scene.initial.len()).filter(|_| next > from) {
+            let coefficient = piece.series.coupler(i, play.scene.initial[i]);
+            for (n, t) in times.iter().enumerate().take(next).skip(from) {
+                let s = (t - piece.from) / piece.width;
+                let force = coefficient.iter().rev().fold(0.0, |sum, c| sum * s + c);
+                see(n, i, if piece.state.whole(i) { force } else { f64::NAN });
+            }
+        }
+    });
+}
+
 /// Shows a piece of every whole coupler's force to the watch.
 fn look(play: &Play, watch: &mut Watch, piece: &Piece, work: &mut Work) {
     let springs = play.scene.initial.len();

@@ -17,7 +17,10 @@ pub fn breaks(scenario: &ScenarioFindings, couplers: usize, name: &str) -> Strin
     let x = (0.5, couplers as f64 + 0.5);
     let mut figure = Figure::new(name);
     figure.line(vec![(x.0, 100.0), (x.1, 100.0)], BLACK, 1.2, Some(RATED), Some("the rating"));
-    figure.line(points.iter().map(|p| p.0).collect(), BLUE, 1.0, None, None);
+    // Neighbours are joined; between couplers that were not examined there is nothing to see.
+    for run in points.chunk_by(|a, b| b.0.0 - a.0.0 < 1.5).filter(|run| run.len() > 1) {
+        figure.line(run.iter().map(|p| p.0).collect(), BLUE, 1.0, None, None);
+    }
     figure.markers(which(false), BLUE, MarkerShape::Circle, 3.0, Some("no coupler exceeds"));
     figure.markers(
         which(true),

@@ -7,6 +7,7 @@ use super::{BLACK, BLUE, Figure, ORANGE, TEXT_SIZE, range_with_air};
 use crate::consist::Train;
 use crate::findings::{self, CaseFindings, CouplerFindings};
 use crate::report::numbers::{Unit, force_unit, time, time_unit};
+use crate::report::words::time_axis;
 use crate::scenario;
 
 /// Instants in a figure per unit of time sqrt(m / k): about eight in the period of the fastest vibration of equal vehicles.
@@ -87,11 +88,7 @@ pub fn history(train: &Train, index: usize, case: &CaseFindings, c: &CouplerFind
     }
     let label = format!("coupler {}", c.coupler);
     figure.line(curves.chain.clone(), BLUE, 1.8, None, Some(&label));
-    let since = match case.kind {
-        "break" => "time after the break",
-        "impact" => "time since the vehicles met",
-        _ => "time since the force set in",
-    };
+    let since = time_axis(case);
     let x_label = format!("{since}, {}", curves.clock.name);
     let y_label = format!("force in coupler {}, {} (draft +, buff −)", c.coupler, curves.unit.name);
     let layout = figure.layout(curves.window.x, curves.window.y, &x_label, &y_label);

@@ -4,19 +4,20 @@
 //! apart; in print without colour the lines differ by dashes and the markers by shape. The same findings give the same bytes.
 
 mod breaks;
-mod cascade;
 mod envelope;
 mod history;
 mod map;
 mod place;
+mod raster;
 mod safe_load;
+mod wave;
 
 pub use breaks::breaks;
-pub use cascade::cascade;
 pub use envelope::envelope;
 pub use history::{history, window};
 pub use map::map;
 pub use safe_load::safe_load;
+pub use wave::{Marks, wave};
 
 use kuva::plot::legend::{LegendEntry, LegendPosition, LegendShape};
 use kuva::plot::line::{LinePlot, LineStyle};

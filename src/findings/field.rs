@@ -1,0 +1,182 @@
+//! Force in every coupler over time: what a picture of the wave shows.
+
+use super::CaseFindings;
+use crate::consist::Train;
+use crate::play::Rule;
+use crate::rod::Rod;
+use crate::scenario::{self, Scales};
+use crate::solve::field;
+
+/// Values that are kept: a picture has no room for more, and a page would be slow with them.
+const KEPT: usize = 400_000;
+/// Rows of a picture; of more couplers several share one.
+const ROWS: usize = 2000;
+/// Instants that are kept.
+const MOST_KEPT: usize = 1600;
+/// Values that are looked at.
+const LOOKED: f64 = 1e8;
+/// Instants per unit of time sqrt(m / k): about eight in the period of the fastest vibration of equal vehicles; and the fewest
+/// for which a picture of it is one.
+const PER_UNIT: f64 = 2.5;
+const SPARSEST: f64 = 0.4;
+/// Instants that a short picture has.
+const FEWEST: f64 = 400.0;
+
+/// Whose forces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Of {
+    /// The couplers', after the event alone.
+    Event,
+    /// The couplers' when they break one after the other.
+    Cascade,
+    /// The elastic rod's at their places.
+    Rod,
+}
+
+/// Forces by place and time.
+#[derive(Clone, Debug)]
+pub struct Field {
+    /// Neighbouring couplers that share a row; of them, and of the instants that share a column, the largest utilisation is kept.
+    pub couplers_per_row: usize,
+    /// Instants that share a column; 1 if every one that was computed is there.
+    pub instants_per_column: usize,
+    /// Middle of each column, s after the event.
+    pub times_s: Vec<f64>,
+    /// Utilisation with the force's sign (draft positive), by rows from the head; no number where there is no coupler.
+    pub share: Vec<f32>,
+}
+
+impl Field {
+    /// A row's utilisations.
+    pub fn row(&self, row: usize) -> &[f32] {
+        &self.share[row * self.times_s.len()..(row + 1) * self.times_s.len()]
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.share.len() / self.times_s.len()
+    }
+
+    /// The largest utilisation.
+    pub fn largest(&self) -> f32 {
+        self.share.iter().fold(0.0, |m: f32, s| m.max(s.abs()))
+    }
+
+    /// Whether anything happens: some force changes by more than a line's width.
+    pub fn moves(&self) -> bool {
+        (0..self.rows()).any(|r| {
+            let (low, high) = self.row(r).iter().fold((f32::MAX, f32::MIN), |(l, h), s| (l.min(*s), h.max(*s)));
+            high - low > 1e-3 * self.largest()
+        })
+    }
+
+    /// The same with so many columns in one.
+    pub fn folded(&self, by: usize) -> Field {
+        let by = by.max(1);
+        let middle = |of: &[f64]| 0.5 * (of[0] + of[of.len() - 1]);
+        // Whole columns only differ in the last, whose middle would make them uneven.
+        let times_s: Vec<f64> = self.times_s.chunks(by).map(middle).collect();
+        let larger = |a: f32, b: f32| if a.is_nan() || b.abs() > a.abs() { b } else { a };
+        let fold = |of: &[f32]| of.iter().copied().fold(f32::NAN, larger);
+        let share = (0..self.rows()).flat_map(|r| self.row(r).chunks(by).map(fold)).collect();
+        Field { times_s, share, instants_per_column: self.instants_per_column * by, ..*self }
+    }
+
+    fn keep(&mut self, row: usize, column: usize, share: f32) {
+        let kept = &mut self.share[row * self.times_s.len() + column];
+        if kept.is_nan() || share.abs() > kept.abs() {
+            *kept = share;
+        }
+    }
+
+    fn column(&self, time_s: f64) -> Option<usize> {
+        let width = self.times_s.get(1)? - self.times_s[0];
+        let column = ((time_s - self.times_s[0]) / width).round().max(0.0) as usize;
+        (time_s <= self.times_s[self.times_s.len() - 1] + width).then(|| column.min(self.times_s.len() - 1))
+    }
+}
+
+/// Forces in every coupler of a case; `scenario` is an index into the train's scenarios. `None` where it would take long, or
+/// for a rod that there is not.
+///
+/// Up to the horizon, or as far as is affordable. Every coupler's exact largest draft and buff are among the values, whatever
+/// the instants in between.
+pub fn field(train: &Train, scenario: usize, case: &CaseFindings, of: Of) -> Option<Field> {
+    let couplers = train.couplers.len();
+    let times_s = instants(train, case.horizon_s)?;
+    let couplers_per_row = couplers.div_ceil(ROWS);
+    let rows = couplers.div_ceil(couplers_per_row);
+    let instants_per_column = times_s.len().div_ceil((KEPT / rows).min(MOST_KEPT));
+    let middle = |of: &[f64]| 0.5 * (of[0] + of[of.len() - 1]);
+    let columns: Vec<f64> = times_s.chunks(instants_per_column).map(middle).collect();
+    let share = vec![f32::NAN; rows * columns.len()];
+    let mut field = Field { couplers_per_row, instants_per_column, times_s: columns, share };
+    let use_of = |coupler: usize, force_n: f64| {
+        let c = &train.couplers[coupler];
+        (force_n / if force_n < 0.0 { c.rated_buff_n } else { c.rated_draft_n }) as f32
+    };
+    let mut see = |instant: usize, coupler: usize, force_n: f64| {
+        field.keep(coupler / couplers_per_row, instant / instants_per_column, use_of(coupler, force_n));
+    };
+    if !compute(train, scenario, case, of, &times_s, &mut see) {
+        return None;
+    }
+    if of == Of::Event {
+        for c in &case.couplers {
+            let peaks = [(c.peak_draft_n, c.peak_draft_time_s), (c.peak_buff_n, c.peak_buff_time_s)];
+            for (force_n, time_s) in peaks.into_iter().filter_map(|(f, t)| Some((f?, t?))) {
+                let share = use_of(c.coupler - 1, force_n);
+                if let Some(column) = field.column(time_s) {
+                    field.keep((c.coupler - 1) / couplers_per_row, column, share);
+                }
+            }
+        }
+    }
+    Some(field)
+}
+
+/// Even instants from 0 to the horizon, or as far as there may be enough of them.
+fn instants(train: &Train, horizon_s: f64) -> Option<Vec<f64>> {
+    let unit_s = scenario::wave(train).time_unit_s;
+    let most = LOOKED / train.couplers.len() as f64;
+    let units = (horizon_s / unit_s).min(most / SPARSEST);
+    let count = (PER_UNIT * units).clamp(FEWEST, most.max(FEWEST));
+    let to = horizon_s.min(units * unit_s);
+    let usable = to > 0.0 && to.is_finite() && count.is_finite();
+    let step = |i: usize| to * i as f64 / count.floor();
+    usable.then(|| (0..=count as usize).map(step).collect())
+}
+
+/// Shows the force, N, in every coupler at every instant; whether it is affordable.
+fn compute(
+    train: &Train,
+    index: usize,
+    case: &CaseFindings,
+    of: Of,
+    times_s: &[f64],
+    see: &mut dyn FnMut(usize, usize, f64),
+) -> bool {
+    let scenario = &train.scenarios[index];
+    let scales = Scales::of(train);
+    let broken = case.broken_coupler.map(|b| b - 1);
+    let times: Vec<f64> = times_s.iter().map(|t| t / scales.time_s).collect();
+    // Nothing beyond the last instant is wanted.
+    let until_s = times_s[times_s.len() - 1];
+    if of == Of::Cascade || scenario::beyond_steps(&train.extras.dashpot_n_s_per_m, &scenario.event) {
+        let rule = if of == Of::Cascade { scenario.cascade } else { Rule::Keep };
+        let play = scenario::play(train, scenario, broken, until_s, rule);
+        return of != Of::Rod && field::of_play(&play, &times, &mut |t, i, f| see(t, i, f * scales.force_n));
+    }
+    let damping_ratio = train.extras.damping_ratio;
+    scenario::parts(train, &scenario.event, broken, until_s).iter().all(|part| {
+        let mut see = |t: usize, i: usize, f: f64| see(t, part.first_coupler + i, f * scales.force_n);
+        if of != Of::Rod {
+            return field::of_scene(&part.scene, damping_ratio, &times, &mut see);
+        }
+        let Some(rod) = Rod::new(&part.scene).filter(|_| damping_ratio == 0.0) else { return false };
+        for i in 0..part.scene.initial.len() {
+            rod.history(i, &times).into_iter().enumerate().for_each(|(t, f)| see(t, i, f));
+        }
+        true
+    })
+}

@@ -1,0 +1,133 @@
+//! What the script of `report.html` draws from, as JSON: numbers in SI, as in `result.json`, and the units of the axes.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde::Serialize;
+
+use super::numbers::{Unit, force_unit, time_unit};
+use super::pictures::Shown;
+use super::words;
+use crate::findings::{CouplerFindings, Field};
+
+/// Values by place and time that a page holds, two bytes each: they are 2.7 MB in base64 at the most.
+const VALUES: usize = 1_000_000;
+/// Of more couplers there are no interactive figures.
+const COUPLERS: usize = 2000;
+
+#[derive(Serialize)]
+struct Scene<'a> {
+    /// What is drawn, where the scenario has several cases.
+    when: String,
+    since: &'static str,
+    /// Whether the largest forces are those over several breaks.
+    several: bool,
+    broken_coupler: Option<usize>,
+    force_unit: (&'static str, f64),
+    time_unit: (&'static str, f64),
+    worst: usize,
+    horizon_s: f64,
+    initial_force_n: Option<&'a [f64]>,
+    /// Of the case drawn.
+    couplers: &'a [CouplerFindings],
+    /// Largest draft and buff of each coupler over all cases, and after which break.
+    largest: Vec<Largest>,
+    wave: Option<Forces>,
+    rod: Option<Forces>,
+}
+
+#[derive(Serialize, Default, Clone)]
+struct Largest {
+    draft_n: f64,
+    draft_break: Option<usize>,
+    buff_n: f64,
+    buff_break: Option<usize>,
+    exceeds: bool,
+}
+
+/// Forces by place and time.
+#[derive(Serialize)]
+struct Forces {
+    from_s: f64,
+    step_s: f64,
+    columns: usize,
+    /// How many computed instants share a column; the largest utilisation is kept.
+    instants_per_column: usize,
+    /// N per unit of the numbers.
+    unit_n: f64,
+    /// Rows from the head, columns in time: 16-bit numbers, low byte first, in base64; the smallest stands for none.
+    forces: String,
+}
+
+/// The data of a page, one entry per scenario; null where nothing is drawn.
+pub fn data(shown: &[Option<Shown>]) -> Result<String, serde_json::Error> {
+    let fields = shown.iter().flatten().map(|s| usize::from(s.wave.is_some()) + usize::from(s.rod.is_some()));
+    let values = VALUES / fields.sum::<usize>().max(1);
+    let scenes: Vec<_> = shown.iter().map(|s| s.as_ref().and_then(|s| scene(s, values))).collect();
+    serde_json::to_string(&scenes)
+}
+
+fn scene<'a>(shown: &'a Shown, values: usize) -> Option<Scene<'a>> {
+    let couplers = shown.train.couplers.len();
+    if couplers > COUPLERS || shown.case.couplers.is_empty() {
+        return None;
+    }
+    let pair = |u: Unit| (u.name, u.size);
+    let ratings = shown.train.couplers.iter().map(|c| c.rated_draft_n.max(c.rated_buff_n)).fold(0.0, f64::max);
+    let several = shown.findings.cases.len() > 1;
+    Some(Scene {
+        when: shown.when(),
+        since: words::time_axis(shown.case),
+        several,
+        broken_coupler: shown.case.broken_coupler,
+        force_unit: pair(force_unit(ratings)),
+        time_unit: pair(time_unit(shown.case.horizon_s)),
+        worst: shown.worst.coupler,
+        horizon_s: shown.case.horizon_s,
+        initial_force_n: (shown.findings.kind != "impact").then_some(&shown.train.initial_force_n[..]),
+        couplers: &shown.case.couplers,
+        largest: if several { largest(shown) } else { Vec::new() },
+        wave: shown.wave.as_ref().and_then(|f| forces(shown, f, values)),
+        rod: shown.rod.as_ref().and_then(|f| forces(shown, f, values)),
+    })
+}
+
+fn largest(shown: &Shown) -> Vec<Largest> {
+    let mut all = vec![Largest::default(); shown.train.couplers.len()];
+    for case in &shown.findings.cases {
+        for c in &case.couplers {
+            let l = &mut all[c.coupler - 1];
+            l.exceeds |= c.exceeds == Some(true);
+            if let Some(f) = c.peak_draft_n.filter(|f| *f > l.draft_n) {
+                (l.draft_n, l.draft_break) = (f, case.broken_coupler);
+            }
+            if let Some(f) = c.peak_buff_n.filter(|f| *f < l.buff_n) {
+                (l.buff_n, l.buff_break) = (f, case.broken_coupler);
+            }
+        }
+    }
+    all
+}
+
+fn forces(shown: &Shown, field: &Field, values: usize) -> Option<Forces> {
+    let columns_most = (values / field.rows()).max(2);
+    let field = field.folded(field.times_s.len().div_ceil(columns_most));
+    let rated = |row: usize, share: f32| {
+        let c = &shown.train.couplers[row];
+        f64::from(share) * if share < 0.0 { c.rated_buff_n } else { c.rated_draft_n }
+    };
+    let force: Vec<f64> =
+        (0..field.rows()).flat_map(|r| field.row(r).iter().map(move |s| rated(r, *s)).collect::<Vec<_>>()).collect();
+    let most = force.iter().filter(|f| !f.is_nan()).fold(0.0, |m: f64, f| m.max(f.abs()));
+    let unit_n = most / f64::from(i16::MAX);
+    let number = |f: &f64| if f.is_nan() { i16::MIN } else { (f / unit_n).round() as i16 };
+    let bytes: Vec<u8> = force.iter().flat_map(|f| number(f).to_le_bytes()).collect();
+    let [from_s, next] = [field.times_s.first()?, field.times_s.get(1)?];
+    Some(Forces {
+        from_s: *from_s,
+        step_s: next - from_s,
+        columns: field.times_s.len(),
+        instants_per_column: field.instants_per_column,
+        unit_n,
+        forces: STANDARD.encode(bytes),
+    })
+}

@@ -1,0 +1,135 @@
+//! What is drawn of a scenario, and its static figures.
+
+use super::figures::{self, Marks};
+use super::markdown::Picture;
+use super::numbers::brief_time;
+use super::words;
+use crate::consist::Train;
+use crate::findings::{self, CascadeFindings, CaseFindings, CouplerFindings, Field, Of, ScenarioFindings};
+use crate::scenario::{Event, Scenario};
+
+/// A scenario that has something to show: of many cases, the one with the worst coupler.
+pub struct Shown<'a> {
+    /// The train.
+    pub train: &'a Train,
+    /// What was found.
+    pub findings: &'a ScenarioFindings,
+    /// The scenario's index in the train.
+    pub index: usize,
+    /// What the train file says.
+    pub scenario: &'a Scenario,
+    /// The case whose forces are drawn over time.
+    pub case: &'a CaseFindings,
+    /// Its coupler with the largest utilisation.
+    pub worst: &'a CouplerFindings,
+    /// Forces by place and time after the event alone; `None` where they say no more than one coupler's history.
+    pub wave: Option<Field>,
+    /// The rod's.
+    pub rod: Option<Field>,
+    /// Those when couplers break one after the other, and the sequence.
+    pub cascade: Option<(Field, &'a CascadeFindings)>,
+}
+
+impl<'a> Shown<'a> {
+    /// Follows the worst case's wave; `None` for a scenario in which no coupler is left to watch.
+    pub fn new(train: &'a Train, findings: &'a ScenarioFindings) -> Option<Shown<'a>> {
+        let (index, scenario) = words::source(train, findings)?;
+        let (case, worst) = words::worst_case(findings)?;
+        let says_something = |f: &Field| case.couplers.len() > 1 && f.moves();
+        let field = |of: Of| findings::field(train, index, case, of).filter(says_something);
+        let wave = field(Of::Event);
+        let rod = wave.as_ref().and_then(|_| field(Of::Rod));
+        let breaks = case.cascade.as_ref().filter(|c| findings.cases.len() == 1 && !c.breaks.is_empty());
+        let cascade = breaks.and_then(|c| Some((field(Of::Cascade)?, c)));
+        Some(Shown { train, findings, index, scenario, case, worst, wave, rod, cascade })
+    }
+
+    /// Its figures.
+    pub fn pictures(&self) -> Vec<Picture> {
+        let Shown { train, findings, index, case, worst, .. } = *self;
+        let number = index + 1;
+        let picture = |kind: &'static str, caption: String, draw: &dyn Fn(&str) -> String| {
+            let name = format!("figure-{number}-{kind}");
+            Picture { svg: draw(&name), file: format!("{name}.svg"), caption }
+        };
+        let several = findings.cases.len() > 1;
+        let mut all = Vec::new();
+        if let Some((field, cascade)) = &self.cascade {
+            let caption = self.wave_caption("What breaks next: force in every coupler over time", field);
+            all.push(picture("cascade", caption, &|n| self.draw_wave(field, None, Some(cascade), n)));
+        }
+        if several {
+            let caption = "Utilisation of the worst coupler, by which coupler breaks.".to_owned();
+            all.push(picture("breaks", caption, &|n| figures::breaks(findings, train.couplers.len(), n)));
+        }
+        if findings.cases.iter().any(|c| !c.couplers.is_empty()) {
+            let over = if several { ", over all breaks" } else { "" };
+            let caption = format!("Largest draft and buff of every coupler{over}, against the ratings.");
+            all.push(picture("envelope", caption, &|n| figures::envelope(train, findings, n)));
+        }
+        if let Some(map) = &findings.map {
+            let what = if map.over == "duration_s" {
+                "The smallest force, of this pulse's shape and sense, that overloads a coupler, against its duration"
+            } else {
+                "The factor on the load up to which no coupler exceeds, against which coupler breaks"
+            };
+            let caption = format!("{what}; the numbers are in map-{number}.csv.");
+            all.push(picture("map", caption, &|n| figures::map(map, n)));
+        }
+        let when = self.when();
+        if let Some(field) = &self.wave {
+            let caption = self.wave_caption(&format!("Force in every coupler over time{when}"), field);
+            all.push(picture("wave", caption, &|n| self.draw_wave(field, self.rod.as_ref(), None, n)));
+        }
+        let shown = match figures::window(train, case, worst) {
+            (from, to) if to - from < case.horizon_s => {
+                format!(", from {} to {} of {}", brief_time(from), brief_time(to), brief_time(case.horizon_s))
+            }
+            _ => String::new(),
+        };
+        let caption = format!("Force in the worst coupler, {}{when}{shown}.", words::place(worst));
+        all.push(picture("force", caption, &|n| figures::history(train, index, case, worst, n)));
+        all
+    }
+
+    /// Of which break, where there are many.
+    pub fn when(&self) -> String {
+        match self.case.broken_coupler.filter(|_| self.findings.cases.len() > 1) {
+            Some(b) => format!(", when coupler {b} breaks"),
+            None => String::new(),
+        }
+    }
+
+    fn wave_caption(&self, what: &str, field: &Field) -> String {
+        let until = field.times_s[field.times_s.len() - 1];
+        let part = if until < 0.99 * self.case.horizon_s {
+            format!(" (the first {} of {})", brief_time(until), brief_time(self.case.horizon_s))
+        } else {
+            String::new()
+        };
+        let rod = if self.rod.is_some() && Some(field as *const Field) == self.wave.as_ref().map(|f| f as *const Field)
+        {
+            " Below it the elastic rod on the same scale."
+        } else {
+            ""
+        };
+        format!(
+            "{what}{part}, as a share of its rating: draft blue, buff orange, outlined in black where it is over. Where a \
+             dot stands for several couplers or instants, it shows the largest.{rod}"
+        )
+    }
+
+    fn draw_wave(&self, field: &Field, rod: Option<&Field>, cascade: Option<&CascadeFindings>, name: &str) -> String {
+        let (event, acts_s) = match &self.scenario.event {
+            Event::Break { .. } => (self.case.broken_coupler.map(|b| b as f64), 0.0),
+            Event::Pulse { vehicle, duration_s, .. } | Event::Shaped { vehicle, duration_s, .. } => {
+                (Some(*vehicle as f64 + 0.5), *duration_s)
+            }
+            Event::Impact { vehicles, at_head: true, .. } => (Some(*vehicles as f64), 0.0),
+            Event::Impact { vehicles, .. } => (Some((self.train.vehicles.len() - vehicles) as f64), 0.0),
+        };
+        let breaks = cascade.map_or(&[][..], |c| &c.breaks);
+        let marks = Marks { event, acts_s, broken: self.case.broken_coupler, breaks };
+        figures::wave(field, rod, &marks, words::time_axis(self.case), self.train.couplers.len(), name)
+    }
+}

@@ -1,0 +1,328 @@
+// Interactive figures of a report. Without this script, or on paper, the static ones stand in their place.
+//
+// Numbers come in SI from the element "data", one entry per scenario. Plotly.js lies compressed in the element "library".
+"use strict";
+(async function () {
+  const scenes = JSON.parse(document.getElementById("data").textContent);
+  if (!scenes.some((scene) => scene) || !("DecompressionStream" in window)) return;
+
+  // --- the library -----------------------------------------------------------------------------------------------------
+  const packed = Uint8Array.from(atob(document.getElementById("library").textContent), (c) => c.charCodeAt(0));
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
+  const script = document.createElement("script");
+  script.textContent = await new Response(stream).text();
+  document.head.append(script);
+  const Plotly = window.Plotly;
+  if (!Plotly) return;
+
+  // --- words and numbers -----------------------------------------------------------------------------------------------
+  const escaped = (s) => s.replace(/&/g, "&amp;").replace(/</g, "&lt;").replace(/>/g, "&gt;");
+  const digits = (x) => {
+    const text = x.toPrecision(4);
+    return x === 0 ? "0" : text.includes("e+") && x < 1e6 ? Math.round(x).toString() : text;
+  };
+  // What was given rather than computed: no zeros at its end.
+  const given = (x) => Number(x.toPrecision(6)).toString();
+  const sense = (f) => (f < 0 ? "buff" : "draft");
+  const percent = (share) => digits(100 * Math.abs(share)) + " %";
+
+  function element(tag, properties, ...children) {
+    const made = Object.assign(document.createElement(tag), properties);
+    made.append(...children);
+    return made;
+  }
+
+  // --- one scenario ----------------------------------------------------------------------------------------------------
+  function decode(forces, rows) {
+    const bytes = Uint8Array.from(atob(forces.forces), (c) => c.charCodeAt(0));
+    const view = new DataView(bytes.buffer);
+    const n = forces.columns;
+    const force = (row, column) => {
+      const number = view.getInt16(2 * (row * n + column), true);
+      return number === -32768 ? null : number * forces.unit_n;
+    };
+    const times = Array.from({ length: n }, (_, i) => forces.from_s + i * forces.step_s);
+    return { rows, times, force, row: (r) => times.map((_, i) => force(r, i)), folded: forces.instants_per_column };
+  }
+
+  function figures(scene, number, place) {
+    const [unitName, unit] = scene.force_unit;
+    const [clockName, clock] = scene.time_unit;
+    const force = (f) => digits(Math.abs(f) / unit) + " " + unitName + " in " + sense(f);
+    const time = (t) => digits(t / clock) + " " + clockName;
+    const by = new Map(scene.couplers.map((c) => [c.coupler, c]));
+    const numbers = scene.couplers.map((c) => c.coupler);
+    const count = Math.max(...numbers, scene.broken_coupler || 0);
+    const share = (c, f) => f / (f < 0 ? c.rated_buff_n : c.rated_draft_n);
+    const name = (c) => "Coupler " + c.coupler + ", between " + c.between[0] + " and " + c.between[1];
+    const wave = scene.wave && decode(scene.wave, count);
+    const rod = scene.rod && decode(scene.rod, count);
+    const exceeds = (c, f) => Math.abs(share(c, f)) > 1 && (scene.several ? scene.largest[c.coupler - 1].exceeds : c.exceeds === true);
+    const over = (c, f) => (exceeds(c, f) ? ", over it" : "");
+    const state = { coupler: scene.worst, column: 0, timer: null };
+
+    // The largest forces of a coupler in words, a list of lines.
+    function facts(c) {
+      const lines = [name(c)];
+      const peak = (word, f, t, suffix) => lines.push(
+        f === null || f === 0 ? "never in " + word : "largest " + word + " " + digits(Math.abs(f) / unit) + " " + unitName + suffix +
+          (t === null ? "" : " at " + time(t)) + ": " + percent(share(c, f)) + " of its rating" + over(c, f));
+      if (scene.several) {
+        const l = scene.largest[c.coupler - 1];
+        const after = (b) => (b === null ? "" : " after coupler " + b + " breaks");
+        peak("draft", l.draft_n, null, after(l.draft_break));
+        peak("buff", l.buff_n, null, after(l.buff_break));
+      } else {
+        peak("draft", c.peak_draft_n, c.peak_draft_time_s, "");
+        peak("buff", c.peak_buff_n, c.peak_buff_time_s, "");
+      }
+      lines.push("rated " + given(c.rated_draft_n / unit) + " " + unitName + " in draft, " + given(c.rated_buff_n / unit) + " " + unitName + " in buff");
+      return lines;
+    }
+
+    // --- elements ------------------------------------------------------------------------------------------------------
+    const id = (what) => what + "-" + (number + 1);
+    const select = element("select", { id: id("coupler") });
+    for (const c of scene.couplers) {
+      select.append(element("option", { value: c.coupler, textContent: c.coupler + " (" + c.between.join(", ") + ")" }));
+    }
+    const said = element("p", { id: id("said"), className: "note" });
+    said.setAttribute("aria-live", "polite");
+    const along = element("div", { className: "plot", id: id("along") });
+    const over_time = element("div", { className: "plot", id: id("history") });
+    const map = element("div", { className: "plot", id: id("map") });
+    const play = element("button", { type: "button", id: id("play"), textContent: "Play" });
+    const slider = element("input", { type: "range", id: id("time"), min: 0, max: wave ? wave.times.length - 1 : 0, step: 1, value: 0 });
+    const shown = element("output", { id: id("shown") });
+    shown.htmlFor = slider.id;
+    const heading = (text) => element("h3", { textContent: text });
+    const label = (control, text) => element("label", { htmlFor: control.id, textContent: text });
+    const parts = [
+      heading("Forces along the train" + (scene.several ? ": the largest over all breaks, and the wave" + scene.when.replace(",", "") : "")),
+      element("p", { className: "note", textContent: "Point at a coupler for its forces; click it, or choose it below, for its course over time" +
+        (wave ? ". The slider and the button run the wave through the train." : ".") }),
+      along,
+    ];
+    if (wave) {
+      parts.push(element("div", { className: "bar" }, play, label(slider, scene.since), slider, shown));
+      if (wave.folded > 1) {
+        parts.push(element("p", { className: "note", textContent: "This train is long: an instant here stands for " +
+          time(scene.wave.step_s) + ", and every coupler shows its largest utilisation in it." }));
+      }
+    }
+    if (wave) parts.push(heading("Force over time" + scene.when));
+    parts.push(element("div", { className: "bar" }, label(select, "Coupler"), select), said);
+    if (wave) parts.push(over_time, heading("Force by place and time" + scene.when), element("p", { className: "note",
+      textContent: "As a share of the rating: draft blue, buff orange, outlined where it is over. Click for that coupler and that instant." }), map);
+    place.append(...parts);
+    place.hidden = false;
+
+    // --- looks ---------------------------------------------------------------------------------------------------------
+    const style = getComputedStyle(document.documentElement);
+    const color = (name) => style.getPropertyValue("--" + name).trim();
+    const narrow = () => place.clientWidth < 520;
+    const touch = matchMedia("(pointer: coarse)").matches;
+    const config = { displayModeBar: false, responsive: true, showTips: false, doubleClick: "reset" };
+    function layout(height, x, y, more) {
+      const axis = (title) => ({ title: { text: title, standoff: 8 }, gridcolor: color("line"), zerolinecolor: color("quiet"), linecolor: color("quiet"), automargin: true, fixedrange: touch });
+      return Object.assign({
+        height, margin: { l: 8, r: 8, t: 8, b: 8 }, paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)",
+        font: { color: color("text"), family: "system-ui, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif", size: 13 },
+        hoverlabel: { align: "left", bgcolor: color("page"), bordercolor: color("quiet"), font: { color: color("text") } },
+        legend: { orientation: "h", x: 0, y: 1, yanchor: "bottom" }, dragmode: touch ? false : "zoom", xaxis: axis(x), yaxis: axis(y),
+      }, more);
+    }
+    const line = (x, y, name, paint, more) => Object.assign({ x, y, name, mode: "lines", line: Object.assign({ color: paint, width: 2 }, more && more.line), hoverinfo: "skip" },
+      more && more.trace);
+    const forceAxis = "force, " + unitName + " (draft +, buff \u2212)";
+    const timeAxis = scene.since + ", " + clockName;
+    const inUnits = (f) => (f === null ? null : f / unit);
+
+    // --- along the train: the envelope, the ratings, the wave at an instant ----------------------------------------------
+    // Every coupler's place; the broken one is a gap.
+    const places = Array.from({ length: count }, (_, i) => i + 1);
+    const of = (value) => places.map((p) => (by.has(p) ? value(by.get(p)) : null));
+    const high = (c) => (scene.several ? scene.largest[c.coupler - 1].draft_n : c.peak_draft_n || 0);
+    const low = (c) => (scene.several ? scene.largest[c.coupler - 1].buff_n : c.peak_buff_n || 0);
+    const exceeding = scene.couplers.flatMap((c) => [high(c), low(c)].filter((f) => exceeds(c, f)).map((f) => [c.coupler, f / unit]));
+    const step = { line: { shape: "hvh" } };
+    const dashed = { line: { dash: "dash", width: 1.5, shape: "hvh" } };
+    const WAVE = 6;
+    function alongTraces() {
+      const filled = (name, paint) => line(places, [], name, paint, { line: { shape: "hvh", width: 1 }, trace: { fill: "tozeroy" } });
+      return [
+        Object.assign(line(places, of((c) => inUnits(high(c))), "largest draft", color("draft"), step),
+          { hoverinfo: "text", hovertext: of((c) => facts(c).map(escaped).join("<br>")) }),
+        line(places, of((c) => inUnits(low(c))), "largest buff", color("buff"), step),
+        line(places, of((c) => c.rated_draft_n / unit), "rated", color("rated"), dashed),
+        line(places, of((c) => -c.rated_buff_n / unit), "rated", color("rated"), Object.assign({ trace: { showlegend: false } }, dashed)),
+        { x: exceeding.map((e) => e[0]), y: exceeding.map((e) => e[1]), name: "over its rating", mode: "markers", hoverinfo: "skip",
+          marker: { symbol: "diamond", color: color("over"), size: 6 }, visible: exceeding.length > 0 },
+        line(places, scene.initial_force_n ? of((c) => inUnits(scene.initial_force_n[c.coupler - 1])) : [], "before the event", color("rod"),
+          { line: { width: 1.5, shape: "hvh" }, trace: { visible: scene.initial_force_n ? true : false } }),
+        filled("the wave, draft", color("draft")), filled("the wave, buff", color("buff")),
+      ];
+    }
+    function instant() {
+      const at = (keep) => places.map((p) => {
+        const f = wave.force(p - 1, state.column);
+        return f === null ? null : keep(f / unit);
+      });
+      return [at((f) => Math.max(f, 0)), at((f) => Math.min(f, 0))];
+    }
+
+    function alongLayout() {
+      const made = layout(narrow() ? 470 : 380, "coupler, counted from the head", forceAxis, { hovermode: "x", hoverdistance: -1 });
+      made.xaxis.range = [0.3, count + 0.7];
+      if (count < 10) made.xaxis.dtick = 1;
+      const b = scene.broken_coupler;
+      if (b === null) return made;
+      made.shapes = [{ type: "line", xref: "x", yref: "paper", x0: b, x1: b, y0: 0, y1: 1, line: { color: color("quiet"), width: 1.5, dash: "dot" } }];
+      made.annotations = [{ x: b, y: 0.04, yref: "paper", text: "coupler " + b + " breaks", showarrow: false, xanchor: 2 * b > count ? "right" : "left", bgcolor: color("card") }];
+      return made;
+    }
+
+    // --- one coupler over time -------------------------------------------------------------------------------------------
+    // The exact peaks take the place of the nearest instants, which stand beside them.
+    function course(field, c) {
+      const t = field.times.slice(), f = field.row(c.coupler - 1);
+      if (field === wave && wave.folded === 1) {
+        for (const [peak, at] of [[c.peak_draft_n, c.peak_draft_time_s], [c.peak_buff_n, c.peak_buff_time_s]]) {
+          if (peak === null) continue;
+          const nearest = Math.min(t.length - 1, Math.max(0, Math.round((at - scene.wave.from_s) / scene.wave.step_s)));
+          t[nearest] = at;
+          f[nearest] = peak;
+        }
+      }
+      return [t.map((x) => x / clock), f.map(inUnits)];
+    }
+    function historyTraces() {
+      const c = by.get(state.coupler);
+      const across = [0, wave.times[wave.times.length - 1] / clock];
+      const [t, f] = course(wave, c);
+      const peaks = [[c.peak_draft_n, c.peak_draft_time_s], [c.peak_buff_n, c.peak_buff_time_s]].filter((p) => p[0] !== null);
+      const all = [
+        line(across, [c.rated_draft_n / unit, c.rated_draft_n / unit], "rated", color("rated"), { line: { dash: "dash", width: 1.5 } }),
+        line(across, [-c.rated_buff_n / unit, -c.rated_buff_n / unit], "rated", color("rated"), { line: { dash: "dash", width: 1.5 }, trace: { showlegend: false } }),
+      ];
+      if (rod) all.push(line(...course(rod, c), "elastic rod", color("rod"), { line: { dash: "dot" } }));
+      all.push(Object.assign(line(t, f, "coupler " + c.coupler, color("draft")), { hoverinfo: "text",
+        hovertext: t.map((x, i) => (f[i] === null ? "" : time(x * clock) + ": " + force(f[i] * unit) + ", " + percent(share(c, f[i] * unit)) + " of its rating")) }));
+      all.push({ x: peaks.map((p) => p[1] / clock), y: peaks.map((p) => p[0] / unit), name: "largest draft and buff", mode: "markers", hoverinfo: "text",
+        hovertext: peaks.map((p) => "largest " + sense(p[0]) + ": " + force(p[0]) + " at " + time(p[1])), marker: { symbol: "diamond", size: 9, color: color("over") } });
+      return all;
+    }
+    const historyLayout = () => layout(narrow() ? 400 : 340, timeAxis, forceAxis, { hovermode: "x", shapes: cursor() });
+    const cursor = () => [{ type: "line", xref: "x", yref: "paper", y0: 0, y1: 1, x0: wave.times[state.column] / clock, x1: wave.times[state.column] / clock,
+      line: { color: color("quiet"), width: 1 } }];
+
+    // --- place and time --------------------------------------------------------------------------------------------------
+    // What the 16-bit numbers leave in doubt is not outlined, %.
+    const OVER = 100.02;
+    const scale = [[0, "#6e2400"], [1 / 6, "#d55e00"], [1 / 3, "#fac46e"], [0.5, "#ffffff"], [2 / 3, "#86c4ec"], [5 / 6, "#0072b2"], [1, "#00325c"]];
+    function mapTraces() {
+      const panel = (field, axis, bar) => {
+        const z = places.map((p) => (by.has(p) ? field.row(p - 1).map((f) => (f === null ? null : 100 * share(by.get(p), f))) : field.times.map(() => null)));
+        const text = z.map((row, r) => row.map((s) => (s === null ? "" : percent(s / 100))));
+        const forces = z.map((row, r) => row.map((s, i) => (s === null ? "" : force(field.force(r, i)))));
+        const x = field.times.map((t) => t / clock);
+        const heat = { type: "heatmap", x, y: places, z, text, customdata: forces, colorscale: scale, zmid: 0, zmin: -most, zmax: most, yaxis: axis, showscale: bar,
+          colorbar: { title: { text: "share of rating, %", side: "right" }, thickness: 12, outlinewidth: 0, len: 0.9 }, hoverongaps: false,
+          hovertemplate: "coupler %{y}, %{x:.4g} " + clockName + "<br>%{customdata}<br>%{text} of its rating<extra>" + (bar ? "" : "elastic rod") + "</extra>" };
+        const cells = z.length * x.length;
+        const passes = z.some((row) => row.some((s) => Math.abs(s) > OVER));
+        if (!passes || z.length < 2 || cells > 120000) return [heat];
+        return [heat, { type: "contour", x, y: places, z: z.map((row) => row.map((s) => (s === null ? 0 : Math.abs(s)))), yaxis: axis, showscale: false, hoverinfo: "skip",
+          contours: { start: OVER, end: OVER, size: 1, coloring: "none" }, line: { color: "#000000", width: 1, smoothing: 0 } }];
+      };
+      let most = 0;
+      for (const field of [wave, rod].filter((f) => f)) {
+        for (const p of places.filter((p) => by.has(p))) for (const f of field.row(p - 1)) if (f !== null) most = Math.max(most, 100 * Math.abs(share(by.get(p), f)));
+      }
+      return panel(wave, "y", true).concat(rod ? panel(rod, "y2", false) : []);
+    }
+    function mapLayout() {
+      const made = layout(rod ? 560 : 360, timeAxis, "coupler, from the head", { shapes: cursor() });
+      Object.assign(made.yaxis, { range: [count + 0.5, 0.5], domain: rod ? [0.55, 1] : [0, 1], showgrid: false });
+      made.xaxis.showgrid = false;
+      if (rod) made.xaxis.anchor = "y2";
+      if (rod) made.yaxis2 = Object.assign({}, made.yaxis, { domain: [0, 0.45], title: { text: "elastic rod", standoff: 8 } });
+      return made;
+    }
+
+    // --- drawing and acting ------------------------------------------------------------------------------------------------
+    function describe() {
+      said.textContent = facts(by.get(state.coupler)).join("; ") + ".";
+    }
+    function draw() {
+      Plotly.react(along, alongTraces(), alongLayout(), config);
+      if (!wave) return;
+      Plotly.react(over_time, historyTraces(), historyLayout(), config);
+      Plotly.react(map, mapTraces(), mapLayout(), config);
+      show(state.column);
+    }
+    function show(column) {
+      state.column = column;
+      slider.value = column;
+      const at = time(wave.times[column]);
+      shown.textContent = at;
+      slider.setAttribute("aria-valuetext", at);
+      const [draft, buff] = instant();
+      Plotly.restyle(along, { y: [draft, buff] }, [WAVE, WAVE + 1]);
+      Plotly.relayout(over_time, { shapes: cursor() });
+      Plotly.relayout(map, { shapes: cursor() });
+    }
+    function choose(coupler) {
+      if (!by.has(coupler)) return;
+      state.coupler = coupler;
+      select.value = coupler;
+      describe();
+      if (wave) Plotly.react(over_time, historyTraces(), historyLayout(), config);
+    }
+    function stop() {
+      clearInterval(state.timer);
+      state.timer = null;
+      play.textContent = "Play";
+    }
+    // The whole horizon in some twelve seconds.
+    function start() {
+      const stride = Math.max(1, Math.round(wave.times.length / 240));
+      if (state.column >= wave.times.length - 1) state.column = 0;
+      play.textContent = "Pause";
+      state.timer = setInterval(() => {
+        show(Math.min(state.column + stride, wave.times.length - 1));
+        if (state.column >= wave.times.length - 1) stop();
+      }, 50);
+    }
+    draw();
+    choose(scene.worst);
+    select.addEventListener("change", () => choose(Number(select.value)));
+    along.on("plotly_click", (event) => choose(event.points[0].x));
+    if (wave) {
+      play.addEventListener("click", () => (state.timer === null ? start() : stop()));
+      slider.addEventListener("input", () => { stop(); show(Number(slider.value)); });
+      map.on("plotly_click", (event) => {
+        const point = event.points[0];
+        choose(point.y);
+        stop();
+        show(Math.round((point.x * clock - scene.wave.from_s) / scene.wave.step_s));
+      });
+    }
+    const plain = (div, text) => { div.setAttribute("role", "img"); div.setAttribute("aria-label", text); };
+    plain(along, "Largest draft and buff of every coupler along the train, the ratings, and the forces at the instant of the slider");
+    if (wave) {
+      plain(over_time, "Force in the chosen coupler over time, with its ratings");
+      plain(map, "Force in every coupler by place and time");
+    }
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
+    for (const kind of wave ? ["envelope", "wave", "force"] : ["envelope"]) {
+      document.querySelectorAll('figure[data-scenario="' + number + '"][data-kind="' + kind + '"]').forEach((f) => f.classList.add("replaced"));
+    }
+  }
+
+  document.querySelectorAll(".live").forEach((place) => {
+    const number = Number(place.dataset.scenario);
+    if (scenes[number]) figures(scenes[number], number, place);
+  });
+  document.documentElement.dataset.drawn = "yes";
+})();

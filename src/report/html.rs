@@ -174,8 +174,10 @@ impl Page<'_> {
     fn table(&mut self, block: Events, alignments: &[Alignment], lead: Option<String>) {
         let caption = lead.unwrap_or_else(|| self.heading.clone());
         let caption = text(caption.trim_end_matches(':'));
+        // Apart from the same table of another scenario.
+        let label = format!("{}: {caption}", text(&self.heading));
         self.out += &format!(
-            "<div class=\"table\" role=\"region\" aria-label=\"{caption}\" tabindex=\"0\">\n<table>\n<caption>{caption}</caption>\n"
+            "<div class=\"table\" role=\"region\" aria-label=\"{label}\" tabindex=\"0\">\n<table>\n<caption>{caption}</caption>\n"
         );
         let named = block
             .iter()

@@ -9,10 +9,10 @@ use super::pictures::Shown;
 use super::words;
 use crate::findings::{CouplerFindings, Field};
 
-/// Values by place and time that a page holds, two bytes each: they are 2.7 MB in base64 at the most.
-const VALUES: usize = 1_000_000;
-/// Of more couplers there are no interactive figures.
-const COUPLERS: usize = 2000;
+/// Values by place and time that a page holds, two bytes each: they are 1.9 MB in base64 at the most.
+const VALUES: usize = 700_000;
+/// Couplers that a page holds, some 250 bytes each; scenarios beyond that have no interactive figures.
+const COUPLERS: usize = 4000;
 
 #[derive(Serialize)]
 struct Scene<'a> {
@@ -28,11 +28,25 @@ struct Scene<'a> {
     horizon_s: f64,
     initial_force_n: Option<&'a [f64]>,
     /// Of the case drawn.
-    couplers: &'a [CouplerFindings],
+    couplers: Vec<Peaks<'a>>,
     /// Largest draft and buff of each coupler over all cases, and after which break.
     largest: Vec<Largest>,
     wave: Option<Forces>,
     rod: Option<Forces>,
+}
+
+/// A coupler's largest forces, named as in `result.json`.
+#[derive(Serialize)]
+struct Peaks<'a> {
+    coupler: usize,
+    between: &'a [String; 2],
+    rated_draft_n: f64,
+    rated_buff_n: f64,
+    peak_draft_n: Option<f64>,
+    peak_draft_time_s: Option<f64>,
+    peak_buff_n: Option<f64>,
+    peak_buff_time_s: Option<f64>,
+    exceeds: Option<bool>,
 }
 
 #[derive(Serialize, Default, Clone)]
@@ -62,19 +76,22 @@ struct Forces {
 pub fn data(shown: &[Option<Shown>]) -> Result<String, serde_json::Error> {
     let fields = shown.iter().flatten().map(|s| usize::from(s.wave.is_some()) + usize::from(s.rod.is_some()));
     let values = VALUES / fields.sum::<usize>().max(1);
-    let scenes: Vec<_> = shown.iter().map(|s| s.as_ref().and_then(|s| scene(s, values))).collect();
+    let mut room = COUPLERS;
+    let mut scenes = Vec::new();
+    for shown in shown {
+        let fits = |s: &&Shown| s.train.couplers.len() <= room && !s.case.couplers.is_empty();
+        let shown = shown.as_ref().filter(fits);
+        room -= shown.map_or(0, |s| s.train.couplers.len());
+        scenes.push(shown.map(|s| scene(s, values)));
+    }
     serde_json::to_string(&scenes)
 }
 
-fn scene<'a>(shown: &'a Shown, values: usize) -> Option<Scene<'a>> {
-    let couplers = shown.train.couplers.len();
-    if couplers > COUPLERS || shown.case.couplers.is_empty() {
-        return None;
-    }
+fn scene<'a>(shown: &'a Shown, values: usize) -> Scene<'a> {
     let pair = |u: Unit| (u.name, u.size);
     let ratings = shown.train.couplers.iter().map(|c| c.rated_draft_n.max(c.rated_buff_n)).fold(0.0, f64::max);
     let several = shown.findings.cases.len() > 1;
-    Some(Scene {
+    Scene {
         when: shown.when(),
         since: words::time_axis(shown.case),
         several,
@@ -84,11 +101,25 @@ fn scene<'a>(shown: &'a Shown, values: usize) -> Option<Scene<'a>> {
         worst: shown.worst.coupler,
         horizon_s: shown.case.horizon_s,
         initial_force_n: (shown.findings.kind != "impact").then_some(&shown.train.initial_force_n[..]),
-        couplers: &shown.case.couplers,
+        couplers: shown.case.couplers.iter().map(peaks).collect(),
         largest: if several { largest(shown) } else { Vec::new() },
         wave: shown.wave.as_ref().and_then(|f| forces(shown, f, values)),
         rod: shown.rod.as_ref().and_then(|f| forces(shown, f, values)),
-    })
+    }
+}
+
+fn peaks(c: &CouplerFindings) -> Peaks<'_> {
+    Peaks {
+        coupler: c.coupler,
+        between: &c.between,
+        rated_draft_n: c.rated_draft_n,
+        rated_buff_n: c.rated_buff_n,
+        peak_draft_n: c.peak_draft_n,
+        peak_draft_time_s: c.peak_draft_time_s,
+        peak_buff_n: c.peak_buff_n,
+        peak_buff_time_s: c.peak_buff_time_s,
+        exceeds: c.exceeds,
+    }
 }
 
 fn largest(shown: &Shown) -> Vec<Largest> {
@@ -109,6 +140,9 @@ fn largest(shown: &Shown) -> Vec<Largest> {
 }
 
 fn forces(shown: &Shown, field: &Field, values: usize) -> Option<Forces> {
+    if field.couplers_per_row > 1 {
+        return None;
+    }
     let columns_most = (values / field.rows()).max(2);
     let field = field.folded(field.times_s.len().div_ceil(columns_most));
     let rated = |row: usize, share: f32| {

@@ -35,9 +35,8 @@ impl<'a> Shown<'a> {
     pub fn new(train: &'a Train, findings: &'a ScenarioFindings) -> Option<Shown<'a>> {
         let (index, scenario) = words::source(train, findings)?;
         let (case, worst) = words::worst_case(findings)?;
-        let says_something = |f: &Field| case.couplers.len() > 1 && f.moves();
-        let field = |of: Of| findings::field(train, index, case, of).filter(says_something);
-        let wave = field(Of::Event);
+        let field = |of: Of| findings::field(train, index, case, of).filter(Field::moves);
+        let wave = if case.couplers.len() > 1 { field(Of::Event) } else { None };
         let rod = wave.as_ref().and_then(|_| field(Of::Rod));
         let breaks = case.cascade.as_ref().filter(|c| findings.cases.len() == 1 && !c.breaks.is_empty());
         let cascade = breaks.and_then(|c| Some((field(Of::Cascade)?, c)));
@@ -64,7 +63,11 @@ impl<'a> Shown<'a> {
         }
         if findings.cases.iter().any(|c| !c.couplers.is_empty()) {
             let over = if several { ", over all breaks" } else { "" };
-            let caption = format!("Largest draft and buff of every coupler{over}, against the ratings.");
+            let shared = match figures::couplers_per_place(train.couplers.len()) {
+                1 => String::new(),
+                n => format!(" Of every {n} neighbours the extremes and the weakest rating are drawn."),
+            };
+            let caption = format!("Largest draft and buff of every coupler{over}, against the ratings.{shared}");
             all.push(picture("envelope", caption, &|n| figures::envelope(train, findings, n)));
         }
         if let Some(map) = &findings.map {

@@ -95,7 +95,8 @@
     const slider = element("input", { type: "range", id: id("time"), min: 0, max: wave ? wave.times.length - 1 : 0, step: 1, value: 0 });
     const shown = element("output", { id: id("shown") });
     shown.htmlFor = slider.id;
-    const heading = (text) => element("h3", { textContent: text });
+    // One level below the heading that they stand under.
+    const heading = (text) => element(scenes.length > 1 ? "h3" : "h2", { textContent: text });
     const label = (control, text) => element("label", { htmlFor: control.id, textContent: text });
     const parts = [
       heading("Forces along the train" + (scene.several ? ": the largest over all breaks, and the wave" + scene.when.replace(",", "") : "")),

@@ -14,7 +14,15 @@ use crate::consist::{Coupler, Train};
 use crate::findings::ScenarioFindings;
 use crate::report::numbers::{Unit, force_unit};
 
-/// Extremes of one coupler over all cases of a scenario, N; `None` where it has no findings.
+/// Places that a figure has room for; of more couplers several share one.
+const PLACES: usize = 800;
+
+/// How many couplers share a place in the envelope of a train.
+pub fn couplers_per_place(couplers: usize) -> usize {
+    couplers.div_ceil(PLACES)
+}
+
+/// Extremes of a place's couplers over all cases of a scenario, N; `None` where there are no findings.
 #[derive(Clone, Copy, Default)]
 struct Extremes {
     draft: Option<f64>,
@@ -24,9 +32,10 @@ struct Extremes {
 }
 
 fn extremes(train: &Train, scenario: &ScenarioFindings) -> Vec<Extremes> {
-    let mut all = vec![Extremes::default(); train.couplers.len()];
+    let share = couplers_per_place(train.couplers.len());
+    let mut all = vec![Extremes::default(); train.couplers.len().div_ceil(share)];
     for c in scenario.cases.iter().flat_map(|case| &case.couplers) {
-        let Some(e) = all.get_mut(c.coupler - 1) else { continue };
+        let Some(e) = all.get_mut((c.coupler - 1) / share) else { continue };
         let (draft, buff) = (c.peak_draft_n.unwrap_or(0.0), c.peak_buff_n.unwrap_or(0.0));
         e.draft = Some(e.draft.map_or(draft, |d| d.max(draft)));
         e.buff = Some(e.buff.map_or(buff, |b| b.min(buff)));
@@ -37,24 +46,27 @@ fn extremes(train: &Train, scenario: &ScenarioFindings) -> Vec<Extremes> {
     all
 }
 
-/// The envelope of a scenario, over all its cases, as SVG.
+/// The envelope of a scenario, over all its cases, as SVG: of couplers that share a place the extremes, and the weakest's rating.
 pub fn envelope(train: &Train, scenario: &ScenarioFindings, name: &str) -> String {
     let all = extremes(train, scenario);
+    let share = couplers_per_place(train.couplers.len());
+    let width = share as f64;
     let forces = || {
         let ratings = train.couplers.iter().flat_map(|c| [c.rated_draft_n, -c.rated_buff_n]);
         ratings.chain(all.iter().flat_map(|e| [e.draft, e.buff]).flatten())
     };
     let unit = force_unit(forces().fold(0.0, |m: f64, f| m.max(f.abs())));
     let mut figure = Figure::new(name);
-    draw_extremes(&mut figure, &all, unit);
+    draw_extremes(&mut figure, &all, unit, width);
     if train.extras.steady.is_some() && scenario.kind != "impact" {
-        let before: Vec<_> = train.initial_force_n.iter().map(|f| Some(f / unit.size)).collect();
-        figure.line(steps(&before).concat(), ORANGE, 1.4, None, Some("before the event"));
+        let largest = |of: &[f64]| of.iter().copied().reduce(|a, b| if b.abs() > a.abs() { b } else { a });
+        let before: Vec<_> = train.initial_force_n.chunks(share).map(|c| largest(c).map(|f| f / unit.size)).collect();
+        figure.line(steps(&before, width).concat(), ORANGE, 1.4, None, Some("before the event"));
     }
-    draw_ratings(&mut figure, train, unit);
+    draw_ratings(&mut figure, train, unit, share);
     let over = |(i, e): (usize, &Extremes)| {
         let sides = [e.draft.filter(|_| e.over_draft), e.buff.filter(|_| e.over_buff)];
-        sides.into_iter().flatten().map(move |f| (i as f64 + 1.0, f / unit.size))
+        sides.into_iter().flatten().map(move |f| (width * (i as f64 + 0.5) + 0.5, f / unit.size))
     };
     let over: Vec<_> = all.iter().enumerate().flat_map(over).collect();
     let size = marker_size(over.len());
@@ -73,9 +85,9 @@ pub fn envelope(train: &Train, scenario: &ScenarioFindings, name: &str) -> Strin
 }
 
 /// Largest draft and buff as lines of steps, and the forces between them as a pale band.
-fn draw_extremes(figure: &mut Figure, all: &[Extremes], unit: Unit) {
-    let draft = steps(&all.iter().map(|e| e.draft.map(|f| f / unit.size)).collect::<Vec<_>>());
-    let buff = steps(&all.iter().map(|e| e.buff.map(|f| f / unit.size)).collect::<Vec<_>>());
+fn draw_extremes(figure: &mut Figure, all: &[Extremes], unit: Unit, width: f64) {
+    let draft = steps(&all.iter().map(|e| e.draft.map(|f| f / unit.size)).collect::<Vec<_>>(), width);
+    let buff = steps(&all.iter().map(|e| e.buff.map(|f| f / unit.size)).collect::<Vec<_>>(), width);
     for (high, low) in draft.iter().zip(&buff) {
         let x = high.iter().map(|p| p.0);
         let band = BandPlot::new(x, low.iter().map(|p| p.1), high.iter().map(|p| p.1));
@@ -88,13 +100,14 @@ fn draw_extremes(figure: &mut Figure, all: &[Extremes], unit: Unit) {
     }
 }
 
-fn draw_ratings(figure: &mut Figure, train: &Train, unit: Unit) {
-    let line = |value: fn(&Coupler) -> f64| {
-        let values: Vec<_> = train.couplers.iter().map(|c| Some(value(c) / unit.size)).collect();
-        steps(&values).concat()
+fn draw_ratings(figure: &mut Figure, train: &Train, unit: Unit, share: usize) {
+    let line = |value: fn(&Coupler) -> f64, sign: f64| {
+        let weakest = |of: &[Coupler]| of.iter().map(value).reduce(f64::min).map(|f| sign * f / unit.size);
+        let values: Vec<_> = train.couplers.chunks(share).map(weakest).collect();
+        steps(&values, share as f64).concat()
     };
-    figure.line(line(|c| c.rated_draft_n), BLACK, 1.2, Some(RATED), Some("rated"));
-    figure.line(line(|c| -c.rated_buff_n), BLACK, 1.2, Some(RATED), None);
+    figure.line(line(|c| c.rated_draft_n, 1.0), BLACK, 1.2, Some(RATED), Some("rated"));
+    figure.line(line(|c| c.rated_buff_n, -1.0), BLACK, 1.2, Some(RATED), None);
 }
 
 /// A line where the broken coupler was, with its label.

@@ -13,7 +13,7 @@ mod safe_load;
 mod wave;
 
 pub use breaks::breaks;
-pub use envelope::envelope;
+pub use envelope::{couplers_per_place, envelope};
 pub use history::{history, window};
 pub use map::map;
 pub use safe_load::safe_load;
@@ -155,18 +155,18 @@ fn range_with_air(values: impl Iterator<Item = f64>) -> (f64, f64) {
     (if low < 0.0 { low - air } else { low }, if high > 0.0 { high + air } else { high })
 }
 
-/// A value per coupler as a line of steps, each as wide as its coupler's place; a coupler without a value is a gap.
-fn steps(values: &[Option<f64>]) -> Vec<Vec<(f64, f64)>> {
+/// A value per place as a line of steps, each as wide as so many couplers; a place without a value is a gap.
+fn steps(values: &[Option<f64>], width: f64) -> Vec<Vec<(f64, f64)>> {
     let runs = values.chunk_by(|a, b| a.is_some() == b.is_some());
     let mut at = 0.5;
     runs.filter_map(|run| {
         let from = at;
-        at += run.len() as f64;
+        at += width * run.len() as f64;
         let steps: Vec<_> = run
             .iter()
             .flatten()
             .enumerate()
-            .flat_map(|(i, &v)| [(from + i as f64, v), (from + i as f64 + 1.0, v)])
+            .flat_map(|(i, &v)| [(from + width * i as f64, v), (from + width * (i as f64 + 1.0), v)])
             .collect();
         (!steps.is_empty()).then_some(steps)
     })

@@ -70,7 +70,10 @@ pub fn free_place(text: &str, target: Point, lines: &[Vec<Point>], window: Windo
         let covered = covered(&obstacles, (anchor.0, middle), half);
         let crossed = obstacles.iter().filter(crosses).count() as f64;
         let length = (anchor.0 - target.0).hypot(anchor.1 - target.1);
-        5.0 * covered + 1.5 * crossed + 0.08 * (length - 90.0).abs()
+        // An arrow has to be long enough to be one, and the text must not hide where it points.
+        let hides = (target.0 - anchor.0).abs() < half + 10.0 && (target.1 - middle).abs() < 45.0;
+        let hidden = if hides { 1e3 } else { 0.0 };
+        hidden + 5.0 * covered + 1.5 * crossed + 0.08 * (length - 90.0).abs()
     };
     let across = (0..=12).map(|i| half + 10.0 + (INNER.0 - 2.0 * half - 20.0) * f64::from(i) / 12.0);
     let places = across.flat_map(|x| (2..13).map(move |j| (x, INNER.1 * f64::from(j) / 13.0)));

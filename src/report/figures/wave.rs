@@ -41,9 +41,9 @@ pub fn wave(field: &Field, rod: Option<&Field>, marks: &Marks, since: &str, coup
         if let Some(title) = title {
             body += &format!(
                 "<text x=\"430\" y=\"{}\" font-size=\"{TEXT_SIZE}\" text-anchor=\"middle\">{title}</text>",
-                top + 16.0
+                top + 15.0
             );
-            top += 18.0;
+            top += 22.0;
         }
         let panel = panel(field, marks, since, couplers, (high, last), &format!("{name}-{i}"), most);
         body += &panel.replacen("<svg ", &format!("<svg y=\"{top}\" "), 1);
@@ -98,6 +98,7 @@ fn panel(
         .with_height(high)
         .with_y_tick_format(downward);
     let layout = if couplers < 10 { layout.with_y_tick_step(1.0) } else { layout };
+    let layout = if last { layout } else { layout.with_force_margins_y(6.0, 26.0) };
     with_image(&figure.svg(layout), &png_base64(field, most))
 }
 
@@ -135,7 +136,7 @@ fn color_bar(top: f64, most: f64, name: &str) -> String {
     };
     let at = |share: f64| left + 0.5 * width * (1.0 + share / most);
     let step = [0.1, 0.25, 0.5, 1.0, 2.0, 5.0].into_iter().find(|s| most / s <= 4.5).unwrap_or(most / 4.0);
-    let count = (most / step).floor() as i32;
+    let count = (most / step + 0.01).floor() as i32;
     let mut out = format!(
         "<defs><linearGradient id=\"{name}-scale\">{stops}</linearGradient></defs>\
          <rect x=\"{left}\" y=\"{}\" width=\"{width}\" height=\"14\" fill=\"url(#{name}-scale)\" stroke=\"#000000\" stroke-width=\"0.6\"/>",
@@ -146,7 +147,7 @@ fn color_bar(top: f64, most: f64, name: &str) -> String {
         let label = format!("{} %", (100.0 * share.abs()).round());
         out += &text(at(share), top + 38.0, "middle", &label);
     }
-    if most >= 1.0 {
+    if most > 0.99 {
         for x in [at(-1.0), at(1.0)] {
             out += &format!("<path d=\"M{x:.1} {}v18\" stroke=\"#000000\" stroke-width=\"2\"/>", top + 6.0);
         }

@@ -1,0 +1,256 @@
+// The HTML reports in Chromium: what a reader sees, hovers, clicks, types, prints, and what a hostile train file cannot do.
+//
+// Run by tests/browser/run.sh, which builds the program and installs what this needs.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync, statSync } from "node:fs";
+import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { pathToFileURL } from "node:url";
+import { chromium } from "playwright-core";
+
+const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+const root = join(import.meta.dirname, "../..");
+const program = process.env.TRAINSAFE ?? join(root, "target/debug/trainsafe");
+const flags = "--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking " +
+  "--disable-component-update --disable-sync";
+const folder = mkdtempSync(join(tmpdir(), "trainsafe-browser-"));
+let browser;
+
+before(async () => {
+  browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: flags.split(" ") });
+});
+after(async () => {
+  await browser?.close();
+  rmSync(folder, { recursive: true, force: true });
+});
+
+// Writes a train's report once and gives its folder.
+const written = new Map();
+function report(train) {
+  if (!written.has(train)) {
+    const out = join(folder, String(written.size));
+    execFileSync(program, ["analyze", train, "--out", out], { stdio: ["ignore", "ignore", "inherit"] });
+    written.set(train, out);
+  }
+  return written.get(train);
+}
+const paper = () => report(join(root, "trains/paper-figure-4.toml"));
+const result = (out) => JSON.parse(readFileSync(join(out, "result.json"), "utf8"));
+
+// Opens a report; `page.troubles` collects what must not happen.
+async function open(out, { script = true, ...options } = {}) {
+  const page = await browser.newPage({ javaScriptEnabled: script, viewport: { width: 1200, height: 900 }, ...options });
+  const address = pathToFileURL(join(out, "report.html")).href;
+  page.troubles = [];
+  page.on("console", (m) => { if (["error", "warning"].includes(m.type())) page.troubles.push(m.text()); });
+  page.on("pageerror", (e) => page.troubles.push(String(e)));
+  page.on("dialog", (d) => { page.troubles.push("a dialog"); d.dismiss(); });
+  page.on("request", (r) => { if (r.url() !== address && !/^(data|blob):/.test(r.url())) page.troubles.push(r.url()); });
+  await page.goto(address);
+  if (script) await page.waitForFunction(() => document.documentElement.dataset.drawn === "yes");
+  return page;
+}
+
+async function close(page) {
+  assert.deepEqual(page.troubles, [], "errors on the console, or requests");
+  await page.close();
+}
+
+// Where a coupler stands in a plot, in pixels of the page.
+function point(page, id, x, up) {
+  return page.evaluate(([id, x, up]) => {
+    const div = document.getElementById(id);
+    div.scrollIntoView({ block: "center" });
+    const box = div.getBoundingClientRect();
+    const { xaxis, yaxis } = div._fullLayout;
+    return [box.left + xaxis._offset + xaxis.l2p(x), box.top + yaxis._offset + up * yaxis._length];
+  }, [id, x, up]);
+}
+// The program's four digits, and the texts of all hover labels.
+const four = (x) => Math.abs(x).toPrecision(4);
+const hover = async (page, id) => {
+  await page.locator(`#${id} .hoverlayer .hovertext`).first().waitFor();
+  return (await page.locator(`#${id} .hoverlayer .hovertext`).allTextContents()).join(" ");
+};
+// Colours of a screenshot: how many of its pixels pass a test on red, green, blue.
+async function count(png, passes) {
+  const page = await browser.newPage();
+  const n = await page.evaluate(async ([data, passes]) => {
+    const image = await createImageBitmap(await (await fetch(`data:image/png;base64,${data}`)).blob());
+    const canvas = new OffscreenCanvas(image.width, image.height);
+    const context = canvas.getContext("2d");
+    context.drawImage(image, 0, 0);
+    const { data: pixels } = context.getImageData(0, 0, image.width, image.height);
+    const test = new Function("r", "g", "b", `return ${passes}`);
+    let n = 0;
+    for (let i = 0; i < pixels.length; i += 4) n += test(pixels[i], pixels[i + 1], pixels[i + 2]);
+    return n;
+  }, [png.toString("base64"), passes]);
+  await page.close();
+  return n;
+}
+
+test("without scripts the verdict and the static figures are there", async () => {
+  const page = await open(paper(), { script: false });
+  assert.match(await page.locator(".verdict").innerText(), /^48 of 50 other couplers would exceed their rating/);
+  assert.ok(await page.locator(".verdict").isVisible());
+  for (const kind of ["envelope", "wave", "force"]) {
+    const figure = page.locator(`figure[data-kind=${kind}] > svg`);
+    assert.ok(await figure.isVisible(), kind);
+    assert.ok((await figure.getAttribute("aria-label")).length > 20, kind);
+  }
+  assert.equal(await page.locator(".live:visible").count(), 0);
+  const image = await page.locator("figure[data-kind=wave] > svg").screenshot();
+  assert.ok(await count(image, "b > 150 && r < 60") > 5000, "draft is blue");
+  assert.ok(await count(image, "r > 180 && g < 120 && b < 60") > 5000, "buff is orange");
+  await close(page);
+});
+
+test("hovering a coupler tells its forces, times, ratings and utilisation", async () => {
+  const page = await open(paper());
+  for (const c of result(paper()).scenarios[0].cases[0].couplers.filter((c) => [1, 20, 47].includes(c.coupler))) {
+    await page.mouse.move(...await point(page, "along-1", c.coupler, 0.3));
+    await page.waitForFunction((n) => document.querySelector("#along-1 .hovertext")?.textContent.includes(`Coupler ${n},`), c.coupler);
+    const text = await hover(page, "along-1");
+    assert.ok(text.includes(`between ${c.between[0]} and ${c.between[1]}`), text);
+    assert.ok(text.includes(`largest draft ${four(c.peak_draft_n)} N at ${four(c.peak_draft_time_s).replace("0.000", "0")} s: ${four(100 * c.peak_draft_n)} %`), text);
+    assert.ok(text.includes(`largest buff ${four(c.peak_buff_n)} N at ${four(c.peak_buff_time_s)} s: ${four(100 * c.peak_buff_n)} %`), text);
+    assert.ok(text.includes("rated 1 N in draft, 1 N in buff"), text);
+  }
+  await close(page);
+});
+
+test("clicking a coupler shows its history, peaks included", async () => {
+  const page = await open(paper());
+  await page.mouse.click(...await point(page, "along-1", 33, 0.3));
+  await page.waitForFunction(() => document.querySelector("#coupler-1").value === "33");
+  assert.match(await page.locator("#said-1").innerText(), /^Coupler 33, between mass 32 and mass 33;/);
+  const c = result(paper()).scenarios[0].cases[0].couplers.find((c) => c.coupler === 33);
+  const drawn = await page.evaluate(() => document.getElementById("history-1").data.find((t) => t.name === "coupler 33"));
+  const [t, f] = [Array.from(drawn.x), Array.from(drawn.y)];
+  assert.equal(f[t.indexOf(c.peak_draft_time_s)], c.peak_draft_n, "the exact peak is a point of the line");
+  assert.equal(Math.min(...f), c.peak_buff_n);
+  assert.equal(Math.max(...f), c.peak_draft_n);
+  assert.ok(await page.locator("#history-1 .legend").textContent().then((l) => l.includes("elastic rod")));
+  await close(page);
+});
+
+test("the map tells coupler, time, force and share, and its click leads there", async () => {
+  const page = await open(paper());
+  // A third down the upper picture, at t = 100 s: buff beyond the release wave.
+  const [x, y] = await point(page, "map-1", 100, 0.33);
+  await page.mouse.move(x, y);
+  const text = await hover(page, "map-1");
+  assert.match(text, /coupler 1[67], 100(\.\d)? s.*N in buff.* % of its rating/);
+  await page.mouse.click(x, y);
+  await page.waitForFunction(() => ["16", "17"].includes(document.querySelector("#coupler-1").value));
+  assert.match(await page.locator("#shown-1").innerText(), /^(99\.|100\.)\d* s$/);
+  const image = await page.locator("#map-1").screenshot();
+  assert.ok(await count(image, "b > 150 && r < 60") > 3000, "draft is blue");
+  assert.ok(await count(image, "r > 180 && g < 120 && b < 60") > 3000, "buff is orange");
+  await close(page);
+});
+
+test("slider and play button run the wave", async () => {
+  const page = await open(paper());
+  const wave = () => page.evaluate(() => document.getElementById("along-1").data.slice(-2).map((t) => Array.from(t.y)));
+  const [draft, buff] = await wave();
+  assert.ok(draft.slice(0, 50).every((f) => Math.abs(f - 1) < 1e-4) && buff.slice(0, 50).every((f) => f === 0), "the load at t = 0");
+  // At t = 100 s the first couplers are in buff: the wave has been mirrored at the held end.
+  await page.locator("#time-1").fill(String(await page.evaluate(() => Math.round(document.getElementById("time-1").max / 2))));
+  assert.equal(await page.locator("#shown-1").innerText(), "100.0 s");
+  assert.ok((await wave())[1].slice(0, 40).every((f) => f < -0.5));
+  await page.locator("#time-1").fill("0");
+  await page.locator("#play-1").click();
+  assert.equal(await page.locator("#play-1").innerText(), "Pause");
+  await page.waitForFunction(() => Number(document.getElementById("time-1").value) > 20);
+  await page.locator("#play-1").click();
+  const stopped = await page.locator("#time-1").inputValue();
+  await page.waitForTimeout(200);
+  assert.equal(await page.locator("#time-1").inputValue(), stopped, "a pause is one");
+  await close(page);
+});
+
+test("the keyboard alone does it all", async () => {
+  const page = await open(paper());
+  await page.keyboard.press("Tab");
+  assert.equal(await page.evaluate(() => document.activeElement.className), "skip");
+  await page.keyboard.press("Enter");
+  const reach = async (id) => {
+    for (let n = 0; n < 12; n++) {
+      await page.keyboard.press("Tab");
+      if (await page.evaluate(() => document.activeElement.id) === id) return;
+    }
+    assert.fail(`${id} is not reached`);
+  };
+  await reach("play-1");
+  await page.keyboard.press("Space");
+  assert.equal(await page.locator("#play-1").innerText(), "Pause");
+  await page.keyboard.press("Space");
+  await reach("time-1");
+  await page.keyboard.press("End");
+  assert.equal(await page.locator("#shown-1").innerText(), "200.0 s");
+  assert.equal(await page.locator("#time-1").getAttribute("aria-valuetext"), "200.0 s");
+  await page.keyboard.press("ArrowLeft");
+  assert.notEqual(await page.locator("#shown-1").innerText(), "200.0 s");
+  await reach("coupler-1");
+  await page.keyboard.press("ArrowDown");
+  assert.match(await page.locator("#said-1").innerText(), /^Coupler 2, /);
+  assert.equal(await page.evaluate(() => document.getElementById("history-1").data.some((t) => t.name === "coupler 2")), true);
+  await close(page);
+});
+
+for (const colorScheme of ["light", "dark"]) {
+  for (const width of [1200, 360]) {
+    test(`nothing bars a reader, ${colorScheme}, ${width} pixels wide`, async () => {
+      for (const train of ["paper-figure-4", "hauled-train-on-a-grade"]) {
+        const page = await open(report(join(root, `trains/${train}.toml`)), { colorScheme, viewport: { width, height: 800 } });
+        await page.evaluate(axe);
+        const { violations } = await page.evaluate(() => axe.run());
+        const told = violations.map((v) => `${v.id}: ${v.nodes.map((n) => n.html.slice(0, 120)).join(" | ")}`);
+        assert.deepEqual(told, [], train);
+        assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), "the page is no wider than the screen");
+        await close(page);
+      }
+    });
+  }
+}
+
+test("on paper the static figures stand in, whole", async () => {
+  const page = await open(paper(), { colorScheme: "dark", viewport: { width: 680, height: 1000 } });
+  const pdf = (await page.pdf({ format: "A4", preferCSSPageSize: true })).toString("latin1");
+  const pages = pdf.match(/\/Type\s*\/Page\b(?!s)/g).length;
+  assert.ok(pages >= 3 && pages <= 9, `${pages} pages`);
+  await page.emulateMedia({ media: "print", colorScheme: "light" });
+  assert.equal(await page.locator(".live:visible").count(), 0);
+  assert.equal(await page.locator("figure > svg:visible").count(), 3);
+  // Within 180 mm, which is what A4 leaves: no table scrolls, no figure is cut.
+  const cut = await page.evaluate(() => [...document.querySelectorAll("main *")].filter((e) => e.getBoundingClientRect().right > innerWidth + 1 && !e.closest("svg")).map((e) => e.outerHTML.slice(0, 80)));
+  assert.deepEqual(cut, []);
+  assert.equal(await page.evaluate(() => getComputedStyle(document.body).backgroundColor), "rgb(255, 255, 255)");
+  await close(page);
+});
+
+test("names run nothing, whatever they hold", async () => {
+  const out = report(join(import.meta.dirname, "hostile.toml"));
+  const page = await open(out);
+  assert.equal(await page.evaluate(() => window.hacked), undefined);
+  assert.equal(await page.locator("main img, main iframe, main script, main a[href^=http]").count(), 0);
+  assert.match(await page.locator("h1").innerText(), /<script>window\.hacked = 1<\/script>/);
+  await page.mouse.move(...await point(page, "along-1", 2, 0.5));
+  const text = await hover(page, "along-1");
+  assert.match(text, /<b>bold<\/b>/);
+  assert.equal(await page.locator("#along-1 .hoverlayer a").count(), 0);
+  // Nothing that a page could be made to run by hand either: the policy knows two scripts.
+  await page.evaluate(() => { const s = document.createElement("script"); s.textContent = "window.hacked = 2"; document.body.append(s); });
+  assert.equal(await page.evaluate(() => window.hacked), undefined);
+  page.troubles = page.troubles.filter((t) => !t.includes("Content Security Policy"));
+  await close(page);
+});
+
+test("a report is of a size that can be sent", () => {
+  assert.ok(statSync(join(paper(), "report.html")).size < 2.5e6);
+});

@@ -72,7 +72,7 @@ fn the_largest_utilisation_is_there() {
 #[test]
 fn a_long_train_has_fewer_rows_and_the_same_peak() {
     let mut train = train("paper-figure-4");
-    let (vehicle, coupler) = (train.vehicles[1].clone(), train.couplers[0].clone());
+    let (vehicle, coupler) = (train.vehicles[1].clone(), train.couplers[0]);
     train.vehicles = vec![vehicle; 5001];
     train.couplers = vec![coupler; 5000];
     train.initial_force_n = vec![1.0; 5000];

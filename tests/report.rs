@@ -342,9 +342,11 @@ fn figures_are_the_same_bytes_every_time() {
         names,
         [
             "figure-1-envelope.svg",
+            "figure-1-wave.svg",
             "figure-1-force.svg",
             "figure-2-breaks.svg",
             "figure-2-envelope.svg",
+            "figure-2-wave.svg",
             "figure-2-force.svg"
         ]
     );

@@ -172,10 +172,16 @@ impl Page<'_> {
 
     /// A table with a caption, in a frame that scrolls where it is wider than the page.
     fn table(&mut self, block: Events, alignments: &[Alignment], lead: Option<String>) {
-        let caption = lead.unwrap_or_else(|| self.heading.clone());
-        let caption = text(caption.trim_end_matches(':'));
-        // Apart from the same table of another scenario.
-        let label = format!("{}: {caption}", text(&self.heading));
+        let heading = text(&self.heading);
+        // The label is apart from that of the same table of another scenario.
+        let (caption, label) = match lead {
+            Some(lead) => {
+                let caption = text(lead.trim_end_matches(':'));
+                let label = format!("{heading}: {caption}");
+                (caption, label)
+            }
+            None => (heading.clone(), heading),
+        };
         self.out += &format!(
             "<div class=\"table\" role=\"region\" aria-label=\"{label}\" tabindex=\"0\">\n<table>\n<caption>{caption}</caption>\n"
         );

@@ -43,7 +43,7 @@ fn palette() -> Vec<u8> {
 /// outline lies just outside of what is over its rating.
 pub fn png_base64(field: &Field, most: f64) -> String {
     let rows = field.rows();
-    let mut size = (field.times_s.len().max(WIDE / 2).min(WIDE), TALL.min(rows * (TALL / rows).clamp(1, 24)));
+    let mut size = (field.times_s.len().clamp(WIDE / 2, WIDE), TALL.min(rows * (TALL / rows).clamp(1, 24)));
     loop {
         let image = encode(&pixels(field, most, size), size);
         if image.len() <= LARGEST || size.0 < 100 {
@@ -56,14 +56,10 @@ pub fn png_base64(field: &Field, most: f64) -> String {
 /// Indices into the palette, by rows from the head.
 fn pixels(field: &Field, most: f64, (width, height): (usize, usize)) -> Vec<u8> {
     let (rows, columns) = (field.rows(), field.times_s.len());
-    // The cells that a pixel covers; at least one.
+    // The cells that a pixel covers; at least one, and no more where there are fewer of them than pixels.
     let cells = |pixel: usize, pixels: usize, cells: usize| {
         let from = pixel * cells / pixels;
-        from..((pixel + 1) * cells).div_ceil(pixels).clamp(from + 1, cells).min(if cells <= pixels {
-            from + 1
-        } else {
-            cells
-        })
+        from..if cells <= pixels { from + 1 } else { ((pixel + 1) * cells).div_ceil(pixels) }
     };
     let mut share = vec![f32::NAN; width * height];
     for y in 0..height {

@@ -131,6 +131,9 @@ pub struct Fleet {
     #[arg(long, value_name = "LIST", default_value = "csv,md", value_delimiter = ',',
           value_parser = Format::ALL.map(Format::name), conflicts_with = "json")]
     pub format: Vec<String>,
+    /// Write the full reports of the N worst trains as well, in trains/ in the folder; fleet.html leads to them
+    #[arg(long, value_name = "N", default_value_t = 0, conflicts_with_all = ["json", "shard", "merge"])]
+    pub reports: usize,
     /// Go on with the run in the folder: compute what is missing and nothing else
     #[arg(long, conflicts_with = "merge")]
     pub resume: bool,

@@ -14,6 +14,7 @@ pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
         shard: args.shard,
         resume: args.resume,
         formats: args.format.iter().filter_map(|name| Format::from_name(name)).collect(),
+        reports: args.reports,
         memo_bytes: None,
     };
     if args.dry_run {
@@ -44,6 +45,7 @@ pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
     if !args.json {
         print(&summary(&outcome, &dir, outcome.verdict.is_empty()))?;
     }
+    outcome.warnings.iter().for_each(|warning| say(&format!("warning: {warning}")));
     if outcome.scenes.0 > 0 {
         say(&format!(
             "{} of trains solved, {} more {} the same as one of them",

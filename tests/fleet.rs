@@ -274,8 +274,15 @@ fn what_is_remembered_changes_no_byte() {
     write_fleet(&folder.path().join("trains"), 12, 7);
     let run = |name: &str, memo_bytes: Option<usize>| {
         let paths = vec![folder.path().join("trains")];
-        let request =
-            Request { paths, options: Options::default(), shard: None, resume: false, formats: vec![], memo_bytes };
+        let request = Request {
+            paths,
+            options: Options::default(),
+            shard: None,
+            resume: false,
+            formats: vec![],
+            reports: 0,
+            memo_bytes,
+        };
         let out = folder.path().join(name);
         let outcome = trainsafe::fleet::run(&request, &out).expect("a run");
         (outcome.scenes, results(&out))

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::parts::Run;
 use super::statistics::{clopper_pearson, rank_correlation};
-use super::summary::{Places, Summary, TrainSummary};
+use super::summary::{Case, Places, Summary, TrainSummary};
 use crate::report::figures;
 use crate::report::markdown::render;
 use crate::report::numbers::{digits, down, percent, without_zeros};
@@ -40,6 +40,12 @@ pub fn figure(summary: &Summary, name: &str) -> Option<String> {
     some.then(|| figures::safe_load(&summary.safe, units(summary), name))
 }
 
+/// What the figure shows.
+pub fn caption(summary: &Summary) -> String {
+    let what = units(summary);
+    format!("Share of {what} whose smallest safe load factor is below x. Left of 1 a coupler is overloaded.")
+}
+
 /// The report; `figure` is the file that the figure is in.
 ///
 /// # Errors
@@ -52,10 +58,7 @@ pub fn markdown(run: &Run, summary: &Summary, figure: Option<&'static str>) -> R
         title: format!("Fleet of {}", count(run.trains, "train")),
         verdict: verdict(run, summary),
         figure,
-        caption: format!(
-            "Share of {} whose smallest safe load factor is below x. Left of 1 a coupler is overloaded.",
-            units(summary)
-        ),
+        caption: caption(summary),
         tables: tables.into_iter().flatten().collect(),
     };
     Ok(render(TEMPLATE, report)?.trim_end().to_owned() + "\n")
@@ -148,12 +151,8 @@ fn correlations(run: &Run, summary: &Summary) -> Option<Table> {
 fn worst(summary: &Summary) -> Option<Table> {
     let trains = summary.unsafe_trains();
     let row = |t: &&TrainSummary| {
-        let w = &t.worst;
-        let variation = if w.variation.is_empty() { String::new() } else { format!(", variation {}", w.variation) };
-        let case = match w.broken.as_str() {
-            "" => format!("{}{variation}", w.scenario),
-            broken => format!("coupler {broken} breaks{variation}"),
-        };
+        let w = &t.worst[0];
+        let case = case_words(w);
         let safe = if t.safe.is_finite() { down(t.safe) } else { String::new() };
         let harmful = format!("{} of {}", t.cases[1], t.cases[0]);
         vec![t.name.clone(), t.file.clone(), percent(w.utilisation), w.coupler.clone(), case, safe, harmful]
@@ -173,41 +172,55 @@ fn worst(summary: &Summary) -> Option<Table> {
     (!rows.is_empty()).then_some(Table { title: "Unsafe trains, worst first", text, head, rows })
 }
 
+/// "coupler 12 breaks, variation 7".
+pub fn case_words(case: &Case) -> String {
+    let event = match case.broken.as_str() {
+        "" => case.scenario.clone(),
+        broken => format!("coupler {broken} breaks"),
+    };
+    if case.variation.is_empty() { event } else { format!("{event}, variation {}", case.variation) }
+}
+
 fn breaks(summary: &Summary) -> Option<Table> {
     let share = |[all, harmful]: [usize; 2]| match all {
         0 => String::new(),
         _ => without_zeros(&digits(100.0 * harmful as f64 / all as f64, 0.0, 3)),
     };
     let row = |place: String, c: [usize; 2]| vec![place, c[1].to_string(), c[0].to_string(), share(c)];
-    let (place, text, places) = places(summary, &summary.breaks);
-    let rows: Vec<_> = places.into_iter().map(|(place, counts)| row(place, counts)).collect();
-    let head = vec![place, "breaks that overload another", "breaks examined", "share, %"];
+    let mut text = Vec::new();
+    let rows: Vec<_> =
+        places(summary, &summary.breaks, &mut text).into_iter().map(|(place, counts)| row(place, counts)).collect();
+    let head = vec![place_head(summary), "breaks that overload another", "breaks examined", "share, %"];
     (!rows.is_empty()).then_some(Table { title: "Where a break overloads another coupler", text, head, rows })
 }
 
 fn overloaded(summary: &Summary) -> Option<Table> {
-    let (place, text, places) = places(summary, &summary.overloaded);
-    let rows: Vec<_> = places.into_iter().map(|(place, [cases, _])| vec![place, cases.to_string()]).collect();
-    let head = vec![place, "cases in which the worst coupler is there"];
+    let mut text = Vec::new();
+    let rows: Vec<_> = places(summary, &summary.overloaded, &mut text)
+        .into_iter()
+        .map(|(place, [cases, _])| vec![place, cases.to_string()])
+        .collect();
+    let head = vec![place_head(summary), "cases in which the worst coupler is there"];
     (!rows.is_empty()).then_some(Table { title: "Where couplers are overloaded most", text, head, rows })
+}
+
+fn place_head(summary: &Summary) -> &'static str {
+    if summary.trains.len() > 1 { "place along the train" } else { "coupler" }
 }
 
 /// Counts by coupler of the one train, most harmful first; or by tenths of different trains, whose numbers of couplers tell
 /// nothing side by side. None where nothing exceeds.
-fn places(summary: &Summary, counts: &Places) -> (&'static str, Vec<String>, Vec<(String, [usize; 2])>) {
-    let mut text = Vec::new();
+fn places(summary: &Summary, counts: &Places, text: &mut Vec<String>) -> Vec<(String, [usize; 2])> {
     if summary.trains.len() > 1 {
         text.push("Of each train's couplers, from the head.".to_owned());
         let some = counts.tenths.iter().any(|[_, harmful]| *harmful > 0);
         let tenth = |i: usize| format!("{} to {} %", 10 * i, 10 * (i + 1));
-        let rows = counts.tenths.iter().enumerate().filter(|_| some).map(|(i, c)| (tenth(i), *c)).collect();
-        return ("place along the train", text, rows);
+        return counts.tenths.iter().enumerate().filter(|_| some).map(|(i, c)| (tenth(i), *c)).collect();
     }
     let mut found: Vec<_> = counts.couplers.iter().filter(|(_, [_, harmful])| *harmful > 0).collect();
     found.sort_by_key(|(_, [_, harmful])| std::cmp::Reverse(*harmful));
-    more(&mut text, found.len(), COUPLERS, "couplers");
-    let rows = found.into_iter().take(COUPLERS).map(|(coupler, c)| (coupler.to_string(), *c)).collect();
-    ("coupler", text, rows)
+    more(text, found.len(), COUPLERS, "couplers");
+    found.into_iter().take(COUPLERS).map(|(coupler, c)| (coupler.to_string(), *c)).collect()
 }
 
 fn errors(summary: &Summary) -> Option<Table> {

@@ -1,7 +1,7 @@
 //! Many trains and what-ifs: every case of every variation of every train, one row each.
 //!
 //! ```text
-//! inputs (+ study) -> plan: numbered chunks of cases -> part files -> fleet.csv, errors.csv -> fleet.md, fleet.parquet
+//! inputs (+ study) -> plan: numbered chunks of cases -> part files -> fleet.csv, errors.csv -> fleet.md, fleet.html, ...
 //! ```
 //!
 //! The chunks depend on the inputs alone, never on threads, shards or attempts. A chunk's rows appear in a part file whole
@@ -15,11 +15,13 @@ mod join;
 mod key;
 mod lock;
 mod outputs;
+mod page;
 #[cfg(feature = "parquet")]
 mod parquet_file;
 mod parts;
 mod plan;
 mod progress;
+mod reports;
 mod rows;
 pub mod spread;
 mod statistics;
@@ -44,6 +46,7 @@ use inputs::Inputs;
 use parts::Run;
 use plan::Plan;
 use progress::Progress;
+use reports::Reports;
 use summary::Summary;
 
 /// What a run may remember of scenes that it has solved, bytes.
@@ -82,6 +85,8 @@ pub struct Request {
     pub resume: bool,
     /// Files to write, besides `fleet.csv` and `errors.csv`.
     pub formats: Vec<Format>,
+    /// Trains, the worst, whose full reports are written as well.
+    pub reports: usize,
     /// Bytes of memory for scenes that have been solved; `None`: 160 MiB. Results do not depend on it.
     pub memo_bytes: Option<usize>,
 }
@@ -99,6 +104,8 @@ pub struct Outcome {
     pub failed: usize,
     /// Cases with an exceedance, or not decided.
     pub exceeding: usize,
+    /// What else there is to say, as sentences.
+    pub warnings: Vec<String>,
     /// Scenes found already solved, and scenes solved.
     pub scenes: (u64, u64),
 }
@@ -135,7 +142,11 @@ pub fn run(request: &Request, dir: &Path) -> Result<Outcome, FleetError> {
             return Ok(Outcome { failed, computed: 1, scenes: memo.counts(), ..Outcome::default() });
         }
     }
-    let outcome = finish(dir, &description, &request.formats)?;
+    let reports = |summary: &Summary| match request.reports {
+        0 => Ok(Reports::default()),
+        most => reports::write(dir, &inputs, &request.options, summary, most),
+    };
+    let outcome = finish(dir, &description, &request.formats, &reports)?;
     Ok(Outcome { scenes: memo.counts(), ..outcome })
 }
 
@@ -149,7 +160,7 @@ pub fn merge(dir: &Path, formats: &[Format]) -> Result<Outcome, FleetError> {
     parts::read(dir)?.ok_or_else(none)?;
     let _lock = lock::hold(dir, false)?;
     let run = parts::read(dir)?.ok_or_else(none)?;
-    finish(dir, &run, formats)
+    finish(dir, &run, formats, &|_| Ok(Reports::default()))
 }
 
 /// Whether a folder holds a run, finished or not.
@@ -280,16 +291,22 @@ fn work(plan: &Plan, chunk: usize, progress: &Progress) -> Result<rows::Chunk, F
 }
 
 /// Joins the parts, unless that has been done, and makes of them what is asked for.
-fn finish(dir: &Path, run: &Run, formats: &[Format]) -> Result<Outcome, FleetError> {
+fn finish(
+    dir: &Path,
+    run: &Run,
+    formats: &[Format],
+    reports: &dyn Fn(&Summary) -> Result<Reports, FleetError>,
+) -> Result<Outcome, FleetError> {
     let known = parts::read(dir)?.is_some_and(|found| found.complete);
     let summary = if known { join::summarise(dir, run)? } else { join::join(dir, run)? };
-    let report = outputs::write(dir, run, &summary, formats)?;
+    let reports = reports(&summary)?;
+    let report = outputs::write(dir, run, &summary, formats, &reports.links)?;
     if !known {
         outputs::remove_others(dir, formats);
         parts::describe(dir, &Run { complete: true, ..run.clone() })?;
     }
     parts::remove(dir);
-    Ok(outcome(run, &summary, report))
+    Ok(Outcome { warnings: reports.missing, ..outcome(run, &summary, report) })
 }
 
 fn outcome(run: &Run, summary: &Summary, report: Option<PathBuf>) -> Outcome {
@@ -300,6 +317,7 @@ fn outcome(run: &Run, summary: &Summary, report: Option<PathBuf>) -> Outcome {
         computed: summary.trains.len(),
         failed: summary.failed,
         exceeding: summary.harmful + open,
+        warnings: vec![],
         scenes: (0, 0),
     }
 }

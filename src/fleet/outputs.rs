@@ -1,16 +1,18 @@
 //! What is made of the rows of a complete run: the files that were asked for, in constant memory but for the summary.
 
+use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::parts::Run;
 use super::summary::Summary;
-use super::{FleetError, fleet_md};
+use super::{FleetError, fleet_md, page};
 use crate::report::files::{self, WriteError};
 
 const MARKDOWN: &str = "fleet.md";
 const FIGURE: &str = "figure-safe-load.svg";
 const PARQUET: &str = "fleet.parquet";
+const HTML: &str = "fleet.html";
 
 /// A kind of file that a run can write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,11 +23,13 @@ pub enum Format {
     Md,
     /// `fleet.parquet`, with the columns of `fleet.csv`.
     Parquet,
+    /// `fleet.html`, one page that needs nothing else.
+    Html,
 }
 
 impl Format {
     /// All of them.
-    pub const ALL: [Format; 3] = [Format::Csv, Format::Md, Format::Parquet];
+    pub const ALL: [Format; 4] = [Format::Csv, Format::Md, Format::Parquet, Format::Html];
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
@@ -33,6 +37,7 @@ impl Format {
             Format::Csv => "csv",
             Format::Md => "md",
             Format::Parquet => "parquet",
+            Format::Html => "html",
         }
     }
 
@@ -47,6 +52,7 @@ impl Format {
             Format::Csv => &[],
             Format::Md => &[MARKDOWN, FIGURE],
             Format::Parquet => &[PARQUET],
+            Format::Html => &[HTML],
         }
     }
 }
@@ -64,18 +70,49 @@ pub fn can_write(formats: &[Format]) -> Result<(), FleetError> {
 }
 
 /// Writes the files that were asked for beside the tables of a complete run; the report among them, if there is one.
+/// `links` are those to reports of single trains, by the trains' files.
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write(dir: &Path, run: &Run, summary: &Summary, formats: &[Format]) -> Result<Option<PathBuf>, FleetError> {
+pub fn write(
+    dir: &Path,
+    run: &Run,
+    summary: &Summary,
+    formats: &[Format],
+    links: &HashMap<String, String>,
+) -> Result<Option<PathBuf>, FleetError> {
     #[cfg(feature = "parquet")]
     if formats.contains(&Format::Parquet) {
         super::parquet_file::write(&dir.join(super::join::ROWS), run, summary, &dir.join(PARQUET))?;
     }
+    let figure = fleet_md::figure(summary, FIGURE.trim_end_matches(".svg"));
+    let mut report = None;
     if formats.contains(&Format::Md) {
-        return Ok(Some(markdown(dir, run, summary)?));
+        let text = fleet_md::markdown(run, summary, figure.as_ref().map(|_| FIGURE));
+        let figure = figure.iter().map(|svg| (FIGURE, svg.clone()));
+        report = Some(put(dir, figure.map(Ok).chain([text.map(|text| (MARKDOWN, text))]))?);
     }
-    Ok(None)
+    if formats.contains(&Format::Html) {
+        let text = page::page(run, summary, figure.as_deref(), links);
+        report = Some(put(dir, [text.map(|text| (HTML, text))].into_iter())?);
+    }
+    Ok(report)
+}
+
+/// Writes files; the path of the last.
+fn put(
+    dir: &Path,
+    files: impl Iterator<Item = Result<(&'static str, String), minijinja::Error>>,
+) -> Result<PathBuf, FleetError> {
+    let mut last = dir.to_owned();
+    let mut all = Vec::new();
+    for file in files {
+        let (name, text) = file.map_err(|e| WriteError::new(dir, std::io::Error::other(e)))?;
+        last = dir.join(name);
+        all.push((name.to_owned(), text.into_bytes()));
+    }
+    files::write_into(dir, &all)?;
+    Ok(last)
 }
 
 /// Removes files of an earlier run that this one does not write anew.
@@ -86,15 +123,4 @@ pub fn remove_others(dir: &Path, formats: &[Format]) {
             let _ = fs::remove_file(dir.join(name));
         }
     }
-}
-
-fn markdown(dir: &Path, run: &Run, summary: &Summary) -> Result<PathBuf, FleetError> {
-    let path = dir.join(MARKDOWN);
-    let figure = fleet_md::figure(summary, FIGURE.trim_end_matches(".svg"));
-    let text = fleet_md::markdown(run, summary, figure.as_ref().map(|_| FIGURE));
-    let text = text.map_err(|e| WriteError::new(&path, std::io::Error::other(e)))?;
-    let figure = figure.map(|svg| (FIGURE.to_owned(), svg.into_bytes()));
-    let report = [(MARKDOWN.to_owned(), text.into_bytes())];
-    files::write_all(dir, &figure.into_iter().chain(report).collect::<Vec<_>>())?;
-    Ok(path)
 }

@@ -96,6 +96,11 @@ impl Chunk {
     }
 }
 
+/// A train file as the rows name it.
+pub fn file_cell(file: &std::path::Path) -> String {
+    text(&file.display().to_string())
+}
+
 fn back(scenario: &Scenario, case: &CaseFindings) -> [String; BACK.len()] {
     let worst = case.worst.as_ref();
     let value = |of: fn(&crate::findings::CouplerFindings) -> f64| optional(worst.map(of));

@@ -7,6 +7,9 @@ use super::rows::{BACK, FRONT};
 /// Examples of errors that a report shows.
 const SHOWN: usize = 20;
 
+/// Worst cases of each train that are kept.
+pub const KEPT: usize = 5;
+
 /// Sums over all rows.
 #[derive(Clone, Debug, Default)]
 pub struct Summary {
@@ -66,15 +69,17 @@ pub struct TrainSummary {
     pub undecided_variations: usize,
     /// Cases, and those with an exceedance.
     pub cases: [usize; 2],
-    /// The case with the largest utilisation.
-    pub worst: Worst,
+    /// Vehicles.
+    pub vehicles: String,
+    /// The cases with the largest utilisation, the worst first; one at least.
+    pub worst: Vec<Case>,
     /// Smallest safe load factor; infinite where nothing bounds it.
     pub safe: f64,
 }
 
-/// The worst case of a train.
+/// A case, as its row tells it.
 #[derive(Clone, Debug, Default)]
-pub struct Worst {
+pub struct Case {
     /// Its largest utilisation.
     pub utilisation: f64,
     /// The variation, empty where there is none.
@@ -85,6 +90,23 @@ pub struct Worst {
     pub broken: String,
     /// The coupler with that utilisation.
     pub coupler: String,
+    /// Its force, N.
+    pub force_n: f64,
+    /// When, s after the event.
+    pub time_s: f64,
+    /// Couplers that exceed.
+    pub exceeding: String,
+    /// The safe load factor; infinite where nothing bounds it.
+    pub safe: f64,
+}
+
+/// Keeps a case if it is among the worst; of equal ones, the first.
+fn keep(worst: &mut Vec<Case>, case: Case) {
+    let at = worst.partition_point(|other| other.utilisation >= case.utilisation);
+    if at < KEPT {
+        worst.insert(at, case);
+        worst.truncate(KEPT);
+    }
 }
 
 /// A variation of a train whose rows are passing by.
@@ -96,7 +118,8 @@ struct Unit {
     inputs: Vec<f64>,
     cases: [usize; 2],
     undecided: bool,
-    worst: Worst,
+    vehicles: String,
+    worst: Vec<Case>,
     safe: f64,
 }
 
@@ -141,12 +164,16 @@ impl Summary {
         let utilisation: f64 = back("utilisation").parse().unwrap_or(0.0);
         let safe = back("safe_load_factor").parse().unwrap_or(f64::INFINITY);
         let (broken, worst) = (back("broken_coupler").to_owned(), back("worst_coupler").to_owned());
-        let case = Worst {
+        let case = Case {
             utilisation,
             variation: cell(3).to_owned(),
             scenario: back("scenario").to_owned(),
             broken,
             coupler: worst,
+            force_n: back("peak_force_n").parse().unwrap_or(0.0),
+            time_s: back("peak_time_s").parse().unwrap_or(0.0),
+            exceeding: back("exceeding").to_owned(),
+            safe,
         };
         self.cases += 1;
         self.harmful += usize::from(exceeds);
@@ -160,15 +187,16 @@ impl Summary {
         if is_new {
             self.close();
             let inputs = (0..self.inputs).map(|i| cell(FRONT.len() + i).parse().unwrap_or(f64::NAN)).collect();
-            self.unit = Some(Unit::new(cell(0), cell(1), cell(3), inputs));
+            let [file, name, vehicles, variation] = [0, 1, 2, 3].map(|i| cell(i).to_owned());
+            let (cases, worst) = ([0, 0], Vec::new());
+            let safe = f64::INFINITY;
+            self.unit = Some(Unit { file, name, vehicles, variation, inputs, cases, undecided: false, worst, safe });
         }
         if let Some(unit) = &mut self.unit {
             unit.cases = [unit.cases[0] + 1, unit.cases[1] + usize::from(exceeds)];
             unit.undecided |= undecided;
             unit.safe = unit.safe.min(safe);
-            if unit.cases[0] == 1 || case.utilisation > unit.worst.utilisation {
-                unit.worst = case;
-            }
+            keep(&mut unit.worst, case);
         }
     }
 
@@ -176,7 +204,7 @@ impl Summary {
     pub fn close(&mut self) {
         let Some(unit) = self.unit.take() else { return };
         self.safe.push(unit.safe);
-        for (column, value) in self.columns.iter_mut().zip(unit.inputs.iter().chain([&unit.worst.utilisation])) {
+        for (column, value) in self.columns.iter_mut().zip(unit.inputs.iter().chain([&unit.worst[0].utilisation])) {
             column.push(*value);
         }
         match self.trains.last_mut().filter(|train| train.file == unit.file) {
@@ -185,31 +213,21 @@ impl Summary {
         }
     }
 
+    /// All trains, worst first.
+    pub fn worst_first(&self) -> Vec<&TrainSummary> {
+        let mut found: Vec<&TrainSummary> = self.trains.iter().collect();
+        found.sort_by(|a, b| b.worst[0].utilisation.total_cmp(&a.worst[0].utilisation));
+        found
+    }
+
     /// Trains with an exceedance, worst first.
     pub fn unsafe_trains(&self) -> Vec<&TrainSummary> {
-        let mut found: Vec<&TrainSummary> = self.trains.iter().filter(|t| t.unsafe_variations > 0).collect();
-        found.sort_by(|a, b| b.worst.utilisation.total_cmp(&a.worst.utilisation));
-        found
+        self.worst_first().into_iter().filter(|t| t.unsafe_variations > 0).collect()
     }
 
     /// Trains without an exceedance, but with a case that is not decided.
     pub fn undecided_trains(&self) -> usize {
         self.trains.iter().filter(|t| t.unsafe_variations == 0 && t.undecided_variations > 0).count()
-    }
-}
-
-impl Unit {
-    fn new(file: &str, name: &str, variation: &str, inputs: Vec<f64>) -> Unit {
-        Unit {
-            file: file.to_owned(),
-            name: name.to_owned(),
-            variation: variation.to_owned(),
-            inputs,
-            cases: [0, 0],
-            undecided: false,
-            worst: Worst::default(),
-            safe: f64::INFINITY,
-        }
     }
 }
 
@@ -222,6 +240,7 @@ impl TrainSummary {
             undecided_variations: usize::from(!exceeds && unit.undecided),
             file: unit.file,
             name: unit.name,
+            vehicles: unit.vehicles,
             cases: unit.cases,
             worst: unit.worst,
             safe: unit.safe,
@@ -235,9 +254,7 @@ impl TrainSummary {
         self.undecided_variations += other.undecided_variations;
         self.cases = [self.cases[0] + other.cases[0], self.cases[1] + other.cases[1]];
         self.safe = self.safe.min(other.safe);
-        if other.worst.utilisation > self.worst.utilisation {
-            self.worst = other.worst;
-        }
+        other.worst.into_iter().for_each(|case| keep(&mut self.worst, case));
     }
 }
 

@@ -1,0 +1,223 @@
+//! `fleet.html`: the trains as a table to sort and search, and the worst cases of each, in one file that needs nothing else.
+//!
+//! Of a large fleet it has as much as a browser can carry, and says so.
+
+use std::collections::HashMap;
+
+use minijinja::syntax::SyntaxConfig;
+use minijinja::{AutoEscape, Environment, Error, value::Serde};
+use serde::Serialize;
+
+use super::fleet_md;
+use super::parts::Run;
+use super::summary::{Case, KEPT, Summary, TrainSummary};
+use crate::report::numbers::{digits, down, percent};
+use crate::report::words::count;
+
+/// Trains in the table, and trains with their worst cases, at most.
+const LISTED: usize = 10_000;
+const DETAILED: usize = 1000;
+/// Bytes of each of the two at most.
+const MOST_BYTES: usize = 10 << 20;
+/// Characters of a name at most.
+const LONGEST: usize = 200;
+
+const TEMPLATES: [(&str, &str); 5] = [
+    ("head", include_str!("page/head.jinja")),
+    ("row", include_str!("page/row.jinja")),
+    ("middle", include_str!("page/middle.jinja")),
+    ("train", include_str!("page/train.jinja")),
+    ("foot", include_str!("page/foot.jinja")),
+];
+
+#[derive(Serialize)]
+struct Page {
+    title: String,
+    state: &'static str,
+    verdict: Vec<String>,
+    figure: Option<String>,
+    caption: String,
+    notes: Vec<String>,
+    kept: usize,
+    detailed: usize,
+    errors: Vec<Vec<String>>,
+    style: &'static str,
+    script: &'static str,
+}
+
+#[derive(Serialize)]
+struct Train<'a> {
+    number: usize,
+    state: &'static str,
+    detailed: bool,
+    name: String,
+    file: String,
+    report: Option<&'a String>,
+    vehicles: &'a str,
+    cases: usize,
+    exceed: usize,
+    safe: Shown,
+    worst: Vec<Row<'a>>,
+}
+
+#[derive(Serialize)]
+struct Row<'a> {
+    case: String,
+    broken: &'a str,
+    coupler: &'a str,
+    utilisation: Shown,
+    force: String,
+    time: String,
+    seconds: f64,
+    exceeding: &'a str,
+    safe: Shown,
+}
+
+/// A number as it is read and as it sorts.
+#[derive(Serialize)]
+struct Shown {
+    text: String,
+    number: String,
+}
+
+/// The page; `reports` has the links to the reports of some trains, by their files.
+///
+/// # Errors
+/// None are known: templates and facts are this crate's own.
+pub fn page(
+    run: &Run,
+    summary: &Summary,
+    figure: Option<&str>,
+    reports: &HashMap<String, String>,
+) -> Result<String, Error> {
+    let pages = templates()?;
+    let trains = summary.worst_first();
+    let written = |template: &str, most: usize, detailed: usize| {
+        let (mut text, mut count) = (String::new(), 0);
+        for (number, train) in trains.iter().take(most).enumerate() {
+            let facts = Train::new(number, train, number < detailed, reports);
+            let one = pages.get_template(template)?.render(Serde(facts))?;
+            if text.len() + one.len() > MOST_BYTES {
+                break;
+            }
+            text += &one;
+            count += 1;
+        }
+        Ok::<_, Error>((text, count))
+    };
+    let (details, detailed) = written("train", DETAILED, DETAILED)?;
+    let (rows, listed) = written("row", LISTED, detailed)?;
+    let page = Page::new(run, summary, figure, listed, detailed);
+    let part = |name: &str| pages.get_template(name)?.render(Serde(&page));
+    Ok([part("head")?, rows, part("middle")?, details, part("foot")?].concat())
+}
+
+fn templates() -> Result<Environment<'static>, Error> {
+    let mut pages = Environment::new();
+    pages
+        .set_syntax(SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).keep_trailing_newline(true).build()?);
+    pages.set_auto_escape_callback(|_| AutoEscape::Html);
+    for (name, text) in TEMPLATES {
+        pages.add_template(name, text)?;
+    }
+    Ok(pages)
+}
+
+impl Page {
+    fn new(run: &Run, summary: &Summary, figure: Option<&str>, listed: usize, detailed: usize) -> Page {
+        let all = summary.trains.len();
+        let mut notes = vec![];
+        if listed < all {
+            notes.push(format!("The {listed} worst of {all} trains; fleet.csv has all."));
+        }
+        if detailed < listed {
+            notes
+                .push(format!("The {detailed} worst trains have their worst cases below; fleet.csv has those of all."));
+        }
+        let state = match (summary.harmful, summary.undecided_trains()) {
+            (1.., _) => "over",
+            (0, 1..) => "open",
+            (0, 0) => "",
+        };
+        // The figure's own size gives it the shape in which it is scaled.
+        let view = |svg: &str| {
+            svg.trim().replacen(
+                "<svg ",
+                "<svg role=\"img\" aria-label=\"Distribution of safe load factors\" viewBox=\"0 0 860 480\" ",
+                1,
+            )
+        };
+        Page {
+            title: format!("Fleet of {}", count(run.trains, "train")),
+            state,
+            verdict: fleet_md::verdict(run, summary),
+            figure: figure.map(view),
+            caption: fleet_md::caption(summary),
+            notes,
+            kept: KEPT,
+            detailed,
+            errors: summary.errors.iter().map(|e| e.iter().map(|cell| clean(cell)).collect()).collect(),
+            style: include_str!("page/style.css"),
+            script: include_str!("page/sort.js"),
+        }
+    }
+}
+
+impl<'a> Train<'a> {
+    fn new(number: usize, train: &'a TrainSummary, detailed: bool, reports: &'a HashMap<String, String>) -> Train<'a> {
+        let state = match (train.unsafe_variations, train.undecided_variations) {
+            (1.., _) => "over",
+            (0, 1..) => "open",
+            (0, 0) => "",
+        };
+        Train {
+            number: number + 1,
+            state,
+            detailed,
+            name: clean(&train.name),
+            file: clean(&train.file),
+            report: reports.get(&train.file),
+            vehicles: &train.vehicles,
+            cases: train.cases[0],
+            exceed: train.cases[1],
+            safe: Shown::factor(train.safe),
+            worst: train.worst.iter().map(Row::new).collect(),
+        }
+    }
+}
+
+impl<'a> Row<'a> {
+    fn new(case: &'a Case) -> Row<'a> {
+        Row {
+            case: clean(&fleet_md::case_words(case)),
+            broken: &case.broken,
+            coupler: &case.coupler,
+            utilisation: Shown { text: percent(case.utilisation), number: case.utilisation.to_string() },
+            force: digits(case.force_n, 0.0, 4),
+            time: digits(case.time_s, 0.0, 4),
+            seconds: case.time_s,
+            exceeding: &case.exceeding,
+            safe: Shown::factor(case.safe),
+        }
+    }
+}
+
+impl Shown {
+    /// Nothing where none bounds it.
+    fn factor(x: f64) -> Shown {
+        if x.is_finite() {
+            Shown { text: down(x), number: x.to_string() }
+        } else {
+            Shown { text: String::new(), number: String::new() }
+        }
+    }
+}
+
+/// A text of a bounded length without control characters, which HTML does not know.
+fn clean(text: &str) -> String {
+    let mut out: String = text.chars().take(LONGEST).map(|c| if c.is_control() { ' ' } else { c }).collect();
+    if out.len() < text.len() {
+        out.push('…');
+    }
+    out
+}

@@ -58,7 +58,7 @@ impl Chain {
             if count > 0.0 { sum / count } else { 0.0 }
         };
         let terms: Vec<f64> = self.stiffness.iter().enumerate().map(spring).collect();
-        // Equal terms are multiplied, so that trains of equal vehicles have whole transits.
-        terms.chunk_by(|a, b| a == b).map(|run| run.len() as f64 * run[0]).sum()
+        // Equal terms are multiplied, so that trains of equal vehicles have whole transits; no terms at all sum to -0.
+        terms.chunk_by(|a, b| a == b).map(|run| run.len() as f64 * run[0]).sum::<f64>().abs()
     }
 }

@@ -103,16 +103,21 @@ impl Place {
         let line_start = text[..start].rfind('\n').map_or(0, |i| i + 1);
         let line_end = start + text[start..].find('\n').unwrap_or(text.len() - start);
         let line = text[line_start..floor(text, line_end.min(line_start + LINE))].trim_end_matches('\r');
-        let mark = |at: usize| (at - line_start).min(line.len());
+        let mark = |at: usize| shown(&line[..(at - line_start).min(line.len())]).len();
         Place {
             line_number: 1 + text[..line_start].bytes().filter(|&b| b == b'\n').count(),
             column: 1 + text[line_start..start].chars().count(),
             in_view: start <= line_start + line.len(),
-            line: line.to_owned(),
+            line: shown(line),
             marked: mark(start)..mark(end.max(start)),
             label,
         }
     }
+}
+
+/// A line of a file with a sign in place of what a terminal obeys; the renderer does so with the control characters of ASCII.
+fn shown(line: &str) -> String {
+    line.chars().map(|c| if is_obeyed(c) && !c.is_ascii() { '\u{fffd}' } else { c }).collect()
 }
 
 /// The start of the character that byte `at` of the text belongs to.
@@ -126,7 +131,7 @@ impl InputError {
         problems.kept.sort_by_key(|p| p.place.as_ref().map(|span| span.start));
         let shown: Vec<Shown> = problems.kept.iter().take(SHOWN).map(|p| p.shown(text)).collect();
         let more = problems.kept.len() - shown.len() + problems.beyond;
-        InputError { path: printable(&path.to_string_lossy()), shown, more }
+        InputError { path: printable_path(path), shown, more }
     }
 
     /// One problem of a text.
@@ -201,6 +206,11 @@ pub(crate) fn quoted(text: &str) -> String {
     format!("\"{cut}{dots}\"")
 }
 
+/// Whether a character is obeyed rather than shown: controls, and what ends a line or turns the reading order of all that follows.
+pub(crate) fn is_obeyed(c: char) -> bool {
+    c.is_control() || matches!(c, '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
 /// The text with control and invisible characters escaped, which a terminal could obey.
 pub(crate) fn printable(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
@@ -211,4 +221,9 @@ pub(crate) fn printable(text: &str) -> String {
         }
     }
     out
+}
+
+/// The same of a path, as a message shows it.
+pub fn printable_path(path: &Path) -> String {
+    printable(&path.to_string_lossy())
 }

@@ -12,7 +12,7 @@ use std::time::Instant;
 
 pub use cascade::{CascadeBreak, CascadeFindings};
 pub(crate) use estimate::case_estimate_s;
-pub use estimate::estimate_s;
+pub use estimate::{estimate_s, memory_bytes};
 pub use field::{Field, Of, field};
 use general::Solved;
 pub use history::{history, rod_history};
@@ -195,6 +195,18 @@ pub enum AnalyzeError {
     TooLong {
         /// The estimate.
         seconds: f64,
+    },
+    /// The results of all cases together would take too much memory.
+    #[error(
+        "the results would take about {:.1} GB of memory, and at most {} GB are used: name fewer couplers, or run it with \
+         `trainsafe fleet`, which keeps one result of each case",
+        *bytes as f64 / 1e9, most / 1_000_000_000
+    )]
+    TooLarge {
+        /// The estimate.
+        bytes: usize,
+        /// The limit.
+        most: usize,
     },
     /// A case that the chosen method, or any method, cannot do.
     #[error("{scenario}: {source}")]
@@ -416,8 +428,9 @@ fn safe_load_factor(
 ) -> Option<f64> {
     let proportional = matches!(event, Event::Break { .. } | Event::Impact { .. });
     let factor = |rating: f64, initial: f64, peak: f64| {
-        let growth = peak - initial;
-        (growth > 0.0).then(|| ((rating - initial) / growth).max(0.0))
+        let (growth, room) = (peak - initial, rating - initial);
+        // A load that is over a rating by itself leaves no safe factor, not even where the event only relieves it.
+        if room < 0.0 { Some(0.0) } else { (growth > 0.0).then(|| room / growth) }
     };
     let watched = couplers.iter().flat_map(|c| {
         let initial = if proportional { 0.0 } else { c.initial_force_n };
@@ -429,7 +442,9 @@ fn safe_load_factor(
         let coupler = &train.couplers[index];
         let initial = if proportional { 0.0 } else { train.initial_force_n[index].abs() };
         // |F - F(0)| <= bound + |F(0)|
-        factor(coupler.rated_draft_n.min(coupler.rated_buff_n), initial, bound + 2.0 * initial)
+        let grown = factor(coupler.rated_draft_n.min(coupler.rated_buff_n), initial, bound + 2.0 * initial);
+        // Up to 1 the force lies between those of before and with the event, and both are under the rating.
+        grown.map(|f| f.max(1.0))
     });
     watched.chain(bounded).flatten().reduce(f64::min)
 }

@@ -3,6 +3,7 @@
 mod cli;
 mod manual;
 mod run_fleet;
+mod signals;
 
 use std::ffi::OsStr;
 use std::fmt::Display;
@@ -14,6 +15,7 @@ use std::time::{Duration, Instant};
 
 use clap::Parser;
 use trainsafe::accuracy::{self, AccuracyError};
+use trainsafe::error::printable_path;
 use trainsafe::report::Format;
 use trainsafe::scenario::Event;
 use trainsafe::solve::Method;
@@ -23,6 +25,9 @@ use cli::{Cli, Command, ReportFormat};
 
 /// Analyses that are announced before they start take at least this long, s.
 const LONG_S: f64 = 5.0;
+
+/// Memory that is announced beforehand is at least so much, bytes.
+const LARGE: usize = 1 << 30;
 
 /// Exit statuses besides success.
 #[derive(Clone, Copy)]
@@ -66,8 +71,14 @@ fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
         }
     }
     consist::warnings(&train).iter().for_each(|warning| say(&format!("warning: {warning}")));
-    if seconds > LONG_S {
-        say(&format!("this will take about {seconds:.0} s"));
+    let bytes = findings::memory_bytes(&train, &options).unwrap_or_default();
+    let memory = if bytes > LARGE { format!(" and {:.1} GB of memory", bytes as f64 / 1e9) } else { String::new() };
+    if seconds > LONG_S || bytes > LARGE {
+        say(&format!("this will take about {seconds:.0} s{memory}"));
+    }
+    let dir = args.out.clone().unwrap_or_else(|| default_dir(&args.train));
+    if !args.json {
+        prepare_to_write(&dir)?;
     }
     let analysis =
         with_clock(seconds, || findings::analyze(&train, &options)).map_err(|e| complain(&args.train, &e))?;
@@ -75,7 +86,6 @@ fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
         let json = report::json(&analysis).map_err(|e| output_failed(&e))?;
         print(&(json + "\n"))?;
     } else {
-        let dir = args.out.clone().unwrap_or_else(|| default_dir(&args.train));
         let wanted = |f: &Format| {
             args.format.contains(match f {
                 Format::Markdown => &ReportFormat::Md,
@@ -113,14 +123,22 @@ fn accuracy(args: &cli::Accuracy) -> Result<(), Failure> {
         return print(&accuracy::stress::terminal(&accuracy::stress::stress()));
     };
     let train = read(path)?;
+    let dir = args.out.clone().unwrap_or_else(|| Path::new("reports/accuracy").join(stem(path)));
+    prepare_to_write(&dir)?;
     let options = accuracy::Options::default();
     let compared = accuracy::run(&train, args.scenario.as_deref(), &options).map_err(|e| complain(path, &e))?;
-    let dir = args.out.clone().unwrap_or_else(|| Path::new("reports/accuracy").join(stem(path)));
     accuracy::write(&compared, &dir).map_err(|e| match e {
-        AccuracyError::Write { .. } => output_failed(&e),
+        AccuracyError::Write(_) => output_failed(&e),
         _ => complain(path, &e),
     })?;
-    print(&format!("{}\nReport: {}\n", accuracy::terminal(&compared, None), dir.join("accuracy.md").display()))
+    print(&format!("{}\nReport: {}\n", accuracy::terminal(&compared, None), printable_path(&dir.join("accuracy.md"))))
+}
+
+/// Refuses a folder that cannot be written before the work rather than after it, and lets signals wait while files are replaced.
+fn prepare_to_write(dir: &Path) -> Result<(), Failure> {
+    report::can_write(dir).map_err(|e| output_failed(&e))?;
+    signals::heed();
+    Ok(())
 }
 
 fn man(of: Option<&str>, out: Option<&Path>) -> Result<(), Failure> {
@@ -153,8 +171,9 @@ fn default_dir(train: &Path) -> PathBuf {
     Path::new("reports").join(stem(train))
 }
 
+/// A train file's name as that of a folder: never one that leads elsewhere, as that of "...toml" would.
 fn stem(path: &Path) -> &OsStr {
-    path.file_stem().unwrap_or_default()
+    path.file_stem().filter(|stem| *stem != "." && *stem != "..").unwrap_or(OsStr::new("train"))
 }
 
 /// The train, or its problems on standard error.
@@ -166,7 +185,7 @@ fn read(path: &Path) -> Result<Train, Failure> {
 }
 
 fn complain(path: &Path, error: &dyn Display) -> Failure {
-    say(&format!("error: {}: {error}", path.display()));
+    say(&format!("error: {}: {error}", printable_path(path)));
     Failure::Input
 }
 

@@ -72,9 +72,9 @@ fn a_file_of_100_mb_is_refused_by_its_size() {
     let path = folder.path().join("large.toml");
     File::create(&path).and_then(|file| file.set_len(100_000_000)).expect("a large file");
     let expected = format!(
-        "error: the file has 100 MB, and a train file has at most 16 MiB
+        "error: the file has 100 MB, and at most 8 MiB are read
 --> {}
- = help: give a train file; `count` in it groups vehicles that are alike",
+ = help: shorten it: in a train file or table, `count` groups vehicles that are alike",
         path.display()
     );
     assert_eq!(message(&path), expected);
@@ -83,5 +83,7 @@ fn a_file_of_100_mb_is_refused_by_its_size() {
 #[cfg(unix)]
 #[test]
 fn an_endless_file_is_refused_after_the_limit() {
-    assert!(message(Path::new("/dev/zero")).starts_with("error: the file has no end in sight, and a train file"));
+    assert!(
+        message(Path::new("/dev/zero")).starts_with("error: the file has no end in sight, and at most 8 MiB are read")
+    );
 }

@@ -22,6 +22,7 @@ mod table;
 use std::time::Duration;
 
 use crate::consist::Train;
+use crate::report::WriteError;
 use crate::scenario::{self, Event, Part, Scales, Scenario};
 use crate::solve::{Method, SolveError, Work};
 use bench::Bench;
@@ -156,13 +157,8 @@ pub enum AccuracyError {
     #[error(transparent)]
     Reference(#[from] ReferenceError),
     /// The results could not be written.
-    #[error("cannot write {}: {source}", path.display())]
-    Write {
-        /// Where.
-        path: std::path::PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
+    #[error(transparent)]
+    Write(#[from] WriteError),
 }
 
 /// Compares all methods on a train's scenario, the first one if none is named.

@@ -6,10 +6,14 @@ use std::path::Path;
 use comfy_table::{CellAlignment, Table, presets};
 
 use super::{Accuracy, AccuracyError, Effort, INSTANTS, Row, WATCHED, figure};
+use crate::report::files::WriteError;
+use crate::report::folder;
+use crate::report::markdown::escape;
 
 /// The comparison as a Markdown page that shows `error-against-time.svg` beside it.
 pub fn markdown(accuracy: &Accuracy) -> String {
-    let Accuracy { train, scenario, couplers: [first, last], horizon_s, rating_n, .. } = accuracy;
+    let Accuracy { couplers: [first, last], horizon_s, rating_n, .. } = accuracy;
+    let [train, scenario] = [&accuracy.train, &accuracy.scenario].map(|name| escape(name));
     let event = accuracy.broken_coupler.map_or(String::new(), |b| format!(" Coupler {b} breaks."));
     let mut page = format!(
         "# Error against run time: {train}\n\n\
@@ -129,30 +133,18 @@ pub fn terminal(accuracy: &Accuracy, width: Option<u16>) -> String {
 
 /// Writes `accuracy.md`, `accuracy.csv` and `error-against-time.svg` into a folder, which is made if it is not there.
 ///
-/// Each file is written beside its place and renamed into it: whoever reads it never sees half of it.
+/// They replace those of an earlier run together, as those of [`crate::report`] do.
 ///
 /// # Errors
 /// [`AccuracyError::Write`] with the path that could not be written.
-pub fn write(accuracy: &Accuracy, folder: &Path) -> Result<(), AccuracyError> {
-    let fail = |path: &Path| {
-        let path = path.to_owned();
-        move |source| AccuracyError::Write { path, source }
-    };
-    std::fs::create_dir_all(folder).map_err(fail(folder))?;
-    let table = folder.join("accuracy.csv");
+pub fn write(accuracy: &Accuracy, dir: &Path) -> Result<(), AccuracyError> {
+    let rows = csv(accuracy).map_err(|e| WriteError::new(&dir.join("accuracy.csv"), e))?;
     let texts = [
-        (folder.join("accuracy.md"), markdown(accuracy)),
-        (folder.join("error-against-time.svg"), figure(accuracy)),
-        (table.clone(), csv(accuracy).map_err(fail(&table))?),
+        ("accuracy.csv".to_owned(), rows.into_bytes()),
+        ("error-against-time.svg".to_owned(), figure(accuracy).into_bytes()),
+        ("accuracy.md".to_owned(), markdown(accuracy).into_bytes()),
     ];
-    for (path, text) in texts {
-        let beside = path.with_extension(format!("partial-{}", std::process::id()));
-        if let Err(source) = std::fs::write(&beside, text).and_then(|()| std::fs::rename(&beside, &path)) {
-            // Nothing is lost if this fails too: the first error is the one to tell.
-            std::fs::remove_file(&beside).unwrap_or_default();
-            return Err(fail(&path)(source));
-        }
-    }
+    folder::replace(dir, &texts, |_| false)?;
     Ok(())
 }
 

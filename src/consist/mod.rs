@@ -12,10 +12,9 @@ mod loads;
 mod record;
 mod scenarios;
 mod table;
+mod text;
 pub(crate) mod tree;
 
-use std::fs::{self, File};
-use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use toml::de::DeTable;
@@ -26,15 +25,13 @@ use crate::scenario::Scenario;
 pub use describe::{describe, warnings};
 pub use extras::{Extras, LIMITS, Limits, Steady};
 pub use loads::steady_forces;
+pub(crate) use text::{table_text, text_of};
 
 /// A commented train file to start from, with every key explained; it runs as it is.
 pub const TEMPLATE: &str = include_str!("template.toml");
 
 /// More vehicles than this are refused.
 const MOST_VEHICLES: usize = 1_000_000;
-
-/// Larger files are refused unread.
-const LARGEST_FILE: u64 = 16 << 20;
 
 /// A vehicle: a rigid mass between couplers.
 #[derive(Clone, Debug, PartialEq)]
@@ -81,7 +78,7 @@ pub struct Train {
 /// Reads a train file.
 ///
 /// # Errors
-/// A file that cannot be read, is no text or is over 16 MiB, and all that [`parse`] refuses.
+/// A file that cannot be read, is no text or is over 8 MiB, and all that [`parse`] refuses.
 pub fn read(path: &Path) -> Result<Train, InputError> {
     parse(&text_of(path)?, path)
 }
@@ -120,7 +117,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Train, InputError> {
     let rows = match root.get_ref().get("vehicles").and_then(|v| v.get_ref().as_str()) {
         Some(name) => {
             let beside = table::place(path, name);
-            Some(table::parse(&text_of(&beside)?, &beside)?)
+            Some(table::parse(&table_text(&beside)?, &beside)?)
         }
         None => None,
     };
@@ -158,38 +155,4 @@ fn unquoted(text: &str, at: usize) -> Option<String> {
     let short = value.chars().count() < 40 && !value.contains('"');
     let plain = key.trim().bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_');
     (number_first && short && plain).then(|| format!("a quantity is a string: write {} = \"{value}\"", key.trim()))
-}
-
-/// The file's text, its size looked at before anything is read.
-pub(crate) fn text_of(path: &Path) -> Result<String, InputError> {
-    let refuse = |title: String, help: &str| InputError::of_file(path, title, help);
-    let unreadable = |e: std::io::Error| match e.kind() {
-        std::io::ErrorKind::NotFound => refuse(
-            "there is no such file".into(),
-            "give the path of a train file; `trainsafe new` prints one to start from",
-        ),
-        _ => refuse(format!("the file cannot be read: {e}"), "give a train file that may be read"),
-    };
-    let about = fs::metadata(path).map_err(unreadable)?;
-    if about.is_dir() {
-        return Err(refuse("this is a folder".into(), "give the path of a train file in it"));
-    }
-    let too_large = |size: String| {
-        let title = format!("the file has {size}, and a train file has at most {} MiB", LARGEST_FILE >> 20);
-        refuse(title, "give a train file; `count` in it groups vehicles that are alike")
-    };
-    if about.len() > LARGEST_FILE {
-        return Err(too_large(format!("{} MB", about.len() / 1_000_000)));
-    }
-    let mut bytes = Vec::new();
-    // A device or pipe has no size to look at beforehand.
-    File::open(path).and_then(|f| f.take(LARGEST_FILE + 1).read_to_end(&mut bytes)).map_err(unreadable)?;
-    if bytes.len() as u64 > LARGEST_FILE {
-        return Err(too_large("no end in sight".to_owned()));
-    }
-    String::from_utf8(bytes).map_err(|e| {
-        let valid = &e.as_bytes()[..e.utf8_error().valid_up_to()];
-        let line = 1 + valid.iter().filter(|&&b| b == b'\n').count();
-        refuse(format!("the file is not UTF-8 text: line {line} has a byte that no text has"), "save it as UTF-8")
-    })
 }

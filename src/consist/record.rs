@@ -5,26 +5,19 @@
 
 use std::path::Path;
 
+use super::text;
 use crate::units::Dimension;
-
-/// Larger files are refused.
-const LARGEST: u64 = 16 << 20;
 
 /// Reads a record: times, s, and forces, N.
 ///
 /// # Errors
 /// What is wrong with it, and what would be right.
 pub(super) fn read(path: &Path) -> Result<Vec<[f64; 2]>, [String; 2]> {
-    let shown = crate::error::printable(&path.to_string_lossy());
+    let shown = crate::error::printable_path(path);
     let wrong = |what: String, right: &str| [format!("{shown}: {what}"), right.to_owned()];
     let header = "the first line names two columns and their units: time_ms,force_kn";
-    let size =
-        std::fs::metadata(path).map_err(|e| wrong(format!("cannot be read: {e}"), "give the path of a CSV file"))?;
-    if !size.is_file() || size.len() > LARGEST {
-        return Err(wrong("is no file of at most 16 MiB".to_owned(), "give the path of a CSV file"));
-    }
-    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_path(path);
-    let reader = reader.as_mut().map_err(|e| wrong(format!("cannot be read: {e}"), "give the path of a CSV file"))?;
+    let text = text::beside(path).map_err(|[what, right]| wrong(what, &right))?;
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(text.as_bytes());
     let names = reader.headers().map_err(|e| wrong(e.to_string(), header))?.clone();
     let column =
         |name: &str, dimension| names.iter().enumerate().find_map(|(i, n)| Some((i, unit(n, name, dimension)?)));

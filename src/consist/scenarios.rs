@@ -16,6 +16,9 @@ use crate::units::Amount;
 /// More breaks than this, over all scenarios, are refused.
 const MOST_CASES: usize = 1_000_000;
 
+/// More scenarios than this are refused: each has figures of its own.
+const MOST_SCENARIOS: usize = 1000;
+
 /// The scenarios, or each coupler in turn if there are none.
 pub(super) fn read(root: &Table, vehicles: &[Vehicle], weakest_n: f64, path: &Path) -> Read<Vec<Scenario>> {
     let each = || Event::Break { couplers: (0..vehicles.len() - 1).collect() };
@@ -24,6 +27,12 @@ pub(super) fn read(root: &Table, vehicles: &[Vehicle], weakest_n: f64, path: &Pa
         let event = each();
         let name = default_name(&event, vehicles.len());
         return Ok(vec![Scenario { name, event, horizon_s: None, cascade: Rule::Keep }]);
+    }
+    if let Some(beyond) = tables.get(MOST_SCENARIOS) {
+        let title = format!("the train file has {} scenarios", tables.len());
+        return Err(
+            beyond.wrong(title, format!("it has at most {MOST_SCENARIOS}; a list of couplers breaks each in turn"))
+        );
     }
     let (mut scenarios, mut cases) = (vec![], 0);
     for table in &tables {

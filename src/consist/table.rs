@@ -14,8 +14,12 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use super::MOST_VEHICLES;
-use crate::error::{InputError, Problem, Problems, quoted};
+use crate::error::{InputError, Problem, Problems, is_obeyed, quoted};
 use crate::units::{self, Amount, Dimension, one_of};
+
+/// Wider tables are refused, and so are longer headers, in bytes: what a message says of a cell takes a walk to it.
+const MOST_COLUMNS: usize = 1000;
+const LONGEST_HEADER: usize = 64 << 10;
 
 /// A row: vehicles alike, and the coupler behind each of them.
 #[derive(Clone, Debug, PartialEq)]
@@ -110,7 +114,8 @@ impl Reader<'_> {
             return vec![];
         };
         let blank = |record: &Record| record.cells.iter().all(str::is_empty);
-        let records: Vec<Record> = records.filter(|record| !blank(record)).collect();
+        // One more than may be: a longer table is refused, and need not be held in memory for that.
+        let records: Vec<Record> = records.filter(|record| !blank(record)).take(MOST_VEHICLES + 1).collect();
         let rows: Vec<Row> = records.iter().map(|record| self.row(record, &columns)).collect();
         self.check(&rows, &records, &columns);
         rows
@@ -118,6 +123,24 @@ impl Reader<'_> {
 
     /// Where each known column is.
     fn header(&mut self, header: &Record) -> Option<[Option<Column>; COLUMNS.len()]> {
+        let (columns, bytes) = (header.cells.len(), header.cells.as_slice().len());
+        if columns > MOST_COLUMNS || bytes > LONGEST_HEADER {
+            let title = format!("the table has {columns} columns, with {bytes} bytes in their headings");
+            let help =
+                format!("a table has at most {MOST_COLUMNS}, with {LONGEST_HEADER} bytes: leave out what is not read");
+            self.problems.note(Problem::of_file(title, help));
+            return None;
+        }
+        let heading_is_known = |heading: &str| {
+            let name = heading.split('[').next().unwrap_or_default().trim();
+            COLUMNS.iter().any(|(known, _)| known.eq_ignore_ascii_case(name))
+        };
+        if !header.cells.iter().any(heading_is_known) {
+            // Nothing is shown of a file that is no table of vehicles: a train file may come from anyone, and name any file.
+            let help = format!("its first row names columns: mass [t], and any of {}", one_of(COLUMNS.map(|c| c.0)));
+            self.problems.note(Problem::of_file("this is no table of vehicles", help));
+            return None;
+        }
         let mut found = [const { None }; COLUMNS.len()];
         for (index, heading) in header.cells.iter().enumerate() {
             let (name, unit) = match heading.split_once('[') {
@@ -200,7 +223,7 @@ impl Reader<'_> {
 
     fn label(&mut self, record: &Record, column: &Option<Column>) -> Option<String> {
         let (column, text) = (column.as_ref()?, cell(record, column)?);
-        if text.chars().count() > 200 || text.chars().any(char::is_control) {
+        if text.chars().count() > 200 || text.chars().any(is_obeyed) {
             let title = place_of(record, column) + "the label is no line of up to 200 characters";
             self.wrong(record, column.index, title, "expected plain text".into());
         }

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use toml::de::{DeTable, DeValue};
 
-use crate::error::{Problem, Problems, quoted};
+use crate::error::{Problem, Problems, is_obeyed, quoted};
 use crate::keys::{Key, Kind, LONGEST_NAME, Shape, Sign};
 use crate::units::{self, Amount, Dimension, one_of};
 
@@ -204,9 +204,9 @@ impl<'s> Value<'s> {
         if length > LONGEST_NAME {
             return Err(self.wrong(format!("{} has {length} characters", self.key.name), right));
         }
-        if text.chars().any(char::is_control) {
-            return Err(self
-                .wrong(format!("{} has a control character: {}", self.key.name, quoted(text)), "expected plain text"));
+        if text.chars().any(is_obeyed) {
+            let title = format!("{} has a control character: {}", self.key.name, quoted(text));
+            return Err(self.wrong(title, "expected plain text"));
         }
         Ok(text)
     }

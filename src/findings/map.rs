@@ -114,7 +114,8 @@ fn rod_factor(train: &Train, scenario: &Scenario, broken: Option<usize>) -> Opti
             // After a break all forces are in proportion to the load; a pulse's load stays as it is.
             let rest = if broken.is_some() { 0.0 } else { scene.initial[i] };
             let sides = [(high - rest, scene.rated_draft[i] - rest), (rest - low, scene.rated_buff[i] + rest)];
-            let factors = sides.into_iter().filter(|s| s.0 > 0.0).map(|(growth, room)| (room / growth).max(0.0));
+            let factors = sides.into_iter().filter(|(growth, room)| *growth > 0.0 || *room < 0.0);
+            let factors = factors.map(|(growth, room)| if room < 0.0 { 0.0 } else { room / growth });
             least = factors.chain(least).reduce(f64::min);
         }
     }

@@ -125,7 +125,7 @@ impl Inputs {
 
 fn case_count(train: &Train) -> u32 {
     let count: usize = train.scenarios.iter().map(|s| cases(&s.event).len()).sum();
-    // A train file has at most a million breaks, and a table of scenarios of at most 16 MiB.
+    // A train file has at most a million breaks, and at most a thousand scenarios.
     u32::try_from(count).unwrap_or(u32::MAX)
 }
 
@@ -176,7 +176,7 @@ fn digest(path: &Path) -> [u8; 32] {
             all.update(&text);
             if let Some(table) = consist::table_of(&text, path) {
                 all.update([0]);
-                all.update(consist::text_of(&table).unwrap_or_else(|e| e.brief()));
+                all.update(consist::table_text(&table).unwrap_or_else(|e| e.brief()));
             }
         }
         Err(e) => all.update(e.brief()),

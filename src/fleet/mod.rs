@@ -12,7 +12,7 @@ mod estimate;
 mod fleet_md;
 mod inputs;
 mod join;
-mod key;
+pub mod key;
 mod lock;
 mod outputs;
 mod page;
@@ -25,10 +25,10 @@ mod reports;
 mod rows;
 pub mod spread;
 mod statistics;
-mod study;
+pub mod study;
 pub(crate) mod study_keys;
 mod summary;
-mod variation;
+pub mod variation;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -62,7 +62,7 @@ pub enum FleetError {
     #[error("{0}")]
     Usage(String),
     /// A train file, or its table, is no longer what it was when the run started.
-    #[error("{} has changed since the run started: what is done belongs to the old one", .0.display())]
+    #[error("{} has changed since the run started: what is done belongs to the old one", crate::error::printable_path(.0))]
     Changed(PathBuf),
     /// A result could not be written.
     #[error(transparent)]

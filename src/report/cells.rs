@@ -1,5 +1,7 @@
 //! Cells of the CSV files.
 
+use crate::error::is_obeyed;
+
 /// The shortest decimal that reads back as the same number; empty where it is not finite.
 pub fn number(x: f64) -> String {
     if x.is_finite() { format!("{x:?}") } else { String::new() }
@@ -10,8 +12,13 @@ pub fn optional(x: Option<f64>) -> String {
     x.map(number).unwrap_or_default()
 }
 
-/// A text, made harmless for spreadsheets: one that begins like a formula gets an apostrophe before it.
+/// A text, made harmless for spreadsheets: one that begins like a formula, at its start or
+/// after a semicolon, gets an apostrophe before it.
 pub fn text(s: &str) -> String {
-    let formula = s.starts_with(|c: char| "=+-@＝＋－＠".contains(c) || c.is_control());
-    if formula { format!("'{s}") } else { s.to_owned() }
+    let begins =
+        |cell: &str| cell.trim_start_matches(' ').starts_with(|c: char| "=+-@＝＋－＠".contains(c) || is_obeyed(c));
+    // Where the decimal comma is used, spreadsheets take a semicolon for the end of a cell.
+    let cells: Vec<String> =
+        s.split(';').map(|cell| if begins(cell) { format!("'{cell}") } else { cell.to_owned() }).collect();
+    cells.join(";")
 }

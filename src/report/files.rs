@@ -6,13 +6,15 @@ use std::path::{Path, PathBuf};
 
 use tempfile::{NamedTempFile, TempPath};
 
+use crate::error::printable_path;
+
 /// What the names of unfinished files begin and end with.
 const PREFIX: &str = ".trainsafe-";
 const SUFFIX: &str = ".tmp";
 
 /// Why a report could not be written.
 #[derive(Debug, thiserror::Error)]
-#[error("cannot write {}: {source}; {help}", path.display())]
+#[error("cannot write {}: {source}; {help}", printable_path(path))]
 pub struct WriteError {
     /// The file or folder.
     pub path: PathBuf,
@@ -36,6 +38,7 @@ impl WriteError {
                 "a folder stands where the file must go: move it, or choose another folder with --out DIR"
             }
             io::ErrorKind::NotFound => "the folder is gone: was it removed or renamed meanwhile?",
+            io::ErrorKind::ResourceBusy => "wait until it is done, or choose another folder with --out DIR",
             _ => "choose another folder with --out DIR",
         };
         WriteError { path: path.to_owned(), help, source }
@@ -63,13 +66,16 @@ pub fn write_all(dir: &Path, files: &[(String, Vec<u8>)]) -> Result<Vec<PathBuf>
 pub fn write_into(dir: &Path, files: &[(String, Vec<u8>)]) -> Result<Vec<PathBuf>, WriteError> {
     let staged = files.iter().map(|(name, content)| {
         let path = dir.join(name);
-        if fs::read(&path).is_ok_and(|old| old == *content) {
+        if holds(&path, content) {
             return Ok((None, path));
         }
         let file = stage(dir, content).map_err(|e| WriteError::new(&path, e))?;
         Ok((Some(file), path))
     });
     let staged = staged.collect::<Result<Vec<_>, WriteError>>()?;
+    if let Some((_, path)) = staged.iter().find(|(_, path)| path.is_dir()) {
+        return Err(WriteError::new(path, io::ErrorKind::IsADirectory.into()));
+    }
     staged
         .into_iter()
         .map(|(file, path)| match file.map(|f| f.persist(&path)) {
@@ -77,6 +83,13 @@ pub fn write_into(dir: &Path, files: &[(String, Vec<u8>)]) -> Result<Vec<PathBuf
             _ => Ok(path),
         })
         .collect()
+}
+
+/// Whether a file holds these bytes already.
+fn holds(path: &Path, content: &[u8]) -> bool {
+    // Neither a pipe, which would wait, nor anything long is read for that.
+    let alike = |about: fs::Metadata| about.is_file() && about.len() == content.len() as u64;
+    path.symlink_metadata().is_ok_and(alike) && fs::read(path).is_ok_and(|old| old == content)
 }
 
 fn stage(dir: &Path, content: &[u8]) -> io::Result<NamedTempFile> {
@@ -87,13 +100,16 @@ fn stage(dir: &Path, content: &[u8]) -> io::Result<NamedTempFile> {
 }
 
 /// An empty file under a temporary name, to be renamed once it is whole.
-fn unfinished(dir: &Path) -> io::Result<NamedTempFile> {
+pub(super) fn unfinished(dir: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(PREFIX).suffix(SUFFIX);
     // Temporary files are for their owner alone unless asked otherwise; a report is as readable as any other new file.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(dir)
+    let file = builder.tempfile_in(dir)?;
+    // Tells it from what a killed run left. Without it, on a system that has no locks, that is not removed.
+    let _ = file.as_file().try_lock();
+    Ok(file)
 }
 
 /// A large file under way, which has its name only once it is whole and on the disk.
@@ -144,14 +160,16 @@ impl Unnamed {
     }
 }
 
-/// Removes what a run that was killed left under temporary names.
+/// Removes what runs that were killed left under temporary names: files that no process holds.
 pub fn remove_unfinished(dir: &Path) {
     let Ok(entries) = dir.read_dir() else { return };
     for entry in entries.flatten() {
         let name = entry.file_name();
-        if name.to_str().is_some_and(|n| n.starts_with(PREFIX) && n.ends_with(SUFFIX)) {
+        let unfinished = name.to_str().is_some_and(|n| n.starts_with(PREFIX) && n.ends_with(SUFFIX));
+        if unfinished && entry.file_type().is_ok_and(|kind| kind.is_file()) {
+            let left = File::options().write(true).open(entry.path()).is_ok_and(|file| file.try_lock().is_ok());
             // One that stays does no harm.
-            let _ = fs::remove_file(entry.path());
+            let _ = if left { fs::remove_file(entry.path()) } else { Ok(()) };
         }
     }
 }

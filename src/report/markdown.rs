@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::section::{Section, section};
 use super::train_facts::train_facts;
 use crate::consist::{self, Train};
+use crate::error::is_obeyed;
 use crate::findings::Analysis;
 
 const TEMPLATE: &str = include_str!("report.md.jinja");
@@ -86,7 +87,7 @@ fn write_escaped(out: &mut Output, _state: &mut State, value: &Value) -> Result<
 }
 
 /// The text with nothing in it that Markdown, or the HTML within it, would take for markup.
-fn escape(text: &str) -> String {
+pub(crate) fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for (i, c) in text.char_indices() {
         match c {
@@ -94,9 +95,10 @@ fn escape(text: &str) -> String {
             '<' => out.push_str("&lt;"),
             '>' => out.push_str("&gt;"),
             '\\' | '`' | '*' | '_' | '[' | ']' | '|' | '~' | '#' | '$' => out.extend(['\\', c]),
-            // Keeps a bare address from becoming a link.
+            // Keep a bare address from becoming a link.
+            '.' if text[..i].ends_with("www") => out.push_str("\\."),
             ':' if text[i..].starts_with("://") => out.push_str("\\:"),
-            c if c.is_control() => out.push(' '),
+            c if is_obeyed(c) => out.push(' '),
             c => out.push(c),
         }
     }

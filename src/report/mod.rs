@@ -18,6 +18,7 @@ pub(crate) mod cells;
 mod couplers_csv;
 pub(crate) mod figures;
 pub(crate) mod files;
+pub(crate) mod folder;
 mod html;
 mod interactive;
 mod limits;
@@ -36,6 +37,7 @@ use std::path::{Path, PathBuf};
 
 pub use couplers_csv::csv;
 pub use files::{WriteError, write_all};
+pub use folder::{between_writes, can_write};
 pub use result_json::json;
 pub use terminal_table::terminal;
 
@@ -67,66 +69,55 @@ impl Format {
 ///
 /// No file ever stands half-written under its own name, and an earlier report is replaced only once the new one is
 /// complete on the disk. What an earlier report left and the new one does not have is then removed: a report in the other form, and
-/// figures named as in the table above; nothing else.
+/// figures and maps named as in the table above; nothing else. Runs into the same folder take turns.
 ///
 /// # Errors
 /// [`WriteError`] with the path that could not be written.
 pub fn write(train: &Train, analysis: &Analysis, dir: &Path, formats: &[Format]) -> Result<Vec<PathBuf>, WriteError> {
+    let all = documents(train, analysis, formats).map_err(|e| WriteError::new(dir, e))?;
+    folder::replace(dir, &all, is_ours)
+}
+
+/// The report's files, each with its name and content, in the order in which [`write`] names them.
+///
+/// # Errors
+/// None are known: what is written here into memory is this crate's own.
+pub fn documents(train: &Train, analysis: &Analysis, formats: &[Format]) -> io::Result<Vec<(String, Vec<u8>)>> {
     let shown: Vec<Option<Shown>> = analysis.scenarios.iter().map(|s| Shown::new(train, s)).collect();
     let pictures: Pictures = shown.iter().map(|s| s.as_ref().map_or_else(Vec::new, Shown::pictures)).collect();
-    let failed = |name: &str| {
-        let path = dir.join(name);
-        move |source: io::Error| files::WriteError::new(&path, source)
-    };
-    let wanted = |format: Format| formats.contains(&format).then(|| format.file());
+    let wanted = |format: Format| formats.contains(&format).then(|| format.file().to_owned());
     let mut rows = Vec::new();
-    csv(analysis, &mut rows).map_err(io::Error::other).map_err(failed("couplers.csv"))?;
-    let json = json(analysis).map_err(io::Error::other).map_err(failed("result.json"))?;
-    let report =
-        markdown::markdown(train, analysis, &pictures).map_err(io::Error::other).map_err(failed("report.md"))?;
+    csv(analysis, &mut rows).map_err(io::Error::other)?;
+    let json = json(analysis).map_err(io::Error::other)?;
+    let report = markdown::markdown(train, analysis, &pictures).map_err(io::Error::other)?;
     let page = wanted(Format::Html).map(|name| {
-        let data = interactive::data(&shown).map_err(io::Error::other).map_err(failed(name))?;
-        Ok((name.to_owned(), html::html(analysis, &report, &pictures, &data).into_bytes()))
+        let data = interactive::data(&shown).map_err(io::Error::other)?;
+        Ok::<_, io::Error>((name, html::html(analysis, &report, &pictures, &data).into_bytes()))
     });
-    let markdown = wanted(Format::Markdown).map(|name| (name.to_owned(), report.into_bytes()));
+    let markdown = wanted(Format::Markdown).map(|name| (name, report.into_bytes()));
     let mut all: Vec<(String, Vec<u8>)> = Vec::new();
     if markdown.is_some() {
         all.extend(pictures.into_iter().flatten().map(|p| (p.file, p.svg.into_bytes())));
     }
     for scenario in &analysis.scenarios {
         if let (Some(map), Some((index, _))) = (&scenario.map, words::source(train, scenario)) {
-            let name = format!("map-{}.csv", index + 1);
-            let rows = map_csv::map_csv(map).map_err(io::Error::other).map_err(failed(&name))?;
-            all.push((name, rows));
+            all.push((format!("map-{}.csv", index + 1), map_csv::map_csv(map).map_err(io::Error::other)?));
         }
     }
     all.push(("couplers.csv".to_owned(), rows));
     all.push(("result.json".to_owned(), json.into_bytes()));
     all.extend(page.transpose()?);
     all.extend(markdown);
-    let written = files::write_all(dir, &all)?;
-    remove_stale(dir, &all);
-    Ok(written)
+    Ok(all)
 }
 
-/// Removes what an earlier report left; a figure that stays does no harm, for no report shows it.
-fn remove_stale(dir: &Path, written: &[(String, Vec<u8>)]) {
-    let Ok(entries) = dir.read_dir() else { return };
-    for entry in entries.flatten() {
-        let name = entry.file_name();
-        let Some(name) = name.to_str() else { continue };
-        let ours = is_figure(name) || Format::ALL.iter().any(|f| f.file() == name);
-        if ours && !written.iter().any(|(w, _)| w == name) {
-            let _ = std::fs::remove_file(entry.path());
-        }
-    }
-}
-
-/// Whether a file's name is one that only a report's figure has.
-fn is_figure(name: &str) -> bool {
-    let parts = name.strip_prefix("figure-").and_then(|n| n.strip_suffix(".svg")).and_then(|n| n.split_once('-'));
-    parts.is_some_and(|(number, kind)| {
-        number.bytes().all(|b| b.is_ascii_digit())
-            && ["breaks", "cascade", "envelope", "force", "map", "wave"].contains(&kind)
-    })
+/// Whether a file's name is one that only a report, its figures and its maps have.
+fn is_ours(name: &str) -> bool {
+    let number = |n: &str| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit());
+    let figure = name.strip_prefix("figure-").and_then(|n| n.strip_suffix(".svg")).and_then(|n| n.split_once('-'));
+    let kinds = ["breaks", "cascade", "envelope", "force", "map", "wave"];
+    let map = name.strip_prefix("map-").and_then(|n| n.strip_suffix(".csv"));
+    figure.is_some_and(|(n, kind)| number(n) && kinds.contains(&kind))
+        || map.is_some_and(number)
+        || Format::ALL.iter().any(|format| format.file() == name)
 }

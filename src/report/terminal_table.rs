@@ -7,6 +7,7 @@ use comfy_table::{CellAlignment, LineStyle, Table, presets};
 
 use super::numbers::{force, percent, time};
 use super::words;
+use crate::error::{is_obeyed, printable_path};
 use crate::findings::{Analysis, CaseFindings, CouplerFindings, ScenarioFindings};
 
 /// Rows shown of a scenario with many cases.
@@ -33,7 +34,7 @@ pub fn terminal(analysis: &Analysis, reports: &[PathBuf]) -> String {
         }
     }
     if !reports.is_empty() {
-        let paths: Vec<String> = reports.iter().map(|p| p.display().to_string()).collect();
+        let paths: Vec<String> = reports.iter().map(|p| printable_path(p)).collect();
         let _ = writeln!(out, "\nReport: {}", paths.join(", "));
     }
     out
@@ -72,7 +73,7 @@ fn table(scenario: &ScenarioFindings) -> Option<Table> {
     Some(table)
 }
 
-/// The text with nothing in it that moves a terminal's cursor or changes its colours.
+/// The text with nothing in it that moves a terminal's cursor, changes its colours or turns the order of reading.
 fn printable(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+    text.chars().map(|c| if is_obeyed(c) { ' ' } else { c }).collect()
 }

@@ -19,6 +19,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::closed_form::equal;
+use super::local::Point;
 use super::watch::SpringPeaks;
 use super::{Ask, Solution, SolveError, solve};
 use crate::chain::Scene;
@@ -197,6 +198,15 @@ impl Form {
         if self.mirrored {
             own.springs.reverse();
             own.all_time_bounds.iter_mut().for_each(|bounds| bounds.reverse());
+        }
+        for (peaks, &initial) in own.springs.iter_mut().zip(&scene.initial) {
+            let Some(peaks) = peaks else { continue };
+            for (side, value) in [(&mut peaks.draft, initial), (&mut peaks.buff, -initial)] {
+                // The force before the event is known exactly, and there and back it went through other units.
+                if side.best.at == 0.0 || side.best.value < value {
+                    side.best = Point { at: 0.0, value };
+                }
+            }
         }
         own
     }

@@ -20,6 +20,8 @@ use crate::chain::Scene;
 
 /// Columns of a block of the matrix products.
 const BLOCK: usize = 128;
+/// Cells times springs that are surveyed at once: where peaks recur, most of them are kept until they are looked into.
+const MOST_CELLS: usize = 2_000_000;
 /// Looks into cells, times modes, after which a search gives up and widens its bound instead.
 const MOST_LOOKS: u64 = 40_000_000;
 
@@ -39,7 +41,12 @@ pub fn peaks(scene: &Scene, modes: &Modes, bound: f64) -> (Vec<SpringPeaks>, Wor
     let mut scan =
         Scan { field: Field::new(scene, modes), watch, work: Work::default(), lowest, looks: 0, missed: 0.0 };
     for stretch in scan.field.stretches() {
-        scan.stretch(&stretch);
+        let parts = Grid::cells(&scan.field, &stretch) * scene.initial.len() / MOST_CELLS + 1;
+        let at = |part: usize| stretch.from + (stretch.to - stretch.from) * part as f64 / parts as f64;
+        for part in 0..parts {
+            let to = if part + 1 == parts { stretch.to } else { at(part + 1) };
+            scan.stretch(&stretch.part(at(part), to));
+        }
     }
     for (spring, lowest) in scan.lowest.iter().enumerate() {
         for (negative, &lowest) in [false, true].into_iter().zip(lowest) {
@@ -113,8 +120,8 @@ impl Scan<'_> {
         let springs = self.watch.peaks.len();
         let share = self.field.modes.share.columns(0, grid.resolved).into_owned();
         let mut certain = vec![[Certain::default(); 2]; springs];
-        let mut candidates = Vec::new();
-        let mut start = 0;
+        let mut candidates: Vec<Candidate> = Vec::new();
+        let (mut start, mut kept) = (0, 0);
         while start < grid.cells {
             let columns = (grid.cells - start).min(BLOCK) + 1;
             let (q, dq) = grid.coordinates(&self.field, stretch, start, columns);
@@ -133,7 +140,11 @@ impl Scan<'_> {
                 }
             }
             start += columns - 1;
-            candidates.retain(|c| certain[c.spring][usize::from(c.negative)].leaves_open(&self.watch, c));
+            // A look at all of them for every block would be their square where most stay, as with peaks that recur.
+            if start >= grid.cells || candidates.len() > 2 * kept + BLOCK {
+                candidates.retain(|c| certain[c.spring][usize::from(c.negative)].leaves_open(&self.watch, c));
+                kept = candidates.len();
+            }
         }
         for (lowest, certain) in self.lowest.iter_mut().zip(&certain) {
             lowest.iter_mut().zip(certain).for_each(|(l, c)| *l = l.min(c.lowest));
@@ -317,9 +328,7 @@ impl Grid {
         let springs = field.scene.initial.len();
         let amplitude = |i: usize, j: usize| (field.modes.share[(i, j)] * stretch.amplitude[j]).abs();
         let resolved = resolved_modes(&field.omega);
-        let top = if resolved == 0 { 1.0 } else { field.omega[resolved - 1] };
-        let span = stretch.to - stretch.from;
-        let cells = (span * top / 1.5).ceil().max(1.0) as usize;
+        let (span, cells) = (stretch.to - stretch.from, Grid::cells(field, stretch));
         let width = span / cells as f64;
         let slack = |i: usize| {
             let cubic: f64 = (0..resolved).map(|j| amplitude(i, j) * (field.omega[j] * width).powi(4)).sum();
@@ -332,6 +341,13 @@ impl Grid {
         let unresolved = (0..springs).map(|i| (slow..field.omega.len()).map(|j| amplitude(i, j)).sum()).collect();
         let slack = (0..springs).map(slack).collect();
         Grid { from: stretch.from, to: stretch.to, cells, width, resolved, slack, unresolved }
+    }
+
+    /// How many cells a stretch has.
+    fn cells(field: &Field, stretch: &Stretch) -> usize {
+        let resolved = resolved_modes(&field.omega);
+        let top = if resolved == 0 { 1.0 } else { field.omega[resolved - 1] };
+        ((stretch.to - stretch.from) * top / 1.5).ceil().max(1.0) as usize
     }
 
     fn cell(&self, n: usize) -> (f64, f64) {

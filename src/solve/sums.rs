@@ -35,6 +35,7 @@ pub struct Modes {
 }
 
 /// A stretch of time under constant force: amplitudes of cosine and sine in `tau = t - reference`.
+#[derive(Clone)]
 pub(super) struct Stretch {
     pub(super) from: f64,
     pub(super) to: f64,
@@ -44,6 +45,13 @@ pub(super) struct Stretch {
     pub(super) amplitude: Vec<f64>,
     /// Force about which each spring swings.
     pub(super) mean: Vec<f64>,
+}
+
+impl Stretch {
+    /// A part of it.
+    pub(super) fn part(&self, from: f64, to: f64) -> Stretch {
+        Stretch { from, to, ..self.clone() }
+    }
 }
 
 /// A mode at an instant: what it has added to the forces since the event, and q and q' / omega of its swing.

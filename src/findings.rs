@@ -7,18 +7,21 @@ mod general;
 mod history;
 mod limits;
 mod map;
+mod safe_factor;
 
 use std::time::Instant;
 
 pub use cascade::{CascadeBreak, CascadeFindings};
 pub(crate) use estimate::case_estimate_s;
 pub use estimate::{estimate_s, memory_bytes};
+pub(crate) use field::larger;
 pub use field::{Field, Of, field};
 use general::Solved;
 pub use history::{history, rod_history};
 pub use limits::LimitFindings;
 pub use map::{MapFindings, MapPoint};
 use rayon::prelude::*;
+use safe_factor::safe_load_factor;
 use serde::Serialize;
 
 use crate::consist::Train;
@@ -412,41 +415,6 @@ fn coupler_findings(
         all_time_bound_n,
         limits: None,
     }
-}
-
-/// The largest factor at which no coupler exceeds.
-///
-/// After a break every force, the initial one included, is proportional to the load. Under a pulse the load stays and
-/// the rest, `F - F(0)`, is proportional to the pulse's force. In an impact every force is proportional to the speed. `None`
-/// where nothing grows with the factor. Couplers left out (with their all-time bounds, N) count by these: then it is a factor at
-/// which none exceeds, and a larger one may be.
-fn safe_load_factor(
-    train: &Train,
-    event: &Event,
-    couplers: &[CouplerFindings],
-    left_out: &[(usize, f64)],
-) -> Option<f64> {
-    let proportional = matches!(event, Event::Break { .. } | Event::Impact { .. });
-    let factor = |rating: f64, initial: f64, peak: f64| {
-        let (growth, room) = (peak - initial, rating - initial);
-        // A load that is over a rating by itself leaves no safe factor, not even where the event only relieves it.
-        if room < 0.0 { Some(0.0) } else { (growth > 0.0).then(|| room / growth) }
-    };
-    let watched = couplers.iter().flat_map(|c| {
-        let initial = if proportional { 0.0 } else { c.initial_force_n };
-        let draft = c.peak_draft_n.and_then(|peak| factor(c.rated_draft_n, initial, peak));
-        let buff = c.peak_buff_n.and_then(|peak| factor(c.rated_buff_n, -initial, -peak));
-        [draft, buff]
-    });
-    let bounded = left_out.iter().map(|&(index, bound)| {
-        let coupler = &train.couplers[index];
-        let initial = if proportional { 0.0 } else { train.initial_force_n[index].abs() };
-        // |F - F(0)| <= bound + |F(0)|
-        let grown = factor(coupler.rated_draft_n.min(coupler.rated_buff_n), initial, bound + 2.0 * initial);
-        // Up to 1 the force lies between those of before and with the event, and both are under the rating.
-        grown.map(|f| f.max(1.0))
-    });
-    watched.chain(bounded).flatten().reduce(f64::min)
 }
 
 /// What the rod says of every coupler; `None` if a part's vehicles or couplers differ, or none is left.

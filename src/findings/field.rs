@@ -75,10 +75,7 @@ impl Field {
     /// The same with so many columns in one.
     pub fn folded(&self, by: usize) -> Field {
         let by = by.max(1);
-        let middle = |of: &[f64]| 0.5 * (of[0] + of[of.len() - 1]);
-        // Whole columns only differ in the last, whose middle would make them uneven.
         let times_s: Vec<f64> = self.times_s.chunks(by).map(middle).collect();
-        let larger = |a: f32, b: f32| if a.is_nan() || b.abs() > a.abs() { b } else { a };
         let fold = |of: &[f32]| of.iter().copied().fold(f32::NAN, larger);
         let share = (0..self.rows()).flat_map(|r| self.row(r).chunks(by).map(fold)).collect();
         Field { times_s, share, instants_per_column: self.instants_per_column * by, ..*self }
@@ -86,9 +83,7 @@ impl Field {
 
     fn keep(&mut self, row: usize, column: usize, share: f32) {
         let kept = &mut self.share[row * self.times_s.len() + column];
-        if kept.is_nan() || share.abs() > kept.abs() {
-            *kept = share;
-        }
+        *kept = larger(*kept, share);
     }
 
     fn column(&self, time_s: f64) -> Option<usize> {
@@ -96,6 +91,15 @@ impl Field {
         let column = ((time_s - self.times_s[0]) / width).round().max(0.0) as usize;
         (time_s <= self.times_s[self.times_s.len() - 1] + width).then(|| column.min(self.times_s.len() - 1))
     }
+}
+
+/// The utilisation of larger magnitude, whichever has one.
+pub(crate) fn larger(a: f32, b: f32) -> f32 {
+    if a.is_nan() || b.abs() > a.abs() { b } else { a }
+}
+
+fn middle(of: &[f64]) -> f64 {
+    0.5 * (of[0] + of[of.len() - 1])
 }
 
 /// Forces in every coupler of a case; `scenario` is an index into the train's scenarios. `None` where it would take long, or
@@ -109,7 +113,6 @@ pub fn field(train: &Train, scenario: usize, case: &CaseFindings, of: Of) -> Opt
     let couplers_per_row = couplers.div_ceil(ROWS);
     let rows = couplers.div_ceil(couplers_per_row);
     let instants_per_column = times_s.len().div_ceil((KEPT / rows).min(MOST_KEPT));
-    let middle = |of: &[f64]| 0.5 * (of[0] + of[of.len() - 1]);
     let columns: Vec<f64> = times_s.chunks(instants_per_column).map(middle).collect();
     let share = vec![f32::NAN; rows * columns.len()];
     let mut field = Field { couplers_per_row, instants_per_column, times_s: columns, share };

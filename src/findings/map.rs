@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::{Options, case_findings};
+use super::{Options, case_findings, safe_factor};
 use crate::consist::Train;
 use crate::rod::Rod;
 use crate::scenario::{self, Event, Part, Scenario};
@@ -114,8 +114,7 @@ fn rod_factor(train: &Train, scenario: &Scenario, broken: Option<usize>) -> Opti
             // After a break all forces are in proportion to the load; a pulse's load stays as it is.
             let rest = if broken.is_some() { 0.0 } else { scene.initial[i] };
             let sides = [(high - rest, scene.rated_draft[i] - rest), (rest - low, scene.rated_buff[i] + rest)];
-            let factors = sides.into_iter().filter(|(growth, room)| *growth > 0.0 || *room < 0.0);
-            let factors = factors.map(|(growth, room)| if room < 0.0 { 0.0 } else { room / growth });
+            let factors = sides.into_iter().filter_map(|(growth, room)| safe_factor::of_side(growth, room));
             least = factors.chain(least).reduce(f64::min);
         }
     }

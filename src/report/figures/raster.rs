@@ -3,7 +3,7 @@
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
-use crate::findings::Field;
+use crate::findings::{Field, larger};
 
 /// Colours of draft and of buff from nothing to the most, as red, green, blue: blue and orange, which colour-blind readers can
 /// tell apart, each darker the nearer to its end.
@@ -68,9 +68,7 @@ fn pixels(field: &Field, most: f64, (width, height): (usize, usize)) -> Vec<u8> 
             for x in 0..width {
                 for &value in &row[cells(x, width, columns)] {
                     let kept = &mut share[y * width + x];
-                    if kept.is_nan() || value.abs() > kept.abs() {
-                        *kept = value;
-                    }
+                    *kept = larger(*kept, value);
                 }
             }
         }

@@ -10,6 +10,7 @@ use super::FleetError;
 use super::study::{self, Study};
 use super::variation::{self, Varied};
 use crate::consist::{self, Train};
+use crate::error::{InputError, printable_path};
 use crate::findings::{Options, cases};
 
 /// Keys that can change how many cases a train has, or whether its other keys are right.
@@ -40,7 +41,7 @@ impl Inputs {
             let Ok(text) = consist::text_of(path) else { continue };
             if study::is_study(&text) {
                 if paths.len() > 1 {
-                    let title = format!("{} is a study, which names its own trains", path.display());
+                    let title = format!("{} is a study, which names its own trains", printable_path(path));
                     return Err(FleetError::Usage(format!("{title}: give it alone")));
                 }
                 let read = study::parse(&text, path)?;
@@ -55,7 +56,7 @@ impl Inputs {
         }
         let mut seen = std::collections::HashSet::new();
         files.retain(|file| seen.insert(file.clone()));
-        let digests = files.par_iter().map(|file| digest(file)).collect();
+        let digests = files.par_iter().map(|file| digest(&consist::text_of(file), file)).collect();
         Ok(Inputs { files, study, digests, study_text })
     }
 
@@ -88,10 +89,11 @@ impl Inputs {
     /// [`FleetError::Changed`] if the file is no longer what it was at the start.
     pub fn load(&self, file: usize, variation: usize) -> Result<Varied, FleetError> {
         let path = &self.files[file];
-        if digest(path) != self.digests[file] {
+        let text = consist::text_of(path);
+        if digest(&text, path) != self.digests[file] {
             return Err(FleetError::Changed(path.clone()));
         }
-        let varied = match (&self.study, consist::text_of(path)) {
+        let varied = match (&self.study, text) {
             (Some(study), Ok(text)) => variation::vary(study, variation, &text, path),
             (None, Ok(text)) => Varied { cells: vec![], train: consist::parse(&text, path).map_err(|e| e.brief()) },
             (study, Err(e)) => {
@@ -134,7 +136,7 @@ fn case_count(train: &Train) -> u32 {
 /// # Errors
 /// A path that stands for none.
 fn expand(path: &Path, files: &mut Vec<PathBuf>) -> Result<(), FleetError> {
-    let none = |why: &str| Err(FleetError::Usage(format!("{} {why}", path.display())));
+    let none = |why: &str| Err(FleetError::Usage(format!("{} {why}", printable_path(path))));
     let before = files.len();
     if path.is_dir() {
         in_folder(path, files)?;
@@ -154,7 +156,7 @@ fn expand(path: &Path, files: &mut Vec<PathBuf>) -> Result<(), FleetError> {
 }
 
 fn in_folder(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), FleetError> {
-    let unreadable = |e| FleetError::Usage(format!("the folder {} cannot be read: {e}", folder.display()));
+    let unreadable = |e| FleetError::Usage(format!("the folder {} cannot be read: {e}", printable_path(folder)));
     let mut entries = fs::read_dir(folder).map_err(unreadable)?.flatten().map(|e| e.path()).collect::<Vec<_>>();
     entries.sort();
     for entry in entries {
@@ -169,12 +171,12 @@ fn in_folder(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), FleetError> 
 }
 
 /// Content of a train file and of the table it refers to; of a file that cannot be read, what stands in the way.
-fn digest(path: &Path) -> [u8; 32] {
+fn digest(text: &Result<String, InputError>, path: &Path) -> [u8; 32] {
     let mut all = Sha256::new();
-    match consist::text_of(path) {
+    match text {
         Ok(text) => {
-            all.update(&text);
-            if let Some(table) = consist::table_of(&text, path) {
+            all.update(text);
+            if let Some(table) = consist::table_of(text, path) {
                 all.update([0]);
                 all.update(consist::table_text(&table).unwrap_or_else(|e| e.brief()));
             }

@@ -54,10 +54,10 @@ pub fn summarise(dir: &Path, run: &Run) -> Result<Summary, FleetError> {
     let mut summary = Summary::new(run.inputs.len());
     for (name, is_rows) in [(ROWS, true), (BAD, false)] {
         let path = dir.join(name);
-        let file = fs::File::open(&path).map_err(|e| unreadable(&path, &e))?;
+        let file = fs::File::open(&path).map_err(|e| FleetError::unreadable(&path, &e))?;
         let records = csv::ReaderBuilder::new().flexible(true).from_reader(file).into_records();
         for record in records {
-            let record = record.map_err(|e| unreadable(&path, &e))?;
+            let record = record.map_err(|e| FleetError::unreadable(&path, &e))?;
             if is_rows { summary.row(&record) } else { summary.error(&record) }
         }
     }
@@ -74,9 +74,5 @@ fn begin(dir: &Path, name: &str, headings: Vec<String>) -> Result<Unnamed, Fleet
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, FleetError> {
-    fs::read(path).map_err(|e| unreadable(path, &e))
-}
-
-fn unreadable(path: &Path, why: &dyn std::fmt::Display) -> FleetError {
-    FleetError::Usage(format!("{} cannot be read: {why}", path.display()))
+    fs::read(path).map_err(|e| FleetError::unreadable(path, &e))
 }

@@ -29,7 +29,7 @@ pub fn hold(dir: &Path, with_others: bool) -> Result<Lock, FleetError> {
         Err(TryLockError::Error(_)) => Ok(Lock { _file: None }),
         Err(TryLockError::WouldBlock) => {
             let help = "wait until it is done, or choose another folder with --out DIR";
-            Err(FleetError::Usage(format!("another run is under way in {}: {help}", dir.display())))
+            Err(FleetError::Usage(format!("another run is under way in {}: {help}", crate::error::printable_path(dir))))
         }
     }
 }

@@ -38,7 +38,7 @@ use rayon::prelude::*;
 pub use outputs::Format;
 pub use plan::Shard;
 
-use crate::error::InputError;
+use crate::error::{InputError, printable_path};
 use crate::findings::Options;
 use crate::report::files::WriteError;
 use crate::solve::memo::Memo;
@@ -62,7 +62,7 @@ pub enum FleetError {
     #[error("{0}")]
     Usage(String),
     /// A train file, or its table, is no longer what it was when the run started.
-    #[error("{} has changed since the run started: what is done belongs to the old one", crate::error::printable_path(.0))]
+    #[error("{} has changed since the run started: what is done belongs to the old one", printable_path(.0))]
     Changed(PathBuf),
     /// A result could not be written.
     #[error(transparent)]
@@ -70,6 +70,13 @@ pub enum FleetError {
     /// Standard output could not be written.
     #[error("cannot write to standard output: {0}")]
     Output(std::io::Error),
+}
+
+impl FleetError {
+    /// A file that this program has written, and cannot read now.
+    fn unreadable(path: &Path, why: &dyn std::fmt::Display) -> FleetError {
+        FleetError::Usage(format!("{} cannot be read: {why}", printable_path(path)))
+    }
 }
 
 /// How a run is to be made.
@@ -156,7 +163,7 @@ pub fn run(request: &Request, dir: &Path) -> Result<Outcome, FleetError> {
 /// [`FleetError`] where the folder holds no run, or parts are missing.
 pub fn merge(dir: &Path, formats: &[Format]) -> Result<Outcome, FleetError> {
     outputs::can_write(formats)?;
-    let none = || FleetError::Usage(format!("{} holds no run of shards to merge", dir.display()));
+    let none = || FleetError::Usage(format!("{} holds no run of shards to merge", printable_path(dir)));
     parts::read(dir)?.ok_or_else(none)?;
     let _lock = lock::hold(dir, false)?;
     let run = parts::read(dir)?.ok_or_else(none)?;
@@ -245,7 +252,7 @@ fn start(request: &Request, dir: &Path, new: &Run) -> Result<bool, FleetError> {
     let goes_on = request.resume || request.shard.is_some();
     let found = parts::read(dir)?;
     let same = found.as_ref().is_some_and(|old| Run { complete: false, ..old.clone() } == *new);
-    let refuse = |why: &str, help: &str| Err(FleetError::Usage(format!("{} {why}: {help}", dir.display())));
+    let refuse = |why: &str, help: &str| Err(FleetError::Usage(format!("{} {why}: {help}", printable_path(dir))));
     match &found {
         Some(old) if !old.complete && !goes_on => refuse(
             "holds a run that is not finished",

@@ -52,8 +52,8 @@ pub fn write(csv: &Path, run: &Run, summary: &Summary, path: &Path) -> Result<()
             None => Column::new(TEXTS.contains(&heading.as_str()), WHOLE.contains(&heading.as_str())),
         })
         .collect();
-    let unreadable = |e: &dyn std::fmt::Display| FleetError::Usage(format!("{} cannot be read: {e}", csv.display()));
-    let mut records = csv::Reader::from_path(csv).map_err(|e| unreadable(&e))?.into_records();
+    let unreadable = |e: csv::Error| FleetError::unreadable(csv, &e);
+    let mut records = csv::Reader::from_path(csv).map_err(unreadable)?.into_records();
     let mut file = Unnamed::new(path.to_owned())?;
     let mut broken = None;
     file.with(|to| {
@@ -65,7 +65,7 @@ pub fn write(csv: &Path, run: &Run, summary: &Summary, path: &Path) -> Result<()
             for record in records.by_ref().take(GROUP) {
                 match record {
                     Ok(record) => columns.iter_mut().zip(&record).for_each(|(column, cell)| column.add(cell)),
-                    Err(e) => broken = Some(unreadable(&e)),
+                    Err(e) => broken = Some(unreadable(e)),
                 }
                 rows += 1;
             }

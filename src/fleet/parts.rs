@@ -53,11 +53,10 @@ impl Run {
 /// A description that is none.
 pub fn read(dir: &Path) -> Result<Option<Run>, FleetError> {
     let path = dir.join(DESCRIPTION);
-    let unreadable = |why: String| FleetError::Usage(format!("{} cannot be read: {why}", path.display()));
     match fs::read(&path) {
-        Ok(bytes) => serde_json::from_slice(&bytes).map(Some).map_err(|e| unreadable(e.to_string())),
+        Ok(bytes) => serde_json::from_slice(&bytes).map(Some).map_err(|e| FleetError::unreadable(&path, &e)),
         Err(e) if matches!(e.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) => Ok(None),
-        Err(e) => Err(unreadable(e.to_string())),
+        Err(e) => Err(FleetError::unreadable(&path, &e)),
     }
 }
 

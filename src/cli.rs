@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
-use trainsafe::fleet::{Format, Shard};
+use clap::{Args, Parser, Subcommand};
+use trainsafe::fleet::{self, Shard};
+use trainsafe::report;
 
 const STATUS: &str = "\
 Exit status: 0 the analysis ran, whatever it found; 1 a coupler exceeds, with --fail-on-exceed;
@@ -13,9 +14,9 @@ could not be written.
 Example: trainsafe new > train.toml && trainsafe analyze train.toml";
 
 const FLEET: &str = "\
-The folder gets fleet.csv, errors.csv, fleet.md and a figure, or what --format says. The run may be killed at any moment:
---resume goes on with it. Machines that share a folder compute a share each with --shard, and
---merge joins them.
+The folder gets fleet.csv, errors.csv, fleet.md and a figure, or what --format says. The run may be
+killed at any moment: --resume goes on with it. Machines that share a folder compute a share each
+with --shard, and --merge joins them.
 
 Example: trainsafe fleet trains --out reports/yard";
 
@@ -86,8 +87,9 @@ pub struct Analyze {
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Forms of the report: md, html, or both
-    #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "md,html", conflicts_with = "json")]
-    pub format: Vec<ReportFormat>,
+    #[arg(long, value_name = "LIST", default_value = "md,html", value_delimiter = ',',
+          value_parser = report::Format::ALL.map(report::Format::name), conflicts_with = "json")]
+    pub format: Vec<String>,
     /// Run this scenario only
     #[arg(long, value_name = "NAME")]
     pub scenario: Option<String>,
@@ -110,12 +112,6 @@ pub struct Analyze {
     pub solver: Solver,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum ReportFormat {
-    Md,
-    Html,
-}
-
 #[derive(Debug, Args)]
 pub struct Fleet {
     /// Train files, folders of them, globs in quotes, or one study file
@@ -129,7 +125,7 @@ pub struct Fleet {
     pub json: bool,
     /// Files to write, separated by commas; the others are made from fleet.csv and errors.csv, which are always written
     #[arg(long, value_name = "LIST", default_value = "csv,md", value_delimiter = ',',
-          value_parser = Format::ALL.map(Format::name), conflicts_with = "json")]
+          value_parser = fleet::Format::ALL.map(fleet::Format::name), conflicts_with = "json")]
     pub format: Vec<String>,
     /// Write the full reports of the N worst trains as well, in trains/ in the folder; fleet.html leads to them
     #[arg(long, value_name = "N", default_value_t = 0, conflicts_with_all = ["json", "shard", "merge"])]

@@ -21,7 +21,7 @@ use trainsafe::scenario::Event;
 use trainsafe::solve::Method;
 use trainsafe::{Analysis, Options, Train, consist, findings, report, schema};
 
-use cli::{Cli, Command, ReportFormat};
+use cli::{Cli, Command};
 
 /// Analyses that are announced before they start take at least this long, s.
 const LONG_S: f64 = 5.0;
@@ -76,7 +76,7 @@ fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
     if seconds > LONG_S || bytes > LARGE {
         say(&format!("this will take about {seconds:.0} s{memory}"));
     }
-    let dir = args.out.clone().unwrap_or_else(|| default_dir(&args.train));
+    let dir = args.out.clone().unwrap_or_else(|| named_after(&args.train, "reports"));
     if !args.json {
         prepare_to_write(&dir)?;
     }
@@ -86,12 +86,7 @@ fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
         let json = report::json(&analysis).map_err(|e| output_failed(&e))?;
         print(&(json + "\n"))?;
     } else {
-        let wanted = |f: &Format| {
-            args.format.contains(match f {
-                Format::Markdown => &ReportFormat::Md,
-                Format::Html => &ReportFormat::Html,
-            })
-        };
+        let wanted = |f: &Format| args.format.iter().any(|name| name == f.name());
         let formats: Vec<Format> = Format::ALL.into_iter().filter(wanted).collect();
         let written = report::write(&train, &analysis, &dir, &formats).map_err(|e| output_failed(&e))?;
         print(&report::terminal(&analysis, &written[written.len() - formats.len()..]))?;
@@ -123,7 +118,7 @@ fn accuracy(args: &cli::Accuracy) -> Result<(), Failure> {
         return print(&accuracy::stress::terminal(&accuracy::stress::stress()));
     };
     let train = read(path)?;
-    let dir = args.out.clone().unwrap_or_else(|| Path::new("reports/accuracy").join(stem(path)));
+    let dir = args.out.clone().unwrap_or_else(|| named_after(path, "reports/accuracy"));
     prepare_to_write(&dir)?;
     let options = accuracy::Options::default();
     let compared = accuracy::run(&train, args.scenario.as_deref(), &options).map_err(|e| complain(path, &e))?;
@@ -137,7 +132,7 @@ fn accuracy(args: &cli::Accuracy) -> Result<(), Failure> {
 /// Refuses a folder that cannot be written before the work rather than after it, and lets signals wait while files are replaced.
 fn prepare_to_write(dir: &Path) -> Result<(), Failure> {
     report::can_write(dir).map_err(|e| output_failed(&e))?;
-    signals::heed();
+    signals::heed(|| ());
     Ok(())
 }
 
@@ -167,13 +162,14 @@ fn exceeds(analysis: &Analysis) -> bool {
     analysis.scenarios.iter().flat_map(|s| &s.cases).any(|c| c.exceeding + c.undecided > 0)
 }
 
-fn default_dir(train: &Path) -> PathBuf {
-    Path::new("reports").join(stem(train))
+/// The folder of a train's results within another, named after the train file.
+fn named_after(train: &Path, within: &str) -> PathBuf {
+    Path::new(within).join(stem(train).unwrap_or("train".as_ref()))
 }
 
-/// A train file's name as that of a folder: never one that leads elsewhere, as that of "...toml" would.
-fn stem(path: &Path) -> &OsStr {
-    path.file_stem().filter(|stem| *stem != "." && *stem != "..").unwrap_or(OsStr::new("train"))
+/// A file's name as that of a folder: never one that leads elsewhere, as that of "...toml" would.
+fn stem(path: &Path) -> Option<&OsStr> {
+    path.file_stem().filter(|stem| *stem != "." && *stem != "..")
 }
 
 /// The train, or its problems on standard error.

@@ -3,9 +3,10 @@
 use std::io::{self, ErrorKind, IsTerminal};
 use std::path::{Path, PathBuf};
 
+use trainsafe::error::printable_path;
 use trainsafe::fleet::{self, Estimate, FleetError, Format, Outcome, Request};
 
-use crate::{Failure, cli, options, print, say};
+use crate::{Failure, cli, options, print, say, signals, stem};
 
 pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
     let request = Request {
@@ -21,7 +22,11 @@ pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
         return fleet::estimate(&request).map_err(|e| failed(&e)).and_then(|estimate| print(&told(&estimate)));
     }
     if !args.json {
-        heed_signals(args);
+        let go_on = go_on(args);
+        signals::heed(move || {
+            let line = if io::stderr().is_terminal() { "\n" } else { "" };
+            say(&format!("{line}stopped; {go_on}"));
+        });
     }
     let dir = args.out.clone().unwrap_or_else(|| default_dir(&args.paths));
     let outcome = if args.json {
@@ -62,25 +67,6 @@ pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
     }
 }
 
-/// On Ctrl-C or SIGTERM: says how to go on, and stops at once. Rows are whole at any moment, so there is nothing to wait for.
-#[cfg(unix)]
-fn heed_signals(args: &cli::Fleet) {
-    use signal_hook::consts::{SIGINT, SIGTERM};
-    let go_on = go_on(args);
-    // Without them a signal ends the program as it would any other.
-    let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGINT, SIGTERM]) else { return };
-    std::thread::spawn(move || {
-        if let Some(signal) = signals.forever().next() {
-            let line = if io::stderr().is_terminal() { "\n" } else { "" };
-            say(&format!("{line}stopped; {go_on}"));
-            std::process::exit(128 + signal);
-        }
-    });
-}
-
-#[cfg(not(unix))]
-fn heed_signals(_: &cli::Fleet) {}
-
 /// How to go on after a run was cut short.
 fn go_on(args: &cli::Fleet) -> String {
     let with = if args.shard.is_some() || args.merge || args.resume { "again" } else { "with --resume" };
@@ -89,7 +75,7 @@ fn go_on(args: &cli::Fleet) -> String {
 
 fn default_dir(paths: &[PathBuf]) -> PathBuf {
     let name = match paths {
-        [one] => one.file_stem().filter(|_| one.exists()),
+        [one] if one.exists() => stem(one),
         _ => None,
     };
     Path::new("reports").join(name.unwrap_or("fleet".as_ref()))
@@ -97,13 +83,13 @@ fn default_dir(paths: &[PathBuf]) -> PathBuf {
 
 fn summary(outcome: &Outcome, dir: &Path, is_share: bool) -> String {
     if is_share {
-        return format!("this share is done; when all are: trainsafe fleet --merge --out {}\n", dir.display());
+        return format!("this share is done; when all are: trainsafe fleet --merge --out {}\n", printable_path(dir));
     }
     let (what, path) = match &outcome.report {
         Some(report) => ("report", report.as_path()),
         None => ("results", dir),
     };
-    format!("{}\n{what}: {}\n", outcome.verdict.join("\n"), path.display())
+    format!("{}\n{what}: {}\n", outcome.verdict.join("\n"), printable_path(path))
 }
 
 fn told(estimate: &Estimate) -> String {

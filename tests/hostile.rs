@@ -188,6 +188,10 @@ fn names_are_text_in_every_format() {
     };
     assert_eq!(all(dir.path()), BTreeSet::from(["below".to_owned()]));
     assert_eq!(all(&below), BTreeSet::from(["...toml", "reports"].map(str::to_owned)));
+    let fleet = trainsafe(&below, &["fleet", "...toml"]);
+    assert!(fleet.status.success(), "{}", String::from_utf8_lossy(&fleet.stderr));
+    assert_eq!(all(&below), BTreeSet::from(["...toml", "reports"].map(str::to_owned)));
+    assert_eq!(all(&below.join("reports")), BTreeSet::from(["fleet", "train"].map(str::to_owned)));
     let out = below.join("reports/train");
     let own = |name: &String| name.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b"-.".contains(&b));
     assert!(all(&out).iter().all(own), "{:?}", all(&out));

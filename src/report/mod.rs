@@ -19,7 +19,7 @@ mod couplers_csv;
 pub(crate) mod figures;
 pub(crate) mod files;
 pub(crate) mod folder;
-mod html;
+pub(crate) mod html;
 mod interactive;
 mod limits;
 mod map_csv;
@@ -58,6 +58,11 @@ pub enum Format {
 impl Format {
     /// Both.
     pub const ALL: [Format; 2] = [Format::Markdown, Format::Html];
+
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        if self == Format::Markdown { "md" } else { "html" }
+    }
 
     fn file(self) -> &'static str {
         if self == Format::Markdown { "report.md" } else { "report.html" }

@@ -211,6 +211,11 @@ pub(crate) fn is_obeyed(c: char) -> bool {
     c.is_control() || matches!(c, '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
+/// The text with spaces in place of what is obeyed, for places that show it as it is.
+pub(crate) fn harmless(text: &str) -> String {
+    text.chars().map(|c| if is_obeyed(c) { ' ' } else { c }).collect()
+}
+
 /// The text with control and invisible characters escaped, which a terminal could obey.
 pub(crate) fn printable(text: &str) -> String {
     let mut out = String::with_capacity(text.len());

@@ -11,6 +11,8 @@ use serde::Serialize;
 use super::fleet_md;
 use super::parts::Run;
 use super::summary::{Case, KEPT, Summary, TrainSummary};
+use crate::error::harmless;
+use crate::report::html::inline;
 use crate::report::numbers::{digits, down, percent};
 use crate::report::words::count;
 
@@ -134,30 +136,17 @@ impl Page {
             notes
                 .push(format!("The {detailed} worst trains have their worst cases below; fleet.csv has those of all."));
         }
-        let state = match (summary.harmful, summary.undecided_trains()) {
-            (1.., _) => "over",
-            (0, 1..) => "open",
-            (0, 0) => "",
-        };
-        // The figure's own size gives it the shape in which it is scaled.
-        let view = |svg: &str| {
-            svg.trim().replacen(
-                "<svg ",
-                "<svg role=\"img\" aria-label=\"Distribution of safe load factors\" viewBox=\"0 0 860 480\" ",
-                1,
-            )
-        };
         Page {
             title: format!("Fleet of {}", count(run.trains, "train")),
-            state,
+            state: state(summary.harmful, summary.undecided_trains()),
             verdict: fleet_md::verdict(run, summary),
-            figure: figure.map(view),
+            figure: figure.map(|svg| inline(svg, "Distribution of safe load factors")),
             caption: fleet_md::caption(summary),
             notes,
             kept: KEPT,
             detailed,
             errors: summary.errors.iter().map(|e| e.iter().map(|cell| clean(cell)).collect()).collect(),
-            style: include_str!("page/style.css"),
+            style: concat!(include_str!("../report/page.css"), include_str!("page/style.css")),
             script: include_str!("page/sort.js"),
         }
     }
@@ -165,14 +154,9 @@ impl Page {
 
 impl<'a> Train<'a> {
     fn new(number: usize, train: &'a TrainSummary, detailed: bool, reports: &'a HashMap<String, String>) -> Train<'a> {
-        let state = match (train.unsafe_variations, train.undecided_variations) {
-            (1.., _) => "over",
-            (0, 1..) => "open",
-            (0, 0) => "",
-        };
         Train {
             number: number + 1,
-            state,
+            state: state(train.unsafe_variations, train.undecided_variations),
             detailed,
             name: clean(&train.name),
             file: clean(&train.file),
@@ -213,11 +197,19 @@ impl Shown {
     }
 }
 
-/// A text of a bounded length without control characters, which HTML does not know.
-fn clean(text: &str) -> String {
-    let mut out: String = text.chars().take(LONGEST).map(|c| if c.is_control() { ' ' } else { c }).collect();
-    if out.len() < text.len() {
-        out.push('…');
+/// The class of what has so many exceedances, and so many cases that are not decided.
+fn state(over: usize, open: usize) -> &'static str {
+    match (over, open) {
+        (1.., _) => "over",
+        (0, 1..) => "open",
+        (0, 0) => "",
     }
-    out
+}
+
+/// A text of a bounded length with nothing in it that is obeyed rather than shown.
+fn clean(text: &str) -> String {
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => harmless(&text[..end]) + "…",
+        None => harmless(text),
+    }
 }

@@ -12,14 +12,15 @@
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use pulldown_cmark::{Alignment, CowStr, Event, Options, Parser, Tag, TagEnd};
+use pulldown_cmark::{Alignment, Event, Options, Parser, Tag, TagEnd};
 use sha2::{Digest, Sha256};
 
 use super::markdown::{Picture, Pictures};
 use super::words;
+use crate::error::{harmless, is_obeyed};
 use crate::findings::{Analysis, ScenarioFindings};
 
-const STYLE: &str = include_str!("report.css");
+const STYLE: &str = concat!(include_str!("page.css"), include_str!("report.css"));
 const SCRIPT: &str = include_str!("report.js");
 /// Plotly.js, compressed with gzip, in base64; and its digest.
 const LIBRARY: &str = include_str!(concat!(env!("OUT_DIR"), "/plotly.js.gz.base64"));
@@ -56,7 +57,7 @@ fn text(plain: &str) -> String {
             '>' => out.push_str("&gt;"),
             '"' => out.push_str("&quot;"),
             '\'' => out.push_str("&#39;"),
-            c if c.is_control() => out.push(' '),
+            c if is_obeyed(c) => out.push(' '),
             c => out.push(c),
         }
     }
@@ -163,8 +164,7 @@ impl Page<'_> {
         }
         let kind = file.trim_end_matches(".svg").rsplit('-').next().unwrap_or_default();
         let caption = text(caption);
-        let svg = svg.trim().replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{caption}\" "), 1);
-        let svg = with_view_box(&svg);
+        let svg = inline(svg, &caption);
         self.out += &format!(
             "<figure data-scenario=\"{scenario}\" data-kind=\"{kind}\">\n{svg}\n<figcaption>{caption}</figcaption>\n</figure>\n"
         );
@@ -259,8 +259,7 @@ fn plain(block: &[Event]) -> String {
 
 /// The text as Markdown has it.
 fn spaced(plain: &str) -> String {
-    let plain: String = plain.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-    CowStr::from(plain).trim().to_owned()
+    harmless(plain).trim().to_owned()
 }
 
 /// A scenario's state, as a class and in words.
@@ -289,14 +288,15 @@ fn contents(scenarios: &[ScenarioFindings]) -> String {
     format!("<nav aria-label=\"Scenarios\">\n<ol>\n{entries}</ol>\n</nav>\n")
 }
 
-/// The SVG with a view box in place of a fixed size, so that it fits the page's width.
-fn with_view_box(svg: &str) -> String {
+/// A figure's SVG within a page: named for who cannot see it (`label` is HTML), and with a view box in place of a fixed size, so
+/// that it fits the page's width.
+pub(crate) fn inline(svg: &str, label: &str) -> String {
+    let svg = svg.trim();
     let head = svg.split('>').next().unwrap_or_default();
     let number = |key: &str| head.split_once(&format!(" {key}=\""))?.1.split('"').next();
-    match (number("width"), number("height")) {
-        (Some(width), Some(height)) if !head.contains("viewBox") => {
-            svg.replacen("<svg ", &format!("<svg viewBox=\"0 0 {width} {height}\" "), 1)
-        }
-        _ => svg.to_owned(),
-    }
+    let view = match (number("width"), number("height")) {
+        (Some(width), Some(height)) if !head.contains("viewBox") => format!("viewBox=\"0 0 {width} {height}\" "),
+        _ => String::new(),
+    };
+    svg.replacen("<svg ", &format!("<svg {view}role=\"img\" aria-label=\"{label}\" "), 1)
 }

@@ -7,7 +7,7 @@ use comfy_table::{CellAlignment, LineStyle, Table, presets};
 
 use super::numbers::{force, percent, time};
 use super::words;
-use crate::error::{is_obeyed, printable_path};
+use crate::error::{harmless, printable_path};
 use crate::findings::{Analysis, CaseFindings, CouplerFindings, ScenarioFindings};
 
 /// Rows shown of a scenario with many cases.
@@ -17,17 +17,17 @@ const ROWS: usize = 5;
 pub fn terminal(analysis: &Analysis, reports: &[PathBuf]) -> String {
     let mut out = format!(
         "{}: {}, {}\n",
-        printable(&analysis.train),
+        harmless(&analysis.train),
         words::count(analysis.vehicles, "vehicle"),
         words::count(analysis.couplers, "coupler")
     );
     for scenario in &analysis.scenarios {
         let verdict = words::verdict_of(scenario);
         // Writing to a String cannot fail.
-        let _ = write!(out, "\n{}\n{}\n", printable(&scenario.name), printable(&verdict));
+        let _ = write!(out, "\n{}\n{}\n", harmless(&scenario.name), harmless(&verdict));
         let next = super::cascade::sentence(scenario);
         if !next.is_empty() {
-            let _ = writeln!(out, "What breaks next: {}", printable(&next));
+            let _ = writeln!(out, "What breaks next: {}", harmless(&next));
         }
         if let Some(table) = table(scenario) {
             let _ = writeln!(out, "{table}");
@@ -71,9 +71,4 @@ fn table(scenario: &ScenarioFindings) -> Option<Table> {
         column.set_cell_alignment(CellAlignment::Right);
     }
     Some(table)
-}
-
-/// The text with nothing in it that moves a terminal's cursor, changes its colours or turns the order of reading.
-fn printable(text: &str) -> String {
-    text.chars().map(|c| if is_obeyed(c) { ' ' } else { c }).collect()
 }

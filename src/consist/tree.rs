@@ -219,13 +219,18 @@ impl<'s> Value<'s> {
     /// A number without a unit, more than 0.
     pub(crate) fn positive(&self) -> Read<f64> {
         let right = "expected a number without a unit, more than zero";
-        let text = match self.value {
-            DeValue::Integer(number) => number.to_string(),
-            DeValue::Float(number) => number.to_string(),
-            _ => return Err(self.wrong_type(right)),
-        };
+        let text = self.bare_number(right)?;
         let number = text.parse().ok().filter(|x: &f64| *x > 0.0 && x.is_finite());
         number.ok_or_else(|| self.wrong(format!("{} is {text}", self.key.name), right))
+    }
+
+    /// A number without quotes, as it is written.
+    fn bare_number(&self, right: &str) -> Read<String> {
+        match self.value {
+            DeValue::Integer(number) => Ok(number.to_string()),
+            DeValue::Float(number) => Ok(number.to_string()),
+            _ => Err(self.wrong_type(right)),
+        }
     }
 
     pub(crate) fn flag(&self) -> Read<bool> {
@@ -243,11 +248,7 @@ impl<'s> Value<'s> {
     /// A plain number from 0 to under 1.
     pub(super) fn ratio(&self) -> Read<f64> {
         let right = "expected a number from 0 to under 1, without quotes and unit: 0.2";
-        let text = match self.value {
-            DeValue::Integer(number) => number.to_string(),
-            DeValue::Float(number) => number.to_string(),
-            _ => return Err(self.wrong_type(right)),
-        };
+        let text = self.bare_number(right)?;
         let ratio = text.parse::<f64>().ok().filter(|r| (0.0..1.0).contains(r));
         ratio.ok_or_else(|| self.wrong(format!("{} is {}", self.key.name, quoted(&text)), right))
     }

@@ -40,7 +40,7 @@ pub fn replace(
     fs::create_dir_all(dir).map_err(|e| WriteError::new(dir, e))?;
     let _turn = turn(dir)?;
     files::remove_unfinished(dir);
-    let written = files::write_all(dir, new)?;
+    let written = files::write_into(dir, new)?;
     for entry in dir.read_dir().into_iter().flatten().flatten() {
         let name = entry.file_name();
         let stale = |name: &str| is_ours(name) && !new.iter().any(|(n, _)| n == name);

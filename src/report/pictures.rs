@@ -54,7 +54,7 @@ impl<'a> Shown<'a> {
         let several = findings.cases.len() > 1;
         let mut all = Vec::new();
         if let Some((field, cascade)) = &self.cascade {
-            let caption = self.wave_caption("What breaks next: force in every coupler over time", field);
+            let caption = self.wave_caption("What breaks next: force in every coupler over time", field, None);
             all.push(picture("cascade", caption, &|n| self.draw_wave(field, None, Some(cascade), n)));
         }
         if several {
@@ -81,8 +81,9 @@ impl<'a> Shown<'a> {
         }
         let when = self.when();
         if let Some(field) = &self.wave {
-            let caption = self.wave_caption(&format!("Force in every coupler over time{when}"), field);
-            all.push(picture("wave", caption, &|n| self.draw_wave(field, self.rod.as_ref(), None, n)));
+            let rod = self.rod.as_ref();
+            let caption = self.wave_caption(&format!("Force in every coupler over time{when}"), field, rod);
+            all.push(picture("wave", caption, &|n| self.draw_wave(field, rod, None, n)));
         }
         let shown = match figures::window(train, case, worst) {
             (from, to) if to - from < case.horizon_s => {
@@ -103,19 +104,14 @@ impl<'a> Shown<'a> {
         }
     }
 
-    fn wave_caption(&self, what: &str, field: &Field) -> String {
+    fn wave_caption(&self, what: &str, field: &Field, rod: Option<&Field>) -> String {
         let until = field.times_s[field.times_s.len() - 1];
         let part = if until < 0.99 * self.case.horizon_s {
             format!(" (the first {} of {})", brief_time(until), brief_time(self.case.horizon_s))
         } else {
             String::new()
         };
-        let rod = if self.rod.is_some() && Some(field as *const Field) == self.wave.as_ref().map(|f| f as *const Field)
-        {
-            " Below it the elastic rod on the same scale."
-        } else {
-            ""
-        };
+        let rod = if rod.is_some() { " Below it the elastic rod on the same scale." } else { "" };
         format!(
             "{what}{part}, as a share of its rating: draft blue, buff orange, outlined in black where it is over. Where a \
              dot stands for several couplers or instants, it shows the largest.{rod}"

@@ -131,9 +131,8 @@ fn accuracy(args: &cli::Accuracy) -> Result<(), Failure> {
 
 /// Refuses a folder that cannot be written before the work rather than after it, and lets signals wait while files are replaced.
 fn prepare_to_write(dir: &Path) -> Result<(), Failure> {
-    report::can_write(dir).map_err(|e| output_failed(&e))?;
     signals::heed(|| ());
-    Ok(())
+    report::can_write(dir).map_err(|e| output_failed(&e))
 }
 
 fn man(of: Option<&str>, out: Option<&Path>) -> Result<(), Failure> {

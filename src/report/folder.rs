@@ -62,6 +62,7 @@ pub fn can_write(dir: &Path) -> Result<(), WriteError> {
     if !there.is_dir() {
         return Err(WriteError::new(there, ErrorKind::NotADirectory.into()));
     }
+    let _whole = between_writes();
     files::unfinished(there).map(drop).map_err(|e| WriteError::new(there, e))
 }
 

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::reference::{Reference, ReferenceError};
 use crate::chain::Scene;
 use crate::solve::watch::SpringPeaks;
-use crate::solve::{Ask, Method, solve};
+use crate::solve::{Ask, Method, Wanted, solve};
 pub use draw::{scene, with_ratings};
 pub use judge::{Fault, Verdict, judge};
 
@@ -73,7 +73,7 @@ pub fn run_method(scene: &Scene, method: Option<Method>) -> Option<(Vec<SpringPe
     let rating = scene.rated_draft.iter().chain(&scene.rated_buff).fold(0.0f64, |a, &r| a.max(r));
     // A method asked for by name is held to what it can do at best, the planner to its default tolerance.
     let tolerance = if method.is_some() { f64::MIN_POSITIVE } else { 1e-9 * rating };
-    let ask = Ask { tolerance, method, verdict_only: false, all_time_bound: false };
+    let ask = Ask { tolerance, method, verdict_only: false, all_time_bound: false, wanted: Wanted::Everything };
     let solution = solve(scene, &ask).ok()?;
     Some((solution.springs.into_iter().collect::<Option<_>>()?, solution.error_bound))
 }

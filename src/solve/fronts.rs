@@ -17,11 +17,11 @@
 //! the front is touched. The table depends on no train's data; its rows are made for 16 instants at once and used by every
 //! spring, and nothing is kept.
 
-use super::Work;
 use super::between::{PHASE, Search, Step};
 use super::closed_form::equal;
 use super::motion::{BLOCK, Motion, local_norms, opening};
 use super::watch::SpringPeaks;
+use super::{Wanted, Work};
 use crate::chain::Scene;
 
 /// Instants computed side by side.
@@ -111,12 +111,12 @@ fn step_of(scene: &Scene) -> f64 {
 }
 
 /// Extremes of every spring's force in a scene of an equal chain.
-pub fn peaks(scene: &Scene) -> (Vec<SpringPeaks>, Work) {
+pub fn peaks(scene: &Scene, wanted: Wanted) -> (Vec<SpringPeaks>, Work) {
     let unit = equal(&scene.chain).map_or(1.0, |(m, k)| (m / k).sqrt());
     let bound = error_bound(scene);
     let scene = scaled(scene);
     let motion = Motion::new(&scene);
-    let mut search = Search::new(&scene, &motion, bound);
+    let mut search = Search::new(&scene, &motion, bound, wanted);
     let mut fronts = Fronts::new(&scene, &motion);
     pulp::Arch::new().dispatch(March { fronts: &mut fronts, search: &mut search });
     let mut work = fronts.work;
@@ -284,6 +284,7 @@ impl<'a> Fronts<'a> {
         for l in 0..last_lane {
             search.departures(|s| self.force[s][l + 1]);
         }
+        search.keep_up();
     }
 
     /// `q = -h^2 G''` of a spring at both ends of each of the block's steps.

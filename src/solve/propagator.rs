@@ -19,13 +19,13 @@
 
 use std::sync::OnceLock;
 
-use super::Work;
 use super::between::{PHASE, Search, Step};
 use super::dd::Dd;
 use super::motion::{BLOCK, Motion, local_norms, opening};
 use super::path::Path;
 use super::series::{polynomial, sine_over_root};
 use super::watch::SpringPeaks;
+use super::{Wanted, Work};
 use crate::chain::Scene;
 
 /// Terms of the series for P, for 1e-17 over the largest phase, and of those that bring velocities across a change of step.
@@ -70,9 +70,9 @@ pub fn error_bound(scene: &Scene, omega: f64) -> f64 {
 }
 
 /// Extremes of every spring's force in a scene.
-pub fn peaks(scene: &Scene, omega: f64) -> (Vec<SpringPeaks>, Work) {
+pub fn peaks(scene: &Scene, omega: f64, wanted: Wanted) -> (Vec<SpringPeaks>, Work) {
     let motion = Motion::new(scene);
-    let mut search = Search::new(scene, &motion, error_bound(scene, omega));
+    let mut search = Search::new(scene, &motion, error_bound(scene, omega), wanted);
     let quiet = search.quiet();
     let mut sieve = Sieve { search: &mut search, work: Work::default() };
     march(scene, &motion, omega, quiet, &mut sieve);
@@ -85,7 +85,7 @@ pub fn peaks(scene: &Scene, omega: f64) -> (Vec<SpringPeaks>, Work) {
 /// Forces of one spring at given times, ascending.
 pub fn history(scene: &Scene, omega: f64, spring: usize, times: &[f64]) -> Vec<f64> {
     let motion = Motion::new(scene);
-    let search = Search::new(scene, &motion, 0.0);
+    let search = Search::new(scene, &motion, 0.0, Wanted::Everything);
     let values = vec![scene.initial[spring]; times.len()];
     let mut record = Record { search, spring, times, values, next: 0, horizon: scene.horizon };
     march(scene, &motion, omega, 0.0, &mut record);
@@ -127,6 +127,7 @@ impl See for Sieve<'_, '_> {
             }
         }
         self.search.departures(|s| view.force[1][s + 1]);
+        self.search.keep_up();
     }
 }
 

@@ -19,7 +19,7 @@
 
 use super::between::{PHASE, Search, Step};
 use super::closed_form::equal;
-use super::motion::{BLOCK, Motion, local_norms, opening};
+use super::motion::{BLOCK, FAR, Motion, local_norms, opening};
 use super::watch::SpringPeaks;
 use super::{Wanted, Work};
 use crate::chain::Scene;
@@ -237,11 +237,12 @@ impl<'a> Fronts<'a> {
 
     #[inline(always)]
     fn deposit(&mut self, spring: usize, m: usize, scale: &[f64; LANES]) {
-        let value = &self.table.value[m];
-        let force = &mut self.force[spring];
+        // Copies, so that the compiler sees that nothing overlaps.
+        let (value, scale, mut force) = (self.table.value[m], *scale, self.force[spring]);
         for l in 0..LANES {
             force[l + 1] += scale[l] * value[l];
         }
+        self.force[spring] = force;
     }
 
     /// The step that ends at instant `n`.
@@ -270,7 +271,11 @@ impl<'a> Fronts<'a> {
                 continue;
             }
             let open = self.open(spring, first, search);
-            if open.iter().fold(0.0f64, |a, &b| a.max(b)) <= 0.0 {
+            let mut any = false;
+            for passed in open {
+                any |= passed > 0.0;
+            }
+            if !any {
                 continue;
             }
             for (l, _) in open.iter().enumerate().take(last_lane).filter(|(_, o)| **o > 0.0) {
@@ -314,21 +319,28 @@ impl<'a> Fronts<'a> {
     fn find_norms(&mut self, first: usize) {
         let springs = self.force.len();
         let blocks = springs.div_ceil(BLOCK);
-        let mut energy = vec![[[0.0; LANES]; 2]; blocks];
+        // As many blocks of zeros on either side.
+        let mut energy = [vec![[0.0; LANES]; blocks + 2 * FAR], vec![[0.0; LANES]; blocks + 2 * FAR]];
+        let mut all = [[0.0; LANES]; 2];
         for spring in 0..springs {
             let bend = self.bend(spring, first);
-            for (sum, q) in energy[spring / BLOCK].iter_mut().zip(bend) {
-                sum.iter_mut().zip(q).for_each(|(s, q)| *s += q * q);
+            for end in 0..2 {
+                let (mut sum, mut every) = (energy[end][FAR + spring / BLOCK], all[end]);
+                for l in 0..LANES {
+                    let square = bend[end][l] * bend[end][l];
+                    sum[l] += square;
+                    every[l] += square;
+                }
+                energy[end][FAR + spring / BLOCK] = sum;
+                all[end] = every;
             }
         }
-        let mut ends = [vec![0.0; blocks], vec![0.0; blocks]];
-        let mut norms = Vec::with_capacity(blocks);
-        for l in 0..LANES {
-            for (e, end) in ends.iter_mut().enumerate() {
-                end.iter_mut().zip(&energy).for_each(|(sum, block)| *sum = block[e][l]);
+        for (number, norms) in self.norms.iter_mut().enumerate() {
+            let mut around = [[[0.0; LANES]; 2 * FAR + 1]; 2];
+            for (around, row) in around.iter_mut().zip(&energy) {
+                around.copy_from_slice(&row[number..=number + 2 * FAR]);
             }
-            local_norms([&ends[0], &ends[1]], &mut norms);
-            self.norms.iter_mut().zip(&norms).for_each(|(of, norm)| of[l] = *norm);
+            *norms = local_norms(around, all);
         }
     }
 

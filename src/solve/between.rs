@@ -167,12 +167,6 @@ impl<'a> Search<'a> {
         self.lead.as_ref().map_or(side.reached, |[lead, _]| lead.level(rating).max(side.reached))
     }
 
-    /// When it is known that some spring has passed its rating, and nobody asks when others do.
-    #[inline]
-    fn crossed(&self) -> f64 {
-        self.lead.as_ref().map_or(f64::INFINITY, |[lead, _]| lead.crossed)
-    }
-
     /// After a step, or some: levels anew where others have reached much more than when they were made.
     #[inline]
     pub fn keep_up(&mut self) {
@@ -220,7 +214,8 @@ impl<'a> Search<'a> {
                 continue;
             }
             let initial = sign * self.scene.initial[spring];
-            let mut open = Open { step: *step, upper: upper + initial, window: 0 };
+            // Rounding can turn a narrow bracket over.
+            let mut open = Open { step: *step, upper: upper.max(lower) + initial, window: 0 };
             if self.reach(spring, negative, lower + initial, &open) {
                 open.window = self.put([self.window(spring, |s| at(0, s)), self.window(spring, |s| at(1, s))]);
                 self.keep(spring, negative, open);
@@ -245,8 +240,7 @@ impl<'a> Search<'a> {
         let side = &self.sides[spring][usize::from(negative)];
         let initial = self.scene.initial[spring];
         let end = ends[1][0] + if negative { -initial } else { initial };
-        let first = side.over_in.is_none() && step.from < self.crossed();
-        let may_cross = first && end > self.watch.cautious_rating(spring, negative);
+        let may_cross = side.over_in.is_none() && end > self.watch.cautious_rating(spring, negative);
         !may_cross && !self.is_last(step) && least_slope(ends, remainder) > 0.0
     }
 
@@ -337,10 +331,13 @@ impl<'a> Search<'a> {
 
     /// Whether a step may hold a side's largest force, or the instant at which it passes its rating, or whether it does.
     fn matters(&self, spring: usize, negative: bool, side: &Side, open: &Open) -> bool {
+        let rating = self.watch.rating(spring, negative);
         let may_cross = open.upper > self.watch.cautious_rating(spring, negative);
-        let first =
-            side.over_in.is_none_or(|(over_in, _)| open.step.number <= over_in && open.step.from < self.crossed());
-        open.upper >= self.worth(side, self.watch.rating(spring, negative)) || may_cross && first || side.at_rating
+        // Of a side that may be the worst every step is kept that would be if everything were wanted.
+        let asked = |[lead, _]: &[Lead; 2]| open.step.from < lead.crossed || open.upper >= lead.level(rating);
+        let is_first = |over_in: u64| open.step.number <= over_in && self.lead.as_ref().is_none_or(asked);
+        let may_be_first = side.over_in.is_none_or(|(over_in, _)| is_first(over_in));
+        open.upper >= self.worth(side, rating) || may_cross && may_be_first || side.at_rating
     }
 
     /// Keeps a step open.

@@ -85,8 +85,9 @@ pub enum Wanted {
     #[default]
     Everything,
     /// The largest utilisation, of which spring and when, all that the error bound does not tell from it, whether each spring
-    /// exceeds its rating, and the earliest instant at which one does: to the bit what [`Wanted::Everything`] says. Other
-    /// extremes are what was found on the way, never more than the true ones, and other first exceedances may be late.
+    /// exceeds its rating, and the earliest instant at which one does: to the bit what [`Wanted::Everything`] says, unless a
+    /// spring has peaks within an eighth of the error bound of each other; of those it may be another. Other extremes are what
+    /// was found on the way, never more than the true ones, and other first exceedances may be late. Ratings are finite.
     Worst,
 }
 

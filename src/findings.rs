@@ -29,7 +29,7 @@ use crate::rod::Rod;
 use crate::scenario::{self, Event, Part, Scales, Scenario};
 use crate::solve::memo::Memo;
 use crate::solve::watch::{Side, SpringPeaks};
-use crate::solve::{Ask, Method, SolveError};
+use crate::solve::{Ask, Method, SolveError, Wanted};
 
 /// What one analysis may remember of scenes that it has solved, bytes.
 const REMEMBERED: usize = 32 << 20;
@@ -47,6 +47,8 @@ pub struct Options {
     pub verdict_only: bool,
     /// Report the all-time bound of every coupler's force.
     pub all_time_bound: bool,
+    /// Which couplers' forces are to be exact. [`Wanted::Worst`] is less work, where it makes a difference: after breaks.
+    pub wanted: Wanted,
     /// Add a map to every scenario: overloading force by duration, or safe load by broken coupler.
     pub map: bool,
 }
@@ -59,6 +61,7 @@ impl Default for Options {
             scenario: None,
             verdict_only: false,
             all_time_bound: false,
+            wanted: Wanted::Everything,
             map: false,
         }
     }
@@ -276,6 +279,7 @@ fn ask(train: &Train, options: &Options) -> Ask {
         method: options.method,
         verdict_only: options.verdict_only,
         all_time_bound: options.all_time_bound,
+        wanted: options.wanted,
     }
 }
 
@@ -311,14 +315,14 @@ pub(crate) fn case_findings(
     } else {
         let parts = scenario::parts(train, &scenario.event, broken, horizon_s);
         let rod = if train.extras.damping_ratio > 0.0 { None } else { rod_findings(&parts) };
-        (solved_by_parts(train, &parts, options, memo)?, rod)
+        // After a break the coupler of the largest utilisation is the one that bounds the load; it need not be under a pulse.
+        let wanted = if broken.is_some() { options.wanted } else { Wanted::Everything };
+        let options = Options { wanted, ..options.clone() };
+        (solved_by_parts(train, &parts, &options, memo)?, rod)
     };
-    let Solved { method, reason, error_bound_n, mut couplers, left_out } = solved;
+    let Solved { method, reason, error_bound_n, mut couplers, worst, left_out } = solved;
     let cascade = cascade::find(train, scenario, broken, horizon_s)?;
     limits::find(train, &mut couplers, error_bound_n);
-    // Utilisations that the error bound does not tell apart, as symmetry makes them, are alike: the first coupler counts.
-    let apart = |a: &CouplerFindings| a.utilisation + error_bound_n / a.rated_draft_n.min(a.rated_buff_n);
-    let worst = couplers.iter().reduce(|a, b| if b.utilisation > apart(a) { b } else { a }).cloned();
     Ok(CaseFindings {
         kind: scenario.event.kind(),
         broken_coupler: broken.map(|b| b + 1),
@@ -331,7 +335,7 @@ pub(crate) fn case_findings(
         exceeding: couplers.iter().filter(|c| c.exceeds == Some(true)).count(),
         undecided: couplers.iter().filter(|c| c.exceeds.is_none()).count(),
         safe_load_factor: safe_load_factor(train, &scenario.event, &couplers, &left_out),
-        worst,
+        worst: worst.map(|i| couplers[i].clone()),
         couplers,
         left_out: left_out.len(),
         rod,
@@ -343,7 +347,7 @@ pub(crate) fn case_findings(
 fn solved_by_parts(train: &Train, parts: &[Part], options: &Options, memo: &Memo) -> Result<Solved, SolveError> {
     let scales = Scales::of(train);
     let ask = ask(train, options);
-    let mut couplers = Vec::new();
+    let (mut couplers, mut worst_of_parts) = (Vec::new(), Vec::new());
     let (mut method, mut reason, mut largest) = ("none", "no coupler is left to watch".to_owned(), 0);
     let (mut error_bound_n, mut left_out) = (0.0f64, Vec::new());
     for part in parts {
@@ -357,6 +361,7 @@ fn solved_by_parts(train: &Train, parts: &[Part], options: &Options, memo: &Memo
             reason = solution.reason.clone();
         }
         error_bound_n = error_bound_n.max(solution.error_bound * scales.force_n);
+        let first = couplers.len();
         for (i, spring) in solution.springs.iter().enumerate() {
             let (index, bound) =
                 (part.first_coupler + i, solution.all_time_bounds.as_ref().map(|b| b[i] * scales.force_n));
@@ -369,8 +374,23 @@ fn solved_by_parts(train: &Train, parts: &[Part], options: &Options, memo: &Memo
                 (None, None) => {}
             }
         }
+        worst_of_parts.extend(worst(&couplers, first..couplers.len(), solution.error_bound * scales.force_n));
     }
-    Ok(Solved { method, reason, error_bound_n, couplers, left_out })
+    let worst = worst(&couplers, worst_of_parts, error_bound_n);
+    Ok(Solved { method, reason, error_bound_n, couplers, worst, left_out })
+}
+
+/// Of some couplers the first whose utilisation the error bound does not tell from the largest: symmetry makes many alike.
+fn worst(
+    couplers: &[CouplerFindings],
+    of: impl IntoIterator<Item = usize, IntoIter: Clone>,
+    error_bound_n: f64,
+) -> Option<usize> {
+    let of = of.into_iter();
+    let largest = of.clone().map(|i| couplers[i].utilisation).fold(0.0, f64::max);
+    let rating = |c: &CouplerFindings| if c.peak_force_n < 0.0 { c.rated_buff_n } else { c.rated_draft_n };
+    let alike = |c: &CouplerFindings| c.utilisation + error_bound_n / rating(c) >= largest;
+    of.into_iter().find(|&i| alike(&couplers[i]))
 }
 
 fn coupler_findings(

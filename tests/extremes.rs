@@ -8,7 +8,7 @@ use scenes::*;
 use serde::Deserialize;
 use trainsafe::chain::{Chain, Scene};
 use trainsafe::solve::path::Path;
-use trainsafe::solve::{Method, propagator};
+use trainsafe::solve::{Method, Wanted, propagator};
 
 /// Holds every scene whose name begins so against its reference, by every method that is for it.
 fn hold(beginning: &str) {
@@ -116,7 +116,7 @@ fn three_thousand_vehicles() {
 
 fn marched(scene: &Scene) -> Found {
     let omega = propagator::omega_max(scene);
-    let springs = propagator::peaks(scene, omega).0;
+    let springs = propagator::peaks(scene, omega, Wanted::Everything).0;
     Found { method: Method::Propagator, springs, bound: propagator::error_bound(scene, omega) }
 }
 

@@ -4,9 +4,10 @@ use proptest::prelude::*;
 use trainsafe::chain::{Chain, Scene};
 use trainsafe::solve::memo::Memo;
 use trainsafe::solve::watch::SpringPeaks;
-use trainsafe::solve::{Ask, Solution, solve};
+use trainsafe::solve::{Ask, Solution, Wanted, solve};
 
-const ASK: Ask = Ask { tolerance: 1e-9, method: None, verdict_only: false, all_time_bound: true };
+const ASK: Ask =
+    Ask { tolerance: 1e-9, method: None, verdict_only: false, all_time_bound: true, wanted: Wanted::Everything };
 
 /// A chain of equal or unequal masses with its last mass pulled; `seed` sets the numbers.
 fn scene(masses: usize, equal: bool, held_head: bool, seed: u32, rating: f64) -> Scene {

@@ -2,13 +2,14 @@
 
 mod draw;
 mod judge;
+pub mod row;
 
 use rayon::prelude::*;
 
 use super::reference::{Reference, ReferenceError};
 use crate::chain::Scene;
 use crate::solve::watch::SpringPeaks;
-use crate::solve::{Ask, Method, solve};
+use crate::solve::{Ask, Method, Solution, Wanted, solve};
 pub use draw::{scene, with_ratings};
 pub use judge::{Fault, Verdict, judge};
 
@@ -68,14 +69,27 @@ pub struct Campaign {
     pub refused: Vec<(u64, ReferenceError)>,
 }
 
-/// Extremes by one method, or by the planner's choice, and the bound stated; `None` where the method does not apply.
-pub fn run_method(scene: &Scene, method: Option<Method>) -> Option<(Vec<SpringPeaks>, f64)> {
+/// A scene by one method, or by the planner's choice; `None` where the method does not apply.
+fn solved(scene: &Scene, method: Option<Method>, wanted: Wanted) -> Option<Solution> {
     let rating = scene.rated_draft.iter().chain(&scene.rated_buff).fold(0.0f64, |a, &r| a.max(r));
     // A method asked for by name is held to what it can do at best, the planner to its default tolerance.
     let tolerance = if method.is_some() { f64::MIN_POSITIVE } else { 1e-9 * rating };
-    let ask = Ask { tolerance, method, verdict_only: false, all_time_bound: false };
-    let solution = solve(scene, &ask).ok()?;
+    let ask = Ask { tolerance, method, verdict_only: false, all_time_bound: false, wanted };
+    solve(scene, &ask).ok()
+}
+
+/// Extremes by one method, or by the planner's choice, and the bound stated; `None` where the method does not apply.
+pub fn run_method(scene: &Scene, method: Option<Method>) -> Option<(Vec<SpringPeaks>, f64)> {
+    let solution = solved(scene, method, Wanted::Everything)?;
     Some((solution.springs.into_iter().collect::<Option<_>>()?, solution.error_bound))
+}
+
+/// What a row of a fleet says of a scene, if that is not what comes of asking for everything.
+pub fn wrong_row(scene: &Scene, method: Option<Method>) -> Option<String> {
+    let [everything, worst] = [Wanted::Everything, Wanted::Worst]
+        .map(|wanted| solved(scene, method, wanted).and_then(|solution| row::Row::of(scene, &solution)));
+    let (everything, worst) = (everything?, worst?);
+    (!worst.agrees(&everything, scene)).then(|| format!("{worst:?} instead of {everything:?}"))
 }
 
 /// All methods on the scene of one seed.
@@ -89,7 +103,11 @@ pub fn trials(seed: u64) -> Result<Vec<Trial>, ReferenceError> {
     let scene = with_ratings(bare, &extremes, seed);
     let trial = |&method: &Option<Method>| {
         let (peaks, bound) = run_method(&scene, method)?;
-        Some(judge(&scene, &reference, &extremes, &peaks, bound).map(|verdict| Trial { seed, method, bound, verdict }))
+        let verdict = judge(&scene, &reference, &extremes, &peaks, bound).map(|mut verdict| {
+            verdict.wrong.extend(wrong_row(&scene, method).map(|row| (Fault::Row, row)));
+            Trial { seed, method, bound, verdict }
+        });
+        Some(verdict)
     };
     METHODS.iter().filter_map(trial).collect()
 }

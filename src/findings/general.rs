@@ -1,6 +1,6 @@
 //! Cases that steps of force on an undamped chain at rest cannot stand for: the whole train by Taylor series.
 
-use super::{CouplerFindings, Options, coupler_findings};
+use super::{CouplerFindings, Options, coupler_findings, worst};
 use crate::chain::Scene;
 use crate::consist::Train;
 use crate::play::Rule;
@@ -13,6 +13,8 @@ pub(super) struct Solved {
     pub reason: String,
     pub error_bound_n: f64,
     pub couplers: Vec<CouplerFindings>,
+    /// The one with the largest utilisation, of alike ones the first: its place among them.
+    pub worst: Option<usize>,
     /// Couplers that were left out, with their all-time bounds, N.
     pub left_out: Vec<(usize, f64)>,
 }
@@ -40,11 +42,14 @@ pub(super) fn solved(
         initial_force_n: before_n[i],
         ..coupler_findings(train, i, peaks, &scales, None)
     });
+    let couplers: Vec<CouplerFindings> = couplers.collect();
+    let error_bound_n = outcome.error_bound * scales.force_n;
     Ok(Solved {
         method: "taylor",
         reason: reason(train, &scenario.event).to_owned(),
-        error_bound_n: outcome.error_bound * scales.force_n,
-        couplers: couplers.collect(),
+        error_bound_n,
+        worst: worst(&couplers, 0..couplers.len(), error_bound_n),
+        couplers,
         left_out: Vec::new(),
     })
 }

@@ -86,14 +86,14 @@ fn look(plan: &Plan, case: u64, start: Instant) -> Result<Option<Looked>, FleetE
         let all = findings::cases(&scenario.event);
         if let Some(&broken) = all.get(index - before) {
             let pair = [broken, all[all.len() - 1 - (index - before)]];
-            let count = |b: &Option<usize>| findings::case_estimate_s(&train, scenario, *b, plan.options);
+            let count = |b: &Option<usize>| findings::case_estimate_s(&train, scenario, *b, &plan.options);
             let counted: f64 = pair.iter().filter_map(|b| count(b).ok()).sum();
             let begun = Instant::now();
             let is_time = start.elapsed().as_secs_f64() < SOLVING_S && counted < SOLVING_S;
             let solved = is_time.then(|| {
                 for broken in pair {
                     // Those that cannot be computed take their time too.
-                    let _ = findings::case_findings(&train, scenario, broken, plan.options, plan.memo);
+                    let _ = findings::case_findings(&train, scenario, broken, &plan.options, plan.memo);
                 }
                 begun.elapsed().as_secs_f64()
             });

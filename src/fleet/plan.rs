@@ -8,6 +8,7 @@ use super::rows::{self, Chunk};
 use super::variation::Varied;
 use crate::consist::Train;
 use crate::findings::{self, Options, cases};
+use crate::solve::Wanted;
 use crate::solve::memo::Memo;
 
 /// Chunks that a run is cut into, if they keep within the limits that follow.
@@ -18,8 +19,8 @@ const MOST_CASES: u64 = 500;
 /// Cases of all variations of all trains, in order, cut into chunks.
 pub struct Plan<'a> {
     inputs: &'a Inputs,
-    /// Tolerance and method of each case.
-    pub options: &'a Options,
+    /// Tolerance and method of each case, and that only its worst coupler is wanted.
+    pub options: Options,
     /// Scenes that have been solved.
     pub memo: &'a Memo,
     /// The number of cases up to and with each unit, a unit being a variation of a train.
@@ -57,6 +58,8 @@ impl<'a> Plan<'a> {
         let ends: Vec<u64> = inputs.case_counts()?.into_iter().scan(0, running).collect();
         let total = ends.last().copied().unwrap_or(0);
         let chunk_cases = (total / CHUNKS).clamp(FEWEST_CASES, MOST_CASES);
+        // A row tells of the worst coupler, and counts the others.
+        let options = Options { wanted: Wanted::Worst, ..options.clone() };
         Ok(Plan { inputs, options, memo, ends, chunk_cases })
     }
 
@@ -135,7 +138,7 @@ impl<'a> Plan<'a> {
             }
         };
         for (scenario, broken) in all_cases(&train).skip(range.start).take(range.len()) {
-            match findings::case_findings(&train, scenario, broken, self.options, self.memo) {
+            match findings::case_findings(&train, scenario, broken, &self.options, self.memo) {
                 Ok(case) => rows.add(&place, &train, scenario, &case),
                 Err(error) => rows.fail(&place, Some((scenario, broken)), &error.to_string()),
             }

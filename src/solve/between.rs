@@ -10,6 +10,8 @@
 //! between them, to rounding. That is only worth its price where an extreme may be: steps whose upper bound ([`super::motion`])
 //! lies below another step's lower bound are dropped; the few that are left are looked into at the end.
 
+use super::Wanted;
+use super::lead::Lead;
 use super::local::{COEFFICIENTS, Local};
 use super::motion::{BLOCK, FROM_OUTSIDE, GROWTH, Motion, bracket, least_slope};
 use super::series::{DEGREE, POWERS, table};
@@ -54,8 +56,8 @@ struct Open {
 struct Side {
     /// What the force certainly reaches.
     reached: f64,
-    /// The step in which it has certainly passed its rating.
-    over_in: Option<u64>,
+    /// The step in which it has certainly passed its rating, and when that ends.
+    over_in: Option<(u64, f64)>,
     /// It stood at its rating before the event, and has not left it.
     at_rating: bool,
     open: Vec<Open>,
@@ -66,6 +68,8 @@ pub struct Search<'a> {
     scene: &'a Scene,
     motion: &'a Motion,
     watch: Watch,
+    /// What the springs race for, where only the worst is wanted; and what it was when levels were last made from it.
+    lead: Option<[Lead; 2]>,
     sides: Vec<[Side; 2]>,
     /// Per sign and spring: what G, or -G, has to pass to matter; whole blocks of springs.
     pub levels: [Vec<f64>; 2],
@@ -82,13 +86,13 @@ pub struct Search<'a> {
 
 impl<'a> Search<'a> {
     /// Before the event; `bound` is the error bound of all forces to come.
-    pub fn new(scene: &'a Scene, motion: &'a Motion, bound: f64) -> Search<'a> {
+    pub fn new(scene: &'a Scene, motion: &'a Motion, bound: f64, wanted: Wanted) -> Search<'a> {
         let watch = Watch::new(scene, bound);
         let side = |spring: usize, negative: bool| {
             let initial = watch.peaks[spring].side(negative);
             Side {
                 reached: initial.best.value + watch.grain(),
-                over_in: initial.first_over.map(|_| 0),
+                over_in: initial.first_over.map(|t| (0, t)),
                 at_rating: watch.at_rating(spring, negative),
                 open: Vec::new(),
             }
@@ -101,10 +105,15 @@ impl<'a> Search<'a> {
             .map(|(s, negative)| (s, negative, watch.peaks[s].side(negative).best.value))
             .collect();
         let [levels, crossings] = [0, 1].map(|_| [0, 1].map(|_| vec![f64::INFINITY; springs.next_multiple_of(BLOCK)]));
+        let lead = (wanted == Wanted::Worst).then(|| {
+            let lead = Lead::new(scene, bound);
+            [lead.clone(), lead]
+        });
         let mut search = Search {
             scene,
             motion,
             watch,
+            lead,
             sides,
             levels,
             crossings,
@@ -113,8 +122,22 @@ impl<'a> Search<'a> {
             free: Vec::new(),
             at_rating,
         };
-        (0..springs).for_each(|s| [false, true].into_iter().for_each(|n| search.set_level(s, n)));
+        for (spring, negative) in search.both() {
+            let initial = search.watch.peaks[spring].side(negative);
+            let (value, over) = (initial.best.value, initial.first_over.is_some());
+            let rating = search.watch.rating(spring, negative);
+            if let Some([lead, _]) = &mut search.lead {
+                lead.reach(value, rating);
+                lead.crossed = if over { 0.0 } else { lead.crossed };
+            }
+        }
+        search.both().for_each(|(s, negative)| search.set_level(s, negative));
         search
+    }
+
+    /// Every side of every spring.
+    fn both(&self) -> impl Iterator<Item = (usize, bool)> + use<> {
+        (0..self.sides.len()).flat_map(|s| [(s, false), (s, true)])
     }
 
     /// A change of force too small to matter.
@@ -125,16 +148,34 @@ impl<'a> Search<'a> {
     fn set_level(&mut self, spring: usize, negative: bool) {
         let side = &self.sides[spring][usize::from(negative)];
         let rating = self.watch.rating(spring, negative);
+        let largest = self.worth(side, rating);
         let level = match side {
-            Side { over_in: Some(_), .. } => side.reached,
+            Side { over_in: Some(_), .. } => largest,
             Side { at_rating: true, .. } => side.reached.min(rating + self.watch.bound()),
-            _ => side.reached.min(self.watch.cautious_rating(spring, negative)),
+            _ => largest.min(self.watch.cautious_rating(spring, negative)),
         };
         let crossing = if side.over_in.is_some() { f64::INFINITY } else { level.max(rating - self.watch.bound()) };
         let initial = self.scene.initial[spring];
         let before = if negative { -initial } else { initial };
         self.levels[usize::from(negative)][spring] = level - before;
         self.crossings[usize::from(negative)][spring] = crossing - before;
+    }
+
+    /// What a side's force has to pass for its largest value to matter.
+    #[inline]
+    fn worth(&self, side: &Side, rating: f64) -> f64 {
+        self.lead.as_ref().map_or(side.reached, |[lead, _]| lead.level(rating).max(side.reached))
+    }
+
+    /// After a step, or some: levels anew where others have reached much more than when they were made.
+    #[inline]
+    pub fn keep_up(&mut self) {
+        if let Some([lead, last]) = &mut self.lead
+            && lead.is_far_from(last)
+        {
+            *last = lead.clone();
+            self.both().for_each(|(s, negative)| self.set_level(s, negative));
+        }
     }
 
     /// Whether no step like this one follows: the last one, or the last before a pulse ends.
@@ -172,9 +213,13 @@ impl<'a> Search<'a> {
             if upper <= level || self.other_steps_have_it(step, spring, negative, ends, remainder) {
                 continue;
             }
-            let window = self.put([self.window(spring, |s| at(0, s)), self.window(spring, |s| at(1, s))]);
             let initial = sign * self.scene.initial[spring];
-            self.keep(spring, negative, lower + initial, Open { step: *step, upper: upper + initial, window });
+            // Rounding can turn a narrow bracket over.
+            let mut open = Open { step: *step, upper: upper.max(lower) + initial, window: 0 };
+            if self.reach(spring, negative, lower + initial, &open) {
+                open.window = self.put([self.window(spring, |s| at(0, s)), self.window(spring, |s| at(1, s))]);
+                self.keep(spring, negative, open);
+            }
         }
     }
 
@@ -239,25 +284,65 @@ impl<'a> Search<'a> {
         step.width * step.width * sum.sqrt()
     }
 
-    fn keep(&mut self, spring: usize, negative: bool, lower: f64, open: Open) {
-        let over = self.watch.certainly_over(spring, negative, lower);
-        let cautious = self.watch.cautious_rating(spring, negative);
+    /// Takes note of what a side certainly reaches in a step; whether the step still matters then.
+    fn reach(&mut self, spring: usize, negative: bool, lower: f64, open: &Open) -> bool {
+        let rating = self.watch.rating(spring, negative);
+        // What is not looked into later must be over the rating beyond what rounding makes of the bracket.
+        let room = if self.lead.is_some() { self.watch.grain() } else { 0.0 };
+        let over = self.watch.certainly_over(spring, negative, lower - room);
         let side = &mut self.sides[spring][usize::from(negative)];
+        let rises = lower > side.reached;
+        side.reached = side.reached.max(lower);
         if over && side.over_in.is_none() {
-            side.over_in = Some(open.step.number);
+            side.over_in = Some((open.step.number, open.step.from + open.step.width));
         }
-        if lower > side.reached {
-            side.reached = lower;
-            let (reached, last) = (side.reached, side.over_in.unwrap_or(u64::MAX));
-            let free = &mut self.free;
-            side.open.retain(|o| {
-                let matters = o.upper >= reached || (o.upper > cautious && o.step.number <= last);
-                if !matters {
-                    free.push(o.window);
-                }
-                matters
-            });
+        if let Some([lead, _]) = &mut self.lead {
+            lead.reach(lower, rating);
+            if over {
+                lead.cross(&open.step);
+            }
         }
+        if rises {
+            self.forget(spring, negative);
+        }
+        let side = &self.sides[spring][usize::from(negative)];
+        let matters = self.matters(spring, negative, side, open);
+        if !matters {
+            self.set_level(spring, negative);
+        }
+        matters
+    }
+
+    /// Drops open steps that no longer matter.
+    fn forget(&mut self, spring: usize, negative: bool) {
+        let mut all = std::mem::take(&mut self.sides[spring][usize::from(negative)].open);
+        let side = &self.sides[spring][usize::from(negative)];
+        let mut freed = std::mem::take(&mut self.free);
+        all.retain(|o| {
+            let matters = self.matters(spring, negative, side, o);
+            if !matters {
+                freed.push(o.window);
+            }
+            matters
+        });
+        self.free = freed;
+        self.sides[spring][usize::from(negative)].open = all;
+    }
+
+    /// Whether a step may hold a side's largest force, or the instant at which it passes its rating, or whether it does.
+    fn matters(&self, spring: usize, negative: bool, side: &Side, open: &Open) -> bool {
+        let rating = self.watch.rating(spring, negative);
+        let may_cross = open.upper > self.watch.cautious_rating(spring, negative);
+        // Of a side that may be the worst every step is kept that would be if everything were wanted.
+        let asked = |[lead, _]: &[Lead; 2]| open.step.from < lead.crossed || open.upper >= lead.level(rating);
+        let is_first = |over_in: u64| open.step.number <= over_in && self.lead.as_ref().is_none_or(asked);
+        let may_be_first = side.over_in.is_none_or(|(over_in, _)| is_first(over_in));
+        open.upper >= self.worth(side, rating) || may_cross && may_be_first || side.at_rating
+    }
+
+    /// Keeps a step open.
+    fn keep(&mut self, spring: usize, negative: bool, open: Open) {
+        let side = &mut self.sides[spring][usize::from(negative)];
         side.open.push(open);
         if side.at_rating || side.open.len() >= MOST_OPEN {
             self.look(spring, negative);
@@ -319,6 +404,9 @@ impl<'a> Search<'a> {
 
     /// Looks into the open steps of a side, in the order of time.
     fn look(&mut self, spring: usize, negative: bool) {
+        if self.lead.is_some() {
+            self.forget(spring, negative);
+        }
         let mut all = std::mem::take(&mut self.sides[spring][usize::from(negative)].open);
         for open in all.drain(..) {
             self.free.push(open.window);
@@ -336,13 +424,25 @@ impl<'a> Search<'a> {
         let side = &mut self.sides[spring][usize::from(negative)];
         side.open = all;
         side.reached = side.reached.max(best);
+        if let Some([lead, _]) = &mut self.lead {
+            lead.reach(best, self.watch.rating(spring, negative));
+        }
     }
 
-    /// Looks into all that is still open; what has been found.
+    /// Looks into all that is still open, the most promising first; what has been found.
     pub fn finish(mut self) -> (Watch, u64) {
-        for spring in 0..self.sides.len() {
-            self.look(spring, false);
-            self.look(spring, true);
+        let promise = |&(s, negative): &(usize, bool)| {
+            let uppers = self.sides[s][usize::from(negative)].open.iter().map(|o| o.upper);
+            uppers.fold(f64::NEG_INFINITY, f64::max) / self.watch.rating(s, negative)
+        };
+        let mut sides: Vec<(f64, (usize, bool))> = self.both().map(|side| (promise(&side), side)).collect();
+        sides.sort_by(|a, b| b.0.total_cmp(&a.0));
+        for (_, (spring, negative)) in sides {
+            self.look(spring, negative);
+            let over_in = self.sides[spring][usize::from(negative)].over_in;
+            if let Some((_, until)) = over_in.filter(|_| self.lead.is_some()) {
+                self.watch.mark_over(spring, negative, until);
+            }
         }
         for (spring, negative, lowest) in std::mem::take(&mut self.at_rating) {
             self.watch.settle(spring, negative, lowest);

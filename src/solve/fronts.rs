@@ -17,11 +17,11 @@
 //! the front is touched. The table depends on no train's data; its rows are made for 16 instants at once and used by every
 //! spring, and nothing is kept.
 
-use super::Work;
 use super::between::{PHASE, Search, Step};
 use super::closed_form::equal;
-use super::motion::{BLOCK, Motion, local_norms, opening};
+use super::motion::{BLOCK, FAR, Motion, local_norms, opening};
 use super::watch::SpringPeaks;
+use super::{Wanted, Work};
 use crate::chain::Scene;
 
 /// Instants computed side by side.
@@ -111,12 +111,12 @@ fn step_of(scene: &Scene) -> f64 {
 }
 
 /// Extremes of every spring's force in a scene of an equal chain.
-pub fn peaks(scene: &Scene) -> (Vec<SpringPeaks>, Work) {
+pub fn peaks(scene: &Scene, wanted: Wanted) -> (Vec<SpringPeaks>, Work) {
     let unit = equal(&scene.chain).map_or(1.0, |(m, k)| (m / k).sqrt());
     let bound = error_bound(scene);
     let scene = scaled(scene);
     let motion = Motion::new(&scene);
-    let mut search = Search::new(&scene, &motion, bound);
+    let mut search = Search::new(&scene, &motion, bound, wanted);
     let mut fronts = Fronts::new(&scene, &motion);
     pulp::Arch::new().dispatch(March { fronts: &mut fronts, search: &mut search });
     let mut work = fronts.work;
@@ -237,11 +237,12 @@ impl<'a> Fronts<'a> {
 
     #[inline(always)]
     fn deposit(&mut self, spring: usize, m: usize, scale: &[f64; LANES]) {
-        let value = &self.table.value[m];
-        let force = &mut self.force[spring];
+        // Copies, so that the compiler sees that nothing overlaps.
+        let (value, scale, mut force) = (self.table.value[m], *scale, self.force[spring]);
         for l in 0..LANES {
             force[l + 1] += scale[l] * value[l];
         }
+        self.force[spring] = force;
     }
 
     /// The step that ends at instant `n`.
@@ -270,7 +271,11 @@ impl<'a> Fronts<'a> {
                 continue;
             }
             let open = self.open(spring, first, search);
-            if open.iter().fold(0.0f64, |a, &b| a.max(b)) <= 0.0 {
+            let mut any = false;
+            for passed in open {
+                any |= passed > 0.0;
+            }
+            if !any {
                 continue;
             }
             for (l, _) in open.iter().enumerate().take(last_lane).filter(|(_, o)| **o > 0.0) {
@@ -284,6 +289,7 @@ impl<'a> Fronts<'a> {
         for l in 0..last_lane {
             search.departures(|s| self.force[s][l + 1]);
         }
+        search.keep_up();
     }
 
     /// `q = -h^2 G''` of a spring at both ends of each of the block's steps.
@@ -313,21 +319,28 @@ impl<'a> Fronts<'a> {
     fn find_norms(&mut self, first: usize) {
         let springs = self.force.len();
         let blocks = springs.div_ceil(BLOCK);
-        let mut energy = vec![[[0.0; LANES]; 2]; blocks];
+        // As many blocks of zeros on either side.
+        let mut energy = [vec![[0.0; LANES]; blocks + 2 * FAR], vec![[0.0; LANES]; blocks + 2 * FAR]];
+        let mut all = [[0.0; LANES]; 2];
         for spring in 0..springs {
             let bend = self.bend(spring, first);
-            for (sum, q) in energy[spring / BLOCK].iter_mut().zip(bend) {
-                sum.iter_mut().zip(q).for_each(|(s, q)| *s += q * q);
+            for end in 0..2 {
+                let (mut sum, mut every) = (energy[end][FAR + spring / BLOCK], all[end]);
+                for l in 0..LANES {
+                    let square = bend[end][l] * bend[end][l];
+                    sum[l] += square;
+                    every[l] += square;
+                }
+                energy[end][FAR + spring / BLOCK] = sum;
+                all[end] = every;
             }
         }
-        let mut ends = [vec![0.0; blocks], vec![0.0; blocks]];
-        let mut norms = Vec::with_capacity(blocks);
-        for l in 0..LANES {
-            for (e, end) in ends.iter_mut().enumerate() {
-                end.iter_mut().zip(&energy).for_each(|(sum, block)| *sum = block[e][l]);
+        for (number, norms) in self.norms.iter_mut().enumerate() {
+            let mut around = [[[0.0; LANES]; 2 * FAR + 1]; 2];
+            for (around, row) in around.iter_mut().zip(&energy) {
+                around.copy_from_slice(&row[number..=number + 2 * FAR]);
             }
-            local_norms([&ends[0], &ends[1]], &mut norms);
-            self.norms.iter_mut().zip(&norms).for_each(|(of, norm)| of[l] = *norm);
+            *norms = local_norms(around, all);
         }
     }
 

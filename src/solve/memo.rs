@@ -21,8 +21,11 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use super::closed_form::equal;
 use super::local::Point;
 use super::watch::SpringPeaks;
-use super::{Ask, Solution, SolveError, solve};
+use super::{Ask, Solution, SolveError, Wanted, solve};
 use crate::chain::Scene;
+
+/// A rating that no force comes near, in units of the outside force.
+const OUT_OF_REACH: f64 = 1e100;
 
 /// Solutions by canonical scene, of bounded size; shared by threads.
 #[derive(Debug)]
@@ -165,6 +168,14 @@ impl Form {
         open.rated_draft.fill(f64::INFINITY);
         open.rated_buff.fill(f64::INFINITY);
         let mut form = Form::of(&open, ask);
+        match (ask.wanted, alike(&scene.rated_draft), alike(&scene.rated_buff)) {
+            // Which spring is the worst depends on how ratings compare with each other.
+            (Wanted::Worst, Some(draft), Some(buff)) => {
+                form.scene.rated_draft.fill(OUT_OF_REACH);
+                form.scene.rated_buff.fill(OUT_OF_REACH * (buff / draft));
+            }
+            _ => form.ask.wanted = Wanted::Everything,
+        }
         // The tolerance only decides on the method: one that is a little stricter serves all that are near it.
         form.ask.tolerance = f64::exp2(4.0 * (0.25 * form.ask.tolerance.log2()).floor());
         Some(form)
@@ -214,11 +225,18 @@ impl Form {
 
 /// Whether every force stays under its rating with room to spare for the error bound, so that ratings change nothing.
 fn is_clear(solution: &Solution, scene: &Scene) -> bool {
-    let room = 2.0 * solution.error_bound;
-    let ratings = scene.rated_draft.iter().zip(&scene.rated_buff);
-    solution.springs.iter().zip(ratings).all(|(spring, (draft, buff))| {
-        spring.is_some_and(|s| s.draft.best.value + room < *draft && s.buff.best.value + room < *buff)
+    let ratings = || scene.rated_draft.iter().zip(&scene.rated_buff);
+    let least = ratings().fold(f64::INFINITY, |least, (draft, buff)| least.min(*draft).min(*buff));
+    // A share of every rating, so that the largest utilisation decides.
+    let room = 1.0 - 2.0 * solution.error_bound / least;
+    solution.springs.iter().zip(ratings()).all(|(spring, (draft, buff))| {
+        spring.is_some_and(|s| s.draft.best.value < room * draft && s.buff.best.value < room * buff)
     })
+}
+
+/// The value of all, if they have one.
+fn alike(values: &[f64]) -> Option<f64> {
+    values.first().copied().filter(|first| values.iter().all(|v| v == first))
 }
 
 /// An equal chain with mass, stiffness and force of 1, and the unit of its time; `None` for other chains, and where
@@ -263,7 +281,8 @@ fn mirror(scene: &Scene) -> Scene {
 
 fn key(scene: &Scene, ask: &Ask) -> Key {
     let method = ask.method.map_or(0, |m| 1 + m as u64);
-    let flags = [ask.verdict_only, ask.all_time_bound, scene.chain.held_head, scene.chain.held_tail];
+    let worst = ask.wanted == Wanted::Worst;
+    let flags = [ask.verdict_only, ask.all_time_bound, worst, scene.chain.held_head, scene.chain.held_tail];
     let flags = flags.into_iter().fold(method, |all, flag| 2 * all + u64::from(flag));
     let mut words = vec![flags, scene.source as u64];
     words.extend([ask.tolerance, scene.force, scene.duration, scene.horizon].map(f64::to_bits));

@@ -16,6 +16,7 @@ pub mod damped_modes;
 pub mod dd;
 pub mod field;
 pub mod fronts;
+pub mod lead;
 pub mod local;
 pub mod memo;
 pub mod modal;
@@ -77,6 +78,19 @@ pub struct Work {
     pub refinements: u64,
 }
 
+/// Which of a scene's springs are to be known.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Wanted {
+    /// All.
+    #[default]
+    Everything,
+    /// The largest utilisation, of which spring and when, all that the error bound does not tell from it, whether each spring
+    /// exceeds its rating, and the earliest instant at which one does: to the bit what [`Wanted::Everything`] says, unless a
+    /// spring has peaks within an eighth of the error bound of each other; of those it may be another. Other extremes are what
+    /// was found on the way, never more than the true ones, and other first exceedances may be late. Ratings are finite.
+    Worst,
+}
+
 /// What is asked of a solution.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Ask {
@@ -88,6 +102,8 @@ pub struct Ask {
     pub verdict_only: bool,
     /// Give every spring's all-time bound.
     pub all_time_bound: bool,
+    /// Which springs' extremes are to be exact.
+    pub wanted: Wanted,
 }
 
 /// Extremes of every spring of a scene.

@@ -83,26 +83,31 @@ const NEAR: usize = 1;
 /// How much it brings from there, at most.
 pub const FROM_OUTSIDE: f64 = 1e-5;
 /// Blocks beyond which it brings next to nothing: past 24 powers 1e-15 of a motion.
-const FAR: usize = 3;
+pub const FAR: usize = 3;
 const FROM_AFAR: f64 = 1e-15;
 /// `1 / cos(PHASE / 2)`, rounded up.
 pub const GROWTH: f64 = 1.37;
 
-/// Per block: a bound on the norm of `h^2 G''` around it during a step, from the squared norms of all blocks at its ends.
+/// Bounds on the norm of `h^2 G''` around blocks during a step, `L` side by side, from squared norms at its two ends: those of
+/// the blocks from `FAR` before to `FAR` behind, and of all blocks together.
 #[inline(always)]
-pub fn local_norms(energy: [&[f64]; 2], norms: &mut Vec<f64>) {
-    let blocks = energy[0].len();
-    let total: f64 = energy[0].iter().sum::<f64>() + energy[1].iter().sum::<f64>();
-    let from_afar = FROM_AFAR * total.sqrt();
-    norms.clear();
-    for b in 0..blocks {
-        let sum = |reach: usize, end: usize| {
-            let around = b.saturating_sub(reach)..(b + reach + 1).min(blocks);
-            energy[end][around].iter().sum::<f64>()
-        };
-        let (near, far) = (sum(NEAR, 0).max(sum(NEAR, 1)), sum(FAR, 0).max(sum(FAR, 1)));
-        norms.push(GROWTH * near.sqrt() + FROM_OUTSIDE * far.sqrt() + from_afar);
+pub fn local_norms<const L: usize>(around: [[[f64; L]; 2 * FAR + 1]; 2], all: [[f64; L]; 2]) -> [f64; L] {
+    let (mut near, mut far) = ([[0.0; L]; 2], [[0.0; L]; 2]);
+    for end in 0..2 {
+        for (n, block) in around[end].iter().enumerate() {
+            for l in 0..L {
+                far[end][l] += block[l];
+                near[end][l] += if n.abs_diff(FAR) <= NEAR { block[l] } else { 0.0 };
+            }
+        }
     }
+    let more = |a: f64, b: f64| if a > b { a } else { b };
+    let mut norms = [0.0; L];
+    for l in 0..L {
+        let (near, far) = (more(near[0][l], near[1][l]), more(far[0][l], far[1][l]));
+        norms[l] = GROWTH * near.sqrt() + FROM_OUTSIDE * far.sqrt() + FROM_AFAR * (all[0][l] + all[1][l]).sqrt();
+    }
+    norms
 }
 
 /// How far a quick bound of a spring's force over a step passes what matters in either sign; negative if it does not.

@@ -195,11 +195,11 @@ pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
             (peaks, work, bound + missed)
         }
         (Method::Fronts, _) => {
-            let (peaks, work) = fronts::peaks(scene);
+            let (peaks, work) = fronts::peaks(scene, ask.wanted);
             (peaks, work, fronts::error_bound(scene))
         }
         _ => {
-            let (peaks, work) = propagator::peaks(scene, plan.omega_max);
+            let (peaks, work) = propagator::peaks(scene, plan.omega_max, ask.wanted);
             (peaks, work, propagator::error_bound(scene, plan.omega_max))
         }
     };

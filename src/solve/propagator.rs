@@ -19,13 +19,13 @@
 
 use std::sync::OnceLock;
 
-use super::Work;
 use super::between::{PHASE, Search, Step};
 use super::dd::Dd;
-use super::motion::{BLOCK, Motion, local_norms, opening};
+use super::motion::{BLOCK, FAR, Motion, local_norms, opening};
 use super::path::Path;
 use super::series::{polynomial, sine_over_root};
 use super::watch::SpringPeaks;
+use super::{Wanted, Work};
 use crate::chain::Scene;
 
 /// Terms of the series for P, for 1e-17 over the largest phase, and of those that bring velocities across a change of step.
@@ -70,9 +70,9 @@ pub fn error_bound(scene: &Scene, omega: f64) -> f64 {
 }
 
 /// Extremes of every spring's force in a scene.
-pub fn peaks(scene: &Scene, omega: f64) -> (Vec<SpringPeaks>, Work) {
+pub fn peaks(scene: &Scene, omega: f64, wanted: Wanted) -> (Vec<SpringPeaks>, Work) {
     let motion = Motion::new(scene);
-    let mut search = Search::new(scene, &motion, error_bound(scene, omega));
+    let mut search = Search::new(scene, &motion, error_bound(scene, omega), wanted);
     let quiet = search.quiet();
     let mut sieve = Sieve { search: &mut search, work: Work::default() };
     march(scene, &motion, omega, quiet, &mut sieve);
@@ -85,7 +85,7 @@ pub fn peaks(scene: &Scene, omega: f64) -> (Vec<SpringPeaks>, Work) {
 /// Forces of one spring at given times, ascending.
 pub fn history(scene: &Scene, omega: f64, spring: usize, times: &[f64]) -> Vec<f64> {
     let motion = Motion::new(scene);
-    let search = Search::new(scene, &motion, 0.0);
+    let search = Search::new(scene, &motion, 0.0, Wanted::Everything);
     let values = vec![scene.initial[spring]; times.len()];
     let mut record = Record { search, spring, times, values, next: 0, horizon: scene.horizon };
     march(scene, &motion, omega, 0.0, &mut record);
@@ -119,7 +119,11 @@ impl See for Sieve<'_, '_> {
             let norm = view.norms[block];
             let from = block * BLOCK;
             let open = sift(view, self.search, from, norm, last);
-            if open.iter().fold(0.0f64, |a, &b| if a > b { a } else { b }) > 0.0 {
+            let mut any = false;
+            for passed in open {
+                any |= passed > 0.0;
+            }
+            if any {
                 let at = |end: usize, s: usize| view.force[end][s + 1];
                 for s in (from..from + BLOCK).filter(|s| open[s - from] > 0.0) {
                     self.search.consider(&view.step, s, view.remainders[1][s], norm, at);
@@ -127,6 +131,7 @@ impl See for Sieve<'_, '_> {
             }
         }
         self.search.departures(|s| view.force[1][s + 1]);
+        self.search.keep_up();
     }
 }
 
@@ -146,12 +151,27 @@ fn sift(view: &View, search: &Search, from: usize, norm: f64, last: bool) -> [f6
     open
 }
 
+#[inline(always)]
+fn total([a, b, c, d, e, f, g, h]: [f64; BLOCK]) -> f64 {
+    ((a + b) + (c + d)) + ((e + f) + (g + h))
+}
+
 /// `BLOCK` numbers of a row from a place on.
 #[inline(always)]
 fn block(row: &[f64], from: usize) -> [f64; BLOCK] {
     let mut out = [0.0; BLOCK];
     out.copy_from_slice(&row[from..from + BLOCK]);
     out
+}
+
+/// The first `count` of `BLOCK` numbers into a row from a place on.
+#[inline(always)]
+fn put(row: &mut [f64], from: usize, values: [f64; BLOCK], count: usize) {
+    if count >= BLOCK {
+        row[from..from + BLOCK].copy_from_slice(&values);
+    } else {
+        row[from..from + count].iter_mut().zip(values).for_each(|(r, v)| *r = v);
+    }
 }
 
 /// Keeps one spring's force at given times.
@@ -253,6 +273,9 @@ impl<F: See> pulp::WithSimd for Stretch<'_, '_, F> {
 }
 
 /// The present state. Springs stand at i + 1, masses at v + 1, so that spring i lies between masses i + 1 and i + 2.
+///
+/// Rows are long enough for a whole block to be read from any of a range's places. Loops run over blocks that are read before
+/// anything is written: so the compiler sees that no row overlaps another, and computes a block side by side.
 struct State<'a> {
     scene: &'a Scene,
     motion: &'a Motion,
@@ -268,7 +291,7 @@ struct State<'a> {
     /// `(h / m) (G_{v-1} - G_v + p_v)`
     pull: Vec<f64>,
     bend: [Vec<f64>; 2],
-    /// `sum q_i^2 / k_i` over blocks of springs, at the beginning and the end of a step, and the norms from it.
+    /// `sum q_i^2 / k_i` over blocks of springs, at the beginning and the end of a step, the first at FAR; and the norms from it.
     energy: [Vec<f64>; 2],
     norms: Vec<f64>,
     scratch: [Vec<f64>; 2],
@@ -290,7 +313,7 @@ struct Coefficients {
 impl<'a> State<'a> {
     fn new(scene: &'a Scene, motion: &'a Motion, quiet: f64) -> State<'a> {
         let springs = scene.initial.len();
-        let zero = vec![0.0; springs.next_multiple_of(BLOCK) + 3];
+        let zero = vec![0.0; springs.next_multiple_of(BLOCK) + BLOCK + 3];
         let mut stiffness = zero.clone();
         stiffness[1..=springs].copy_from_slice(&scene.chain.stiffness);
         let mut inverse_mass = zero.clone();
@@ -311,8 +334,8 @@ impl<'a> State<'a> {
             velocity_rest: zero.clone(),
             pull: zero.clone(),
             bend: two(),
-            energy: [0, 1].map(|_| vec![0.0; springs.div_ceil(BLOCK)]),
-            norms: Vec::new(),
+            energy: [0, 1].map(|_| vec![0.0; springs.div_ceil(BLOCK).next_multiple_of(BLOCK) + 2 * FAR]),
+            norms: vec![0.0; springs.div_ceil(BLOCK).next_multiple_of(BLOCK)],
             scratch: two(),
             quiet,
             reached: source.saturating_sub(1)..(source + 1).min(springs),
@@ -350,7 +373,7 @@ impl<'a> State<'a> {
             self.drift(&c);
             self.find_bend(&c, force);
             self.trim();
-            local_norms([&self.energy[0], &self.energy[1]], &mut self.norms);
+            self.find_norms();
             let step = Step { number: first.number + n, from: first.from + n as f64 * width, width, force };
             see.see(&View {
                 step,
@@ -361,7 +384,7 @@ impl<'a> State<'a> {
                 range: self.loud(),
             });
         }
-        if first.number == 0 {
+        if first.number == 0 && self.scene.duration < self.scene.horizon {
             self.kick(&c, 0.5);
             self.turn_velocity(&c, |x| Dd::ONE / sine_over_root(x));
         }
@@ -406,26 +429,64 @@ impl<'a> State<'a> {
     #[inline(always)]
     fn find_bend(&mut self, c: &Coefficients, force: f64) {
         let range = self.reach();
-        let (from, count) = (range.start + 1, range.len());
-        let (g, rest) = (&self.force[1][from - 1..from + count + 1], &self.force_rest[from - 1..from + count + 1]);
-        {
-            let (pull, kick) = (&mut self.pull[from..=from + count], &c.kick[from..=from + count]);
-            for l in 0..=count {
-                pull[l] = kick[l] * ((g[l] - g[l + 1]) + (rest[l] - rest[l + 1]));
+        let (from, to) = (range.start + 1, range.end + 1);
+        let (g, rest) = (&self.force[1], &self.force_rest);
+        let mut v = from;
+        while v <= to {
+            let (g, next_g) = (block(g, v - 1), block(g, v));
+            let (rest, next_rest) = (block(rest, v - 1), block(rest, v));
+            let mut pull = block(&c.kick, v);
+            for l in 0..BLOCK {
+                pull[l] *= (g[l] - next_g[l]) + (rest[l] - next_rest[l]);
             }
+            put(&mut self.pull, v, pull, to + 1 - v);
+            v += BLOCK;
         }
         let source = self.scene.source + 1;
         let outside = (g_at(&self.force[1], source) + g_at(&self.force_rest, source)) + force;
         self.pull[source] = c.kick[source] * outside;
-        let (bend, drift) = (&mut self.bend[1][from..from + count], &c.drift[from..from + count]);
-        let pull = &self.pull[from..=from + count];
-        for l in 0..count {
-            bend[l] = drift[l] * (pull[l + 1] - pull[l]);
+        let mut i = from;
+        while i < to {
+            let (pull, next_pull) = (block(&self.pull, i), block(&self.pull, i + 1));
+            let mut bend = block(&c.drift, i);
+            for l in 0..BLOCK {
+                bend[l] *= next_pull[l] - pull[l];
+            }
+            put(&mut self.bend[1], i, bend, to - i);
+            i += BLOCK;
         }
-        for block in range.start / BLOCK..range.end.div_ceil(BLOCK) {
+        for number in range.start / BLOCK..range.end.div_ceil(BLOCK) {
             let (q, compliance) =
-                (self::block(&self.bend[1], block * BLOCK + 1), self::block(&self.compliance, block * BLOCK + 1));
-            self.energy[1][block] = q.iter().zip(compliance).map(|(q, c)| q * q * c).sum();
+                (block(&self.bend[1], number * BLOCK + 1), block(&self.compliance, number * BLOCK + 1));
+            let mut energy = [0.0; BLOCK];
+            for l in 0..BLOCK {
+                energy[l] = q[l] * q[l] * compliance[l];
+            }
+            self.energy[1][FAR + number] = total(energy);
+        }
+    }
+
+    #[inline(always)]
+    fn find_norms(&mut self) {
+        let mut all = [[0.0; BLOCK]; 2];
+        for (sum, row) in all.iter_mut().zip(&self.energy) {
+            let mut sums = [0.0; BLOCK];
+            for from in 0..self.norms.len() / BLOCK {
+                let energy = block(row, FAR + from * BLOCK);
+                for l in 0..BLOCK {
+                    sums[l] += energy[l];
+                }
+            }
+            *sum = [total(sums); BLOCK];
+        }
+        for number in 0..self.norms.len() / BLOCK {
+            let mut around = [[[0.0; BLOCK]; 2 * FAR + 1]; 2];
+            for (around, row) in around.iter_mut().zip(&self.energy) {
+                for (n, energy) in around.iter_mut().enumerate() {
+                    *energy = block(row, number * BLOCK + n);
+                }
+            }
+            put(&mut self.norms, number * BLOCK, local_norms(around, all), BLOCK);
         }
     }
 
@@ -435,13 +496,19 @@ impl<'a> State<'a> {
         let range = self.reach();
         let [r, spare] = &mut self.scratch;
         horner(c, range.clone(), KICK_SERIES.get_or_init(kick_series), &self.bend[1], r, spare);
-        let (from, count) = (range.start + 1, range.len());
-        let (v, rest) = (&mut self.velocity[from..=from + count], &mut self.velocity_rest[from..=from + count]);
-        let (pull, kick, r) =
-            (&self.pull[from..=from + count], &c.kick[from..=from + count], &r[from - 1..=from + count]);
-        for l in 0..=count {
-            let change = share * kick[l].mul_add(r[l] - r[l + 1], pull[l]);
-            (v[l], rest[l]) = add(v[l], rest[l] + change);
+        let to = range.end + 1;
+        let mut v = range.start + 1;
+        while v <= to {
+            let (r, next_r) = (block(r, v - 1), block(r, v));
+            let (pull, kick) = (block(&self.pull, v), block(&c.kick, v));
+            let (mut velocity, mut rest) = (block(&self.velocity, v), block(&self.velocity_rest, v));
+            for l in 0..BLOCK {
+                let change = share * kick[l].mul_add(r[l] - next_r[l], pull[l]);
+                (velocity[l], rest[l]) = add(velocity[l], rest[l] + change);
+            }
+            put(&mut self.velocity, v, velocity, to + 1 - v);
+            put(&mut self.velocity_rest, v, rest, to + 1 - v);
+            v += BLOCK;
         }
     }
 
@@ -449,14 +516,20 @@ impl<'a> State<'a> {
     #[inline(always)]
     fn drift(&mut self, c: &Coefficients) {
         let range = self.reach();
-        let (from, count) = (range.start + 1, range.len());
-        let (v, v_rest) = (&self.velocity[from..=from + count], &self.velocity_rest[from..=from + count]);
-        let [before, after] = &mut self.force;
-        let (before, after) = (&before[from..from + count], &mut after[from..from + count]);
-        let (rest, drift) = (&mut self.force_rest[from..from + count], &c.drift[from..from + count]);
-        for l in 0..count {
-            let change = drift[l] * ((v[l] - v[l + 1]) + (v_rest[l] - v_rest[l + 1]));
-            (after[l], rest[l]) = add(before[l], rest[l] + change);
+        let to = range.end + 1;
+        let mut i = range.start + 1;
+        while i < to {
+            let (v, next_v) = (block(&self.velocity, i), block(&self.velocity, i + 1));
+            let (v_rest, next_v_rest) = (block(&self.velocity_rest, i), block(&self.velocity_rest, i + 1));
+            let (mut force, mut rest) = (block(&self.force[0], i), block(&self.force_rest, i));
+            let drift = block(&c.drift, i);
+            for l in 0..BLOCK {
+                let change = drift[l] * ((v[l] - next_v[l]) + (v_rest[l] - next_v_rest[l]));
+                (force[l], rest[l]) = add(force[l], rest[l] + change);
+            }
+            put(&mut self.force[1], i, force, to - i);
+            put(&mut self.force_rest, i, rest, to - i);
+            i += BLOCK;
         }
         self.reached = range;
     }
@@ -524,15 +597,18 @@ fn horner(
         row[from - 1] = 0.0;
         row[from + count] = 0.0;
     }
-    let q = &q[from..from + count];
-    out[from..from + count].iter_mut().zip(q).for_each(|(o, q)| *o = first * q);
-    let (ahead, behind) = (&c.ahead[from..from + count], &c.behind[from..from + count]);
+    out[from..from + count].iter_mut().zip(&q[from..from + count]).for_each(|(o, q)| *o = first * q);
     for &factor in rest.iter().rev() {
-        let r = &out[from - 1..=from + count];
-        let next = &mut spare[from..from + count];
-        for l in 0..count {
-            let here = r[l + 1];
-            next[l] = factor.mul_add(q[l], behind[l].mul_add(here - r[l + 2], ahead[l] * (here - r[l])));
+        let mut i = from;
+        while i < from + count {
+            let (before, here, after) = (block(out, i - 1), block(out, i), block(out, i + 1));
+            let (ahead, behind, mut next) = (block(&c.ahead, i), block(&c.behind, i), block(q, i));
+            for l in 0..BLOCK {
+                let pull = behind[l].mul_add(here[l] - after[l], ahead[l] * (here[l] - before[l]));
+                next[l] = factor.mul_add(next[l], pull);
+            }
+            put(spare, i, next, from + count - i);
+            i += BLOCK;
         }
         std::mem::swap(out, spare);
     }

@@ -152,6 +152,12 @@ impl Watch {
         self.side_mut(spring, negative).near |= near;
     }
 
+    /// A side that has certainly passed its rating by a time, be the first such instant known or not.
+    pub fn mark_over(&mut self, spring: usize, negative: bool, until: f64) {
+        let until = until.min(self.horizon);
+        self.side_mut(spring, negative).first_over.get_or_insert(until);
+    }
+
     fn side_mut(&mut self, spring: usize, negative: bool) -> &mut Side {
         let peaks = &mut self.peaks[spring];
         if negative { &mut peaks.buff } else { &mut peaks.draft }

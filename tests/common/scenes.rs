@@ -8,7 +8,7 @@ use serde::de::{Deserializer, Error};
 use trainsafe::chain::{Chain, Scene};
 use trainsafe::solve::sums::Modes;
 use trainsafe::solve::watch::SpringPeaks;
-use trainsafe::solve::{Ask, Method, closed_form, fronts, modal, propagator, solve, sums};
+use trainsafe::solve::{Ask, Method, Wanted, closed_form, fronts, modal, propagator, solve, sums};
 
 /// The share of the largest rating that a force may be off by.
 pub const TOLERANCE: f64 = 1e-9;
@@ -132,14 +132,14 @@ pub fn by(method: Method, scene: &Scene) -> Option<Found> {
     let springs = scene.initial.len() as f64;
     let (springs, bound) = match method {
         Method::Fronts if fronts::fits(scene) && fronts::instants(scene) < MANY_TRANSITS * springs => {
-            (fronts::peaks(scene).0, fronts::error_bound(scene))
+            (fronts::peaks(scene, Wanted::Everything).0, fronts::error_bound(scene))
         }
         Method::Propagator => {
             let omega = propagator::omega_max(scene);
             if propagator::steps(scene, omega) * springs > AFFORDABLE {
                 return None;
             }
-            (propagator::peaks(scene, omega).0, propagator::error_bound(scene, omega))
+            (propagator::peaks(scene, omega, Wanted::Everything).0, propagator::error_bound(scene, omega))
         }
         Method::Modal => solved(scene, Method::Modal),
         Method::ClosedForm if closed_form::equal(&scene.chain).is_some() => solved(scene, Method::ClosedForm),
@@ -149,8 +149,13 @@ pub fn by(method: Method, scene: &Scene) -> Option<Found> {
 }
 
 fn solved(scene: &Scene, method: Method) -> (Vec<SpringPeaks>, f64) {
-    let ask =
-        Ask { tolerance: TOLERANCE * rating(scene), method: Some(method), verdict_only: false, all_time_bound: false };
+    let ask = Ask {
+        tolerance: TOLERANCE * rating(scene),
+        method: Some(method),
+        verdict_only: false,
+        all_time_bound: false,
+        wanted: Wanted::Everything,
+    };
     let solution = solve(scene, &ask).expect("a method that fits");
     (solution.springs.into_iter().map(|s| s.expect("no spring left out")).collect(), solution.error_bound)
 }

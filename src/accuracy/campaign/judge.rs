@@ -21,11 +21,14 @@ pub enum Fault {
     Time,
     /// An exceedance by more than twice the bound before the first one.
     Earlier,
+    /// A row of a fleet that says something else.
+    Row,
 }
 
 impl Fault {
     /// All of them.
-    pub const ALL: [Fault; 5] = [Fault::Peak, Fault::Verdict, Fault::VerdictAtRest, Fault::Time, Fault::Earlier];
+    pub const ALL: [Fault; 6] =
+        [Fault::Peak, Fault::Verdict, Fault::VerdictAtRest, Fault::Time, Fault::Earlier, Fault::Row];
 
     /// In a word, for a table's head.
     pub fn name(self) -> &'static str {
@@ -35,6 +38,7 @@ impl Fault {
             Fault::VerdictAtRest => "at rest",
             Fault::Time => "time",
             Fault::Earlier => "earlier",
+            Fault::Row => "row",
         }
     }
 }

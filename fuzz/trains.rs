@@ -122,7 +122,7 @@ impl Spread {
             Spread::Equal => return 1.0,
             Spread::Near => 1.0,
             Spread::Wide => 4.0,
-            Spread::Wild => 6.0,
+            Spread::Wild => 12.0,
         };
         (1.0 + f64::from(number.digits) / 255.0) * 10f64.powf(f64::from(number.decade) / 128.0 * decades)
     }
@@ -145,7 +145,7 @@ impl Random {
             tolerance: if self.loose { 1e-4 } else { 1e-9 },
             ..Options::default()
         };
-        checks::analysis(&train, &options, if self.long { 0.5 } else { 0.02 });
+        checks::analysis(&train, &options, if self.long { 1.0 } else { 0.1 });
     }
 
     /// Vehicles alike; the first and the last stand alone, so that they can be held, and are not the only ones.

@@ -102,7 +102,7 @@ pub struct CaseFindings {
     pub kind: &'static str,
     /// The coupler that breaks, counted from 1; `None` for a pulse or an impact.
     pub broken_coupler: Option<usize>,
-    /// The method that found the largest part's forces.
+    /// The method that found the forces of the largest part, or of one whose error bound misses the tolerance.
     pub method: &'static str,
     /// Why this method, in one sentence.
     pub method_reason: String,
@@ -348,15 +348,16 @@ fn solved_by_parts(train: &Train, parts: &[Part], options: &Options, memo: &Memo
     let scales = Scales::of(train);
     let ask = ask(train, options);
     let (mut couplers, mut worst_of_parts) = (Vec::new(), Vec::new());
-    let (mut method, mut reason, mut largest) = ("none", "no coupler is left to watch".to_owned(), 0);
+    let (mut method, mut reason, mut telling) = ("none", "no coupler is left to watch".to_owned(), (false, 0));
     let (mut error_bound_n, mut left_out) = (0.0f64, Vec::new());
     for part in parts {
         let solution = match train.extras.damping_ratio {
             0.0 => memo.solve(&part.scene, &ask)?,
             ratio => general::damped(&part.scene, ratio, &ask)?,
         };
-        if part.scene.initial.len() > largest {
-            largest = part.scene.initial.len();
+        let tells = (solution.error_bound > ask.tolerance, part.scene.initial.len());
+        if tells > telling {
+            telling = tells;
             method = if train.extras.damping_ratio > 0.0 { "damped-modes" } else { solution.method.name() };
             reason = solution.reason.clone();
         }

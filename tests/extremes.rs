@@ -8,7 +8,7 @@ use scenes::*;
 use serde::Deserialize;
 use trainsafe::chain::{Chain, Scene};
 use trainsafe::solve::path::Path;
-use trainsafe::solve::{Method, Wanted, propagator};
+use trainsafe::solve::{Ask, Method, Wanted, propagator, solve};
 
 /// Holds every scene whose name begins so against its reference, by every method that is for it.
 fn hold(beginning: &str) {
@@ -118,6 +118,47 @@ fn marched(scene: &Scene) -> Found {
     let omega = propagator::omega_max(scene);
     let springs = propagator::peaks(scene, omega, Wanted::Everything).0;
     Found { method: Method::Propagator, springs, bound: propagator::error_bound(scene, omega) }
+}
+
+/// Light vehicles among heavy ones swing a hundred thousand times within the horizon, at few frequencies, and pass their
+/// largest force again and again. No reference goes so far: two methods that share nothing agree within their bounds, and the
+/// search looks into few of the many peaks.
+#[test]
+fn recurring_peaks_of_few_light_vehicles() {
+    for (mass, stiffness) in [
+        (vec![1e4, 2.0, 1e4, 3.0, 1e4], vec![1.0; 4]),
+        (vec![1e5, 1.0, 2.5, 1e5, 1.5, 1e5], vec![1.0, 2.0, 1.0, 3.0, 1.0]),
+        (vec![1.0, 3e4, 1.0, 7e4, 2.0, 1e5], vec![1.0; 5]),
+        (vec![2.0, 1e6, 1.0], vec![1.0, 50.0]),
+    ] {
+        let springs = stiffness.len();
+        let chain = Chain { mass, stiffness, held_head: true, held_tail: false };
+        let horizon = 400.0 * chain.transit();
+        let scene = Scene {
+            chain,
+            source: springs,
+            force: -1.0,
+            duration: f64::INFINITY,
+            initial: vec![0.0; springs],
+            rated_draft: vec![1e3; springs],
+            rated_buff: vec![1e3; springs],
+            horizon,
+        };
+        let omega = propagator::omega_max(&scene);
+        let ask = Ask { tolerance: 1e-9, method: Some(Method::Modal), ..Ask::default() };
+        let by_modes = solve(&scene, &ask).expect("a solution");
+        let by_steps = propagator::peaks(&scene, omega, Wanted::Everything).0;
+        let bound = by_modes.error_bound + propagator::error_bound(&scene, omega);
+        assert!(by_modes.error_bound <= ask.tolerance);
+        for (modes, steps) in by_modes.springs.iter().map(|s| s.expect("asked for")).zip(by_steps) {
+            for negative in [false, true] {
+                let difference = (modes.side(negative).best.value - steps.side(negative).best.value).abs();
+                assert!(difference <= bound, "{difference:e} {bound:e}");
+            }
+        }
+        let cells = propagator::steps(&scene, omega) * springs as f64;
+        assert!((by_modes.work.refinements as f64) < 1e-3 * cells);
+    }
 }
 
 /// A rating set a little over or under a peak: never the wrong verdict, and none at all within the bound.

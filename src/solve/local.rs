@@ -2,7 +2,8 @@
 //!
 //! Branch and bound: on every piece the cubic through both ends' values and slopes (Hermite) is off by at most
 //! `h^4 / 384 * max |f''''|`, and the fourth derivative is bounded by the sum of its coefficients' sizes. Pieces whose
-//! bound cannot matter are dropped; none is dropped on a guess.
+//! bound cannot matter are dropped; none is dropped on a guess. A piece that is certainly concave is not split any more:
+//! Newton's steps lead to its only top, and their last slope says how far from it they ended.
 
 /// Number of coefficients: degree 24 carries `cos` over two radians to 1e-17.
 pub const COEFFICIENTS: usize = 25;
@@ -63,10 +64,24 @@ impl Local {
         (value, slope)
     }
 
-    /// Bound on the fourth derivative over |x| <= 1.
-    fn fourth(&self) -> f64 {
-        let falling = |q: usize| (q * (q - 1) * (q - 2) * (q - 3)) as f64;
-        (4..self.terms).map(|q| falling(q) * self.coefficient[q].abs()).sum()
+    /// Bounds on the third and the fourth derivative over |x| <= 1.
+    fn third_and_fourth(&self) -> [f64; 2] {
+        let (mut third, mut fourth) = (0.0, 0.0);
+        for q in 3..self.terms {
+            let size = (q * (q - 1) * (q - 2)) as f64 * self.coefficient[q].abs();
+            third += size;
+            fourth += (q - 3) as f64 * size;
+        }
+        [third, fourth]
+    }
+
+    /// An upper bound on the value over each of `pieces` equal pieces of [-1, 1], from values and slopes at their ends.
+    pub fn upper_bounds(&self, pieces: usize) -> impl Iterator<Item = f64> {
+        let [_, fourth] = self.third_and_fourth();
+        let h = 2.0 / pieces as f64;
+        let slack = h.powi(4) / 384.0 * fourth;
+        let end = move |k: usize| -1.0 + h * k as f64;
+        (0..pieces).map(move |k| self.piece(end(k), end(k + 1)).hermite_top().value + slack)
     }
 
     fn piece(&self, a: f64, b: f64) -> Piece {
@@ -81,7 +96,7 @@ impl Local {
 
     /// The largest value over [a, b] if it is over `floor`; otherwise `None`. Right to a few units of rounding.
     pub fn largest(&self, a: f64, b: f64, floor: f64) -> Option<Point> {
-        let fourth = self.fourth();
+        let [third, fourth] = self.third_and_fourth();
         let first = self.piece(a, b);
         let mut best = Point { at: a, value: first.fa };
         if first.fb > best.value {
@@ -97,6 +112,11 @@ impl Local {
             if bound <= floor || bound <= best.value + 1e-16 * best.value.abs() || h < 1e-9 {
                 continue;
             }
+            // The second derivative is nowhere further than h times the third's bound from its mean over the piece.
+            let bend = (p.db - p.da) / h + h * third;
+            if bend < 0.0 && self.top_of(&p, top.at, bend, &mut best) {
+                continue;
+            }
             let x = top.at.clamp(p.a + 0.1 * h, p.b - 0.1 * h);
             let halves = self.split(&p, x);
             if halves[0].fb > best.value {
@@ -108,6 +128,20 @@ impl Local {
         }
         let best = self.polish(best, a, b);
         (best.value > floor).then_some(best)
+    }
+
+    /// The top of a piece whose second derivative is at most `bend` < 0, from a point near it; whether it is right to rounding.
+    fn top_of(&self, p: &Piece, near: f64, bend: f64, best: &mut Point) -> bool {
+        // A monotonic piece has its top at an end, which is known.
+        if p.da <= 0.0 || p.db >= 0.0 {
+            return true;
+        }
+        let top = self.polish(Point { at: near, value: f64::NEG_INFINITY }, p.a, p.b);
+        let (value, slope) = self.value_and_slope(top.at);
+        if value > best.value {
+            *best = Point { at: top.at, value };
+        }
+        slope * slope / (-2.0 * bend) <= 1e-16 * value.abs()
     }
 
     /// Newton steps to the nearest zero of the slope, kept only where they do not lower the value.
@@ -134,7 +168,7 @@ impl Local {
 
     /// The first x in [a, b] at which the value passes over `level`; `None` if it never does.
     pub fn first_over(&self, a: f64, b: f64, level: f64) -> Option<f64> {
-        let fourth = self.fourth();
+        let [_, fourth] = self.third_and_fourth();
         let (mut next, mut open) = (Some(self.piece(a, b)), Vec::new());
         while let Some(p) = next.take().or_else(|| open.pop()) {
             if p.fa > level {

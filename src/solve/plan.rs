@@ -6,8 +6,6 @@
 use super::{Ask, Method, Solution, SolveError, Work, closed_form, fronts, modal, propagator, search, sums};
 use crate::chain::Scene;
 
-/// Nanoseconds for one product in a sum over modes, value and slope together, as matrix products do it.
-const MODE_SUM: f64 = 0.12;
 /// Nanoseconds for one spring in one exact step.
 const STEP: f64 = 4.0;
 /// Nanoseconds for one spring at one instant of the travelling fronts, per front that is passing.
@@ -28,7 +26,7 @@ pub struct Plan {
     pub method: Method,
     /// Why.
     pub reason: String,
-    /// Estimated time, s.
+    /// Estimated time, s; of a sum over modes if all that are beyond a gap matter.
     pub seconds: f64,
     /// Largest frequency, for the propagator.
     omega_max: f64,
@@ -64,7 +62,7 @@ fn offers(scene: &Scene, omega_max: f64) -> Vec<Offer> {
     let passing = 1.0 + scene.horizon * omega_max / 2.0 / springs;
     let look = LOOK * springs;
     let cells = (scene.horizon * summed_frequency(scene, omega_max) / 1.5).ceil() + 1.0;
-    let sums = MODE_SUM * springs * springs * cells + look;
+    let sums = search::MODE_SUM * springs * springs * cells + look;
     let swing = scene.force.abs() * (omega_max * scene.duration).min(2.0);
     let bound_of_sums = 0.5 * f64::EPSILON * swing * (20.0 + springs.log2()) * (2.0 + springs.ln());
     let memory_of_modes = |bytes: f64| bytes * springs * springs / 1e9;
@@ -112,9 +110,9 @@ pub fn choose(scene: &Scene, ask: &Ask) -> Result<Plan, SolveError> {
             _ => SolveError::NotEqual(method.name()),
         };
         let offer = offers.iter().find(|o| o.method == method).ok_or(unfit)?;
-        let o = affordable(offer, &offers)?;
-        let seconds = 1e-9 * o.nanoseconds;
-        return Ok(Plan { method: o.method, reason: "asked for".to_owned(), seconds, omega_max });
+        affordable(offer, &offers)?;
+        let (reason, seconds) = ("asked for".to_owned(), seconds(scene, omega_max, offer));
+        return Ok(Plan { method, reason, seconds, omega_max });
     }
     let cheapest =
         |of: &mut dyn Iterator<Item = &Offer>| of.min_by(|a, b| a.nanoseconds.total_cmp(&b.nanoseconds)).copied();
@@ -125,13 +123,24 @@ pub fn choose(scene: &Scene, ask: &Ask) -> Result<Plan, SolveError> {
     let chosen = best.unwrap_or(offers[0]);
     affordable(&chosen, &offers)?;
     let reason = reason(&chosen, &offers, ask, within.is_some());
-    Ok(Plan { method: chosen.method, reason, seconds: 1e-9 * chosen.nanoseconds, omega_max })
+    Ok(Plan { method: chosen.method, reason, seconds: seconds(scene, omega_max, &chosen), omega_max })
 }
 
-fn affordable<'a>(offer: &'a Offer, offers: &[Offer]) -> Result<&'a Offer, SolveError> {
+/// Estimated time of what was chosen, s.
+fn seconds(scene: &Scene, omega_max: f64, chosen: &Offer) -> f64 {
+    let search = match chosen.method {
+        Method::ClosedForm | Method::Modal => {
+            search::most_nanoseconds(scene, [summed_frequency(scene, omega_max), omega_max])
+        }
+        Method::Fronts | Method::Propagator => 0.0,
+    };
+    1e-9 * (chosen.nanoseconds + search)
+}
+
+fn affordable(offer: &Offer, offers: &[Offer]) -> Result<(), SolveError> {
     let seconds = offer.nanoseconds * 1e-9;
     if seconds <= MOST_SECONDS && offer.gigabytes <= MOST_GIGABYTES {
-        return Ok(offer);
+        return Ok(());
     }
     let other = offers
         .iter()
@@ -188,8 +197,8 @@ pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
             let share = if stands_at_rating(scene) { 0.0 } else { 0.1 * ask.tolerance };
             let left_out = sums::leave_out(scene, modes, share);
             let bound = sums::error_bound(scene, modes) + left_out;
-            let (peaks, work, missed) = search::peaks(scene, modes, bound);
-            if missed > 0.0 {
+            let (peaks, work, missed) = search::peaks(scene, modes, bound, ask.tolerance);
+            if missed > ask.tolerance {
                 reason += "; its search for peaks among millions of fast swings was given up, and the bound is widened";
             }
             (peaks, work, bound + missed)

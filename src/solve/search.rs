@@ -21,9 +21,21 @@ use crate::chain::Scene;
 /// Columns of a block of the matrix products.
 const BLOCK: usize = 128;
 /// Cells times springs that are surveyed at once: where peaks recur, most of them are kept until they are looked into.
-const MOST_CELLS: usize = 2_000_000;
+const MOST_CELLS: f64 = 200_000.0;
+/// Looks into cells, times modes, after which a search is content with a share of the tolerance.
+const MOST_FINE_LOOKS: u64 = 1_000_000;
+/// That share.
+const EASED: f64 = 0.1;
 /// Looks into cells, times modes, after which a search gives up and widens its bound instead.
 const MOST_LOOKS: u64 = 40_000_000;
+/// Nanoseconds for one look, per mode.
+const LOOK: f64 = 100.0;
+/// Nanoseconds for one product in a sum over modes, value and slope together, as matrix products do it.
+pub const MODE_SUM: f64 = 0.12;
+/// Nanoseconds to see what a cell can hold, both sides of a spring.
+const SURVEY: f64 = 6.0;
+/// The most of them for a grid that resolves all modes.
+const MOST_NANOSECONDS: f64 = 60e9;
 
 /// Where a spring's force might be largest, or over its rating: cell number and sign.
 struct Candidate {
@@ -34,50 +46,100 @@ struct Candidate {
 }
 
 /// Extremes of every spring's force in a scene from values that are within `bound` of the truth, the work done, and how
-/// much further than `bound` an extreme can be because the search for it was given up.
-pub fn peaks(scene: &Scene, modes: &Modes, bound: f64) -> (Vec<SpringPeaks>, Work, f64) {
-    let watch = Watch::new(scene, bound);
-    let lowest = watch.peaks.iter().map(|p| [p.draft.best.value, p.buff.best.value]).collect();
-    let mut scan =
-        Scan { field: Field::new(scene, modes), watch, work: Work::default(), lowest, looks: 0, missed: 0.0 };
-    for stretch in scan.field.stretches() {
-        let parts = Grid::cells(&scan.field, &stretch) * scene.initial.len() / MOST_CELLS + 1;
-        let at = |part: usize| stretch.from + (stretch.to - stretch.from) * part as f64 / parts as f64;
-        for part in 0..parts {
-            let to = if part + 1 == parts { stretch.to } else { at(part + 1) };
-            scan.stretch(&stretch.part(at(part), to));
-        }
+/// much further than `bound` an extreme can be because the search for it was eased, by [`EASED`] of the tolerance, or given up.
+///
+/// Modes beyond a wide gap are left to looks first. Where so many cells want a look that a grid which resolves all modes would
+/// have taken less, it is laid.
+pub fn peaks(scene: &Scene, modes: &Modes, bound: f64, tolerance: f64) -> (Vec<SpringPeaks>, Work, f64) {
+    let field = Field::new(scene, modes);
+    let (slow, all) = (resolved_modes(&field.omega), field.omega.len());
+    let price = survey_price(all, scene.initial.len(), cells(scene.horizon, &field.omega));
+    let most_looks = if slow == all { MOST_LOOKS } else { MOST_LOOKS.min((price / LOOK) as u64) };
+    let (peaks, mut work, missed) = Scan::run(&field, slow, bound, tolerance, most_looks);
+    if slow == all || missed <= tolerance || price > MOST_NANOSECONDS {
+        return (peaks, work, missed);
     }
-    for (spring, lowest) in scan.lowest.iter().enumerate() {
-        for (negative, &lowest) in [false, true].into_iter().zip(lowest) {
-            if scan.watch.at_rating(spring, negative) {
-                scan.watch.settle(spring, negative, lowest);
-            }
-        }
-    }
-    (scan.watch.peaks, scan.work, scan.missed)
+    let (peaks, more, missed) = Scan::run(&field, all, bound, tolerance, MOST_LOOKS);
+    work.mode_sums += more.mode_sums;
+    work.refinements += more.refinements;
+    (peaks, work, missed)
+}
+
+/// How many cells resolve the last of these modes.
+fn cells(span: f64, omega: &[f64]) -> f64 {
+    (span * omega.last().unwrap_or(&1.0) / 1.5).ceil().max(1.0)
+}
+
+/// Nanoseconds to survey so many cells with so many modes summed on them.
+fn survey_price(modes: usize, springs: usize, cells: f64) -> f64 {
+    (MODE_SUM * modes as f64 + SURVEY) * springs as f64 * cells
+}
+
+/// Nanoseconds that a search takes if every mode matters, whose largest frequencies, on a first grid and of all, are given.
+pub fn most_nanoseconds(scene: &Scene, [slow, all]: [f64; 2]) -> f64 {
+    let springs = scene.initial.len();
+    let [slow, fine] = [slow, all].map(|omega| survey_price(springs, springs, cells(scene.horizon, &[omega])));
+    let looks = MOST_LOOKS as f64 * LOOK;
+    if fine == slow { slow } else { slow + looks.min(fine) + if fine > MOST_NANOSECONDS { 0.0 } else { fine } }
 }
 
 /// A search through time for what matters.
 struct Scan<'a> {
-    field: Field<'a>,
+    field: &'a Field<'a>,
+    /// How many modes are summed on the grid.
+    resolved: usize,
     watch: Watch,
     work: Work,
     /// The lowest that each side was seen at.
     lowest: Vec<[f64; 2]>,
-    /// Looks times modes so far.
+    /// Looks times modes so far, and how many there may be.
     looks: u64,
+    most_looks: u64,
+    /// The grain of an eased search.
+    eased: f64,
     /// How far an extreme may lie over what was found, because the search for it was given up.
     missed: f64,
 }
 
 impl Scan<'_> {
+    fn run(
+        field: &Field,
+        resolved: usize,
+        bound: f64,
+        tolerance: f64,
+        most_looks: u64,
+    ) -> (Vec<SpringPeaks>, Work, f64) {
+        let watch = Watch::new(field.scene, bound);
+        let lowest = watch.peaks.iter().map(|p| [p.draft.best.value, p.buff.best.value]).collect();
+        let (work, eased) = (Work::default(), EASED * tolerance);
+        let mut scan = Scan { field, resolved, watch, work, lowest, looks: 0, most_looks, eased, missed: 0.0 };
+        for stretch in field.stretches() {
+            let cells = cells(stretch.to - stretch.from, &field.omega[..resolved]);
+            let parts = (cells * field.scene.initial.len() as f64 / MOST_CELLS) as usize + 1;
+            let at = |part: usize| stretch.from + (stretch.to - stretch.from) * part as f64 / parts as f64;
+            for part in 0..parts {
+                let to = if part + 1 == parts { stretch.to } else { at(part + 1) };
+                scan.stretch(&stretch.part(at(part), to));
+            }
+        }
+        for (spring, lowest) in scan.lowest.iter().enumerate() {
+            for (negative, &lowest) in [false, true].into_iter().zip(lowest) {
+                if scan.watch.at_rating(spring, negative) {
+                    scan.watch.settle(spring, negative, lowest);
+                }
+            }
+        }
+        let missed = if scan.looks > MOST_FINE_LOOKS { scan.missed.max(scan.watch.grain()) } else { scan.missed };
+        (scan.watch.peaks, scan.work, missed)
+    }
+
     fn stretch(&mut self, stretch: &Stretch) {
-        if stretch.to <= stretch.from {
+        let sides = self.open_sides(stretch);
+        if stretch.to <= stretch.from || sides.is_empty() {
             return;
         }
-        let grid = Grid::new(&self.field, stretch);
-        let (mut candidates, certain) = self.survey(stretch, &grid);
+        let grid = Grid::new(self.field, self.resolved, stretch);
+        let (mut candidates, certain) = self.survey(stretch, &grid, &sides);
         candidates.sort_by_key(|c| (c.cell, c.spring));
         let low_in = |c: &Candidate| certain[c.spring][usize::from(c.negative)].low_in;
         let mut centre = (usize::MAX, Vec::new());
@@ -115,8 +177,26 @@ impl Scan<'_> {
         }
     }
 
-    /// Forces and slopes of all springs on the grid, block by block; cells that might matter, and what is certain.
-    fn survey(&mut self, stretch: &Stretch, grid: &Grid) -> (Vec<Candidate>, Vec<[Certain; 2]>) {
+    /// The sides that may still tell something new: where all modes together, whatever their phases, pass what matters.
+    fn open_sides(&self, stretch: &Stretch) -> Vec<(usize, bool)> {
+        let modes = self.field.omega.len();
+        let is_open = |&(spring, negative): &(usize, bool)| {
+            let swing: f64 =
+                (0..modes).map(|j| (self.field.modes.share[(spring, j)] * stretch.amplitude[j]).abs()).sum();
+            let mean = if negative { -stretch.mean[spring] } else { stretch.mean[spring] };
+            self.watch.at_rating(spring, negative) || mean + swing > self.watch.level(spring, negative)
+        };
+        (0..self.watch.peaks.len()).flat_map(|s| [(s, false), (s, true)]).filter(is_open).collect()
+    }
+
+    /// Forces and slopes of all springs on the grid, block by block; cells of the given sides that might matter, and what is
+    /// certain.
+    fn survey(
+        &mut self,
+        stretch: &Stretch,
+        grid: &Grid,
+        sides: &[(usize, bool)],
+    ) -> (Vec<Candidate>, Vec<[Certain; 2]>) {
         let springs = self.watch.peaks.len();
         let share = self.field.modes.share.columns(0, grid.resolved).into_owned();
         let mut certain = vec![[Certain::default(); 2]; springs];
@@ -124,18 +204,17 @@ impl Scan<'_> {
         let (mut start, mut kept) = (0, 0);
         while start < grid.cells {
             let columns = (grid.cells - start).min(BLOCK) + 1;
-            let (q, dq) = grid.coordinates(&self.field, stretch, start, columns);
+            let (q, dq) = grid.coordinates(self.field, stretch, start, columns);
             let (force, slope) = (&share * q, &share * dq);
             self.work.mode_sums += (2 * springs * columns * grid.resolved) as u64;
             for n in 0..columns - 1 {
-                for (spring, certain) in certain.iter_mut().enumerate() {
+                for &(spring, negative) in sides {
+                    let certain = &mut certain[spring][usize::from(negative)];
                     let end = |n: usize| [force[(spring, n)] + stretch.mean[spring], slope[(spring, n)]];
-                    for (negative, certain) in [false, true].into_iter().zip(certain) {
-                        let mut c = Candidate { cell: start + n, spring, negative, bound: 0.0 };
-                        c.bound = grid.bound(&self.watch, &c, [end(n), end(n + 1)], certain);
-                        if certain.leaves_open(&self.watch, &c) {
-                            candidates.push(c);
-                        }
+                    let mut c = Candidate { cell: start + n, spring, negative, bound: 0.0 };
+                    c.bound = grid.bound(&self.watch, &c, [end(n), end(n + 1)], certain);
+                    if certain.leaves_open(&self.watch, &c) {
+                        candidates.push(c);
                     }
                 }
             }
@@ -158,6 +237,9 @@ impl Scan<'_> {
         let resolved = self.field.omega.partition_point(|w| w * radius <= RESOLVED);
         self.work.refinements += 1;
         self.looks += self.field.omega.len() as u64;
+        if self.looks > MOST_FINE_LOOKS {
+            self.watch.ease(self.eased);
+        }
         self.field.local(stretch, spring, at, resolved, center, radius)
     }
 
@@ -171,7 +253,7 @@ impl Scan<'_> {
             self.watch.note_peak(spring, negative, &local, 1.0, exact);
             return Vec::new();
         }
-        of.quarters(if negative { local.negated() } else { local }, slack)
+        of.quarters(&if negative { local.negated() } else { local }, slack)
     }
 
     /// The largest value of a side over intervals, the most promising first.
@@ -184,7 +266,7 @@ impl Scan<'_> {
             if interval.upper <= goal {
                 return;
             }
-            if self.looks > MOST_LOOKS || interval.is_too_small() {
+            if self.looks > self.most_looks || interval.is_too_small() {
                 self.give_up(stretch, side, &interval);
                 return;
             }
@@ -203,7 +285,7 @@ impl Scan<'_> {
             if interval.upper <= self.watch.rating(spring, negative) || interval.from > peaks.best.at {
                 continue;
             }
-            if self.looks > MOST_LOOKS || interval.is_too_small() {
+            if self.looks > self.most_looks || interval.is_too_small() {
                 break;
             }
             let (a, b) = (interval.from, interval.to);
@@ -211,7 +293,7 @@ impl Scan<'_> {
             let (local, slack) = self.look(stretch, spring, &at, a, b);
             if slack > self.watch.grain() {
                 let turned = if negative { local.negated() } else { local };
-                open.extend(interval.quarters(turned, slack).into_iter().rev());
+                open.extend(interval.quarters(&turned, slack).into_iter().rev());
             } else if self.watch.note_crossing(spring, negative, &local) {
                 return;
             }
@@ -244,16 +326,12 @@ impl Interval {
         Interval { upper, from, to }
     }
 
-    /// Its quarters, each with its bound: the largest value of a side's polynomial on it, and how far other modes can move it.
-    fn quarters(&self, local: Local, slack: f64) -> Vec<Interval> {
+    /// Its quarters, each with its bound: what a side's polynomial cannot pass on it, and how far other modes can move it.
+    fn quarters(&self, local: &Local, slack: f64) -> Vec<Interval> {
         let (a, b) = (self.from, self.to);
-        let quarter = |k: u8| {
-            let x = |k: u8| -1.0 + 0.5 * f64::from(k);
-            let top = local.largest(x(k), x(k + 1), f64::NEG_INFINITY).map_or(f64::INFINITY, |top| top.value);
-            let time = |k: u8| if k == 4 { b } else { a + (b - a) * f64::from(k) / 4.0 };
-            Interval { upper: top + slack, from: time(k), to: time(k + 1) }
-        };
-        (0..4).map(quarter).collect()
+        let time = |k: usize| if k == 4 { b } else { a + (b - a) * k as f64 / 4.0 };
+        let quarter = |(k, top)| Interval { upper: top + slack, from: time(k), to: time(k + 1) };
+        local.upper_bounds(4).enumerate().map(quarter).collect()
     }
 
     /// Times cannot be told apart any further.
@@ -324,11 +402,11 @@ struct Grid {
 }
 
 impl Grid {
-    fn new(field: &Field, stretch: &Stretch) -> Grid {
+    fn new(field: &Field, resolved: usize, stretch: &Stretch) -> Grid {
         let springs = field.scene.initial.len();
         let amplitude = |i: usize, j: usize| (field.modes.share[(i, j)] * stretch.amplitude[j]).abs();
-        let resolved = resolved_modes(&field.omega);
-        let (span, cells) = (stretch.to - stretch.from, Grid::cells(field, stretch));
+        let span = stretch.to - stretch.from;
+        let cells = cells(span, &field.omega[..resolved]) as usize;
         let width = span / cells as f64;
         let slack = |i: usize| {
             let cubic: f64 = (0..resolved).map(|j| amplitude(i, j) * (field.omega[j] * width).powi(4)).sum();
@@ -341,13 +419,6 @@ impl Grid {
         let unresolved = (0..springs).map(|i| (slow..field.omega.len()).map(|j| amplitude(i, j)).sum()).collect();
         let slack = (0..springs).map(slack).collect();
         Grid { from: stretch.from, to: stretch.to, cells, width, resolved, slack, unresolved }
-    }
-
-    /// How many cells a stretch has.
-    fn cells(field: &Field, stretch: &Stretch) -> usize {
-        let resolved = resolved_modes(&field.omega);
-        let top = if resolved == 0 { 1.0 } else { field.omega[resolved - 1] };
-        ((stretch.to - stretch.from) * top / 1.5).ceil().max(1.0) as usize
     }
 
     fn cell(&self, n: usize) -> (f64, f64) {

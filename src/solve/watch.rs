@@ -76,6 +76,7 @@ pub struct Watch {
     horizon: f64,
     /// No force shown is further than this from the truth.
     bound: f64,
+    grain: f64,
 }
 
 impl Watch {
@@ -90,7 +91,7 @@ impl Watch {
             buff: Side::at_rest(-scene.initial[i], r[1], bound, !draws(i)),
         };
         let peaks = ratings.iter().enumerate().map(at_rest).collect();
-        Watch { peaks, ratings, horizon: scene.horizon, bound }
+        Watch { peaks, ratings, horizon: scene.horizon, bound, grain: 0.125 * bound }
     }
 
     /// The rating in one sign.
@@ -175,10 +176,15 @@ impl Watch {
         value > self.rating(spring, negative) + self.bound
     }
 
-    /// A difference in force that is not worth more work.
+    /// A difference in force that is not worth more work: an eighth of the bound, unless [`Watch::ease`] said otherwise.
     #[inline]
     pub fn grain(&self) -> f64 {
-        0.125 * self.bound
+        self.grain
+    }
+
+    /// From here on a difference of `grain` is not worth more work. Verdicts do not depend on it.
+    pub fn ease(&mut self, grain: f64) {
+        self.grain = self.grain.max(grain);
     }
 
     /// A piece of this force matters only if it can pass this level.

@@ -250,9 +250,13 @@ fn of_texts(train: &Train, analysis: &findings::Analysis) {
     let odd_names = named.into_iter().any(|n| ["nan", "inf"].iter().any(|w| n.to_lowercase().contains(w)));
     let terminal = report::terminal(analysis, &[]);
     plain(&terminal);
-    let documents = report::documents(train, analysis, &[report::Format::Markdown]).expect("a report");
+    let documents =
+        report::documents(train, analysis, &[report::Format::Markdown, report::Format::Html]).expect("a report");
     for (name, content) in &documents {
-        let text = std::str::from_utf8(content).expect("UTF-8");
+        let mut text = std::str::from_utf8(content).expect("UTF-8");
+        if name == "report.html" {
+            text = of_page(text);
+        }
         assert!(name.bytes().all(|b| b.is_ascii_alphanumeric() || b"-.".contains(&b)), "{name}");
         // Only numbers of the program's own are meant.
         if !odd_names {
@@ -266,6 +270,18 @@ fn of_texts(train: &Train, analysis: &findings::Analysis) {
     let json: Value = serde_json::from_slice(of("result.json")).expect("JSON");
     nulls("", &json);
     agree(&json, of("couplers.csv"));
+}
+
+/// No name becomes an element or an address of the page, and its data can be read; the page without its scripts.
+fn of_page(page: &str) -> &str {
+    let (shown, scripts) = page.split_once("<script type=\"application/json\" id=\"data\">").expect("data");
+    let (data, scripts) = scripts.split_once("</script>").expect("an end of the data");
+    assert!(scripts.trim_start().starts_with("<script type=\"text/plain\" id=\"library\">"), "what follows the data");
+    serde_json::from_str::<Value>(data).expect("JSON in the page");
+    let lower = shown.to_lowercase();
+    let elements = ["<script", "<iframe", "<object", "<embed", "<link", "<base", "<form", "javascript:"];
+    assert!(!elements.iter().any(|e| lower.contains(e)), "a name became an element: {shown}");
+    shown
 }
 
 fn nulls(key: &str, value: &Value) {

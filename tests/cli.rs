@@ -234,6 +234,34 @@ fn results_do_not_depend_on_threads() {
     assert_eq!(alone, by("7"));
 }
 
+/// A report in one form takes the place of one in the other, and nothing else in the folder.
+#[test]
+fn one_form_of_report_replaces_the_other() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let files = || {
+        let entries = dir.path().read_dir().expect("a folder");
+        let mut names: Vec<String> =
+            entries.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
+    };
+    fs::write(dir.path().join("notes.md"), "mine").expect("a file");
+    let out = dir.path().display().to_string();
+    let run = |form: &str| {
+        let run = trainsafe(&["analyze", &train("paper-figure-4.toml"), "--out", &out, "--format", form]);
+        assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+        let of_the_pictures = |name: &String| !name.ends_with(".svg");
+        (files().into_iter().filter(of_the_pictures).collect::<Vec<String>>(), files().len())
+    };
+    let (words, all) = run("md");
+    assert_eq!(words, ["couplers.csv", "notes.md", "report.md", "result.json"]);
+    assert!(all > words.len(), "the Markdown's pictures are files");
+    let (words, all) = run("html");
+    assert_eq!(words, ["couplers.csv", "notes.md", "report.html", "result.json"]);
+    assert_eq!(all, words.len(), "the page holds its pictures");
+    assert_eq!(run("md").0, ["couplers.csv", "notes.md", "report.md", "result.json"]);
+}
+
 /// The committed sample reports are what the program writes, but for the run times.
 #[test]
 fn sample_reports_are_up_to_date() {

@@ -128,7 +128,7 @@ impl Spread {
     }
 }
 
-/// About 1, over six decades.
+/// About 1, over eight decades.
 fn factor(number: Number) -> f64 {
     Spread::Wide.of(number)
 }

@@ -24,6 +24,8 @@ pub struct Shown<'a> {
     pub worst: &'a CouplerFindings,
     /// Forces by place and time after the event alone; `None` where they say no more than one coupler's history.
     pub wave: Option<Field>,
+    /// Those forces would take long to find, and are left out.
+    pub wave_left_out: bool,
     /// The rod's.
     pub rod: Option<Field>,
     /// Those when couplers break one after the other, and the sequence.
@@ -35,12 +37,15 @@ impl<'a> Shown<'a> {
     pub fn new(train: &'a Train, findings: &'a ScenarioFindings) -> Option<Shown<'a>> {
         let (index, scenario) = words::source(train, findings)?;
         let (case, worst) = words::worst_case(findings)?;
-        let field = |of: Of| findings::field(train, index, case, of).filter(Field::moves);
+        let field = |of: Of| findings::field(train, index, case, of);
+        let moving = |of: Of| field(of).filter(Field::moves);
         let wave = if case.couplers.len() > 1 { field(Of::Event) } else { None };
-        let rod = wave.as_ref().and_then(|_| field(Of::Rod));
+        let wave_left_out = case.couplers.len() > 1 && wave.is_none();
+        let wave = wave.filter(Field::moves);
+        let rod = wave.as_ref().and_then(|_| moving(Of::Rod));
         let breaks = case.cascade.as_ref().filter(|c| findings.cases.len() == 1 && !c.breaks.is_empty());
-        let cascade = breaks.and_then(|c| Some((field(Of::Cascade)?, c)));
-        Some(Shown { train, findings, index, scenario, case, worst, wave, rod, cascade })
+        let cascade = breaks.and_then(|c| Some((moving(Of::Cascade)?, c)));
+        Some(Shown { train, findings, index, scenario, case, worst, wave, wave_left_out, rod, cascade })
     }
 
     /// Its figures.
@@ -91,7 +96,9 @@ impl<'a> Shown<'a> {
             }
             _ => String::new(),
         };
-        let caption = format!("Force in the worst coupler, {}{when}{shown}.", words::place(worst));
+        let others =
+            if self.wave_left_out { " To follow all couplers over time would take long, and is left out." } else { "" };
+        let caption = format!("Force in the worst coupler, {}{when}{shown}.{others}", words::place(worst));
         all.push(picture("force", caption, &|n| figures::history(train, index, case, worst, n)));
         all
     }

@@ -152,7 +152,7 @@ impl Scan<'_> {
             if c.bound <= self.watch.level(c.spring, c.negative) {
                 continue;
             }
-            if grid.unresolved[c.spring] > self.watch.grain() {
+            if grid.unresolved[c.spring] > self.watch.fineness() {
                 with_fast_modes.push(c);
                 continue;
             }
@@ -248,7 +248,7 @@ impl Scan<'_> {
         let (a, b) = (of.from, of.to);
         let at = self.field.coordinates(stretch, 0.5 * (a + b));
         let (local, slack) = self.look(stretch, spring, &at, a, b);
-        if slack <= self.watch.grain() {
+        if slack <= self.watch.fineness() {
             let exact = |t: f64| self.field.value(stretch, spring, t);
             self.watch.note_peak(spring, negative, &local, 1.0, exact);
             return Vec::new();
@@ -291,7 +291,7 @@ impl Scan<'_> {
             let (a, b) = (interval.from, interval.to);
             let at = self.field.coordinates(stretch, 0.5 * (a + b));
             let (local, slack) = self.look(stretch, spring, &at, a, b);
-            if slack > self.watch.grain() {
+            if slack > self.watch.fineness() {
                 let turned = if negative { local.negated() } else { local };
                 open.extend(interval.quarters(&turned, slack).into_iter().rev());
             } else if self.watch.note_crossing(spring, negative, &local) {

@@ -176,6 +176,12 @@ impl Watch {
         value > self.rating(spring, negative) + self.bound
     }
 
+    /// How far a piece that is shown may be from the force, lest a verdict depend on it.
+    #[inline]
+    pub fn fineness(&self) -> f64 {
+        0.125 * self.bound
+    }
+
     /// A difference in force that is not worth more work: an eighth of the bound, unless [`Watch::ease`] said otherwise.
     #[inline]
     pub fn grain(&self) -> f64 {

@@ -6,6 +6,8 @@ use crate::play::Play;
 
 /// Springs times steps, or products, that a picture may cost: under a second.
 const MOST: f64 = 2e8;
+/// A step of fewer springs takes as long as one of so many.
+const FEWEST: f64 = 32.0;
 /// Seconds that a march by Taylor series may take.
 const MOST_SECONDS: f64 = 2.0;
 /// Steps are so many times finer than the method needs, as far as they are affordable: the cubic between their ends is then
@@ -25,8 +27,12 @@ pub fn of_scene(scene: &Scene, damping_ratio: f64, times: &[f64], see: See) -> b
         }
         return by_modes;
     }
+    if scene.force == 0.0 {
+        (0..times.len()).for_each(|n| scene.initial.iter().enumerate().for_each(|(s, &steady)| see(n, s, steady)));
+        return true;
+    }
     let omega = propagator::omega_max(scene);
-    let march = springs * propagator::steps(scene, omega);
+    let march = springs.max(FEWEST) * propagator::steps(scene, omega);
     if let Some(finer) = FINER.into_iter().find(|f| f * march <= MOST) {
         propagator::field(scene, finer * omega, times, see);
         return true;

@@ -130,7 +130,7 @@ fn value(kind: Kind) -> Value {
         Kind::Pattern(of) => string(&of()),
         Kind::Flag => json!({ "type": "boolean" }),
         Kind::Word(words) => json!({ "type": "string", "enum": words }),
-        Kind::AnyValue => json!({ "type": ["string", "integer", "boolean", "array"] }),
+        Kind::AnyValue => json!({ "type": ["string", "number", "boolean", "array"] }),
         Kind::Either(kinds) => json!({ "anyOf": kinds.iter().map(|kind| value(*kind)).collect::<Vec<_>>() }),
         Kind::OneOrMore(kind) => {
             let one = value(*kind);

@@ -147,6 +147,11 @@ impl Dimension {
         self.table()[0].symbol
     }
 
+    /// How much of SI's own that is: a hundredth for a grade, in which per cent are reported, else 1.
+    pub fn si_size(self) -> f64 {
+        if self == Dimension::Grade { 0.01 } else { 1.0 }
+    }
+
     /// The units it may have, as a phrase: `kg, t, lb, klb or ton_us`.
     pub fn choices(self) -> String {
         one_of(self.units())

@@ -209,6 +209,113 @@ fn overridden_couplers_keep_what_the_file_says() {
     assert!(found.iter().all(|row| row["worst_coupler"] == "1" && row["rated_draft_n"] == "7000000.0"));
 }
 
+/// Values that no coupler takes are not among those whose smallest is told.
+#[test]
+fn draws_of_overridden_couplers_are_not_told() {
+    let train = |at: &str| ONE_CAR.to_owned() + "[[coupler_override]]\nat = " + at + "\nrated_load = \"7 MN\"\n";
+    let study = "trains = [\"train.toml\"]\nsamples = 20\n[[vary]]\nkey = \"coupler.rated_load\"\nper = \
+                 \"coupler\"\ndistribution = \"uniform\"\nlow = \"1 MN\"\nhigh = \"2 MN\"\n";
+    let smallest = |at: &str| {
+        let folder = folder_with(&train(at), study);
+        assert!(fleet(folder.path(), &["study.toml", "--out", "out"]).status.success());
+        let rows = rows(&folder.path().join("out/fleet.csv"));
+        rows.into_iter().map(|row| row["coupler.rated_load [N], smallest"].clone()).collect::<Vec<String>>()
+    };
+    let (first, second, none) = (smallest("2"), smallest("1"), smallest("[1, 2]"));
+    let of_both = smallest("2").into_iter().zip(smallest("1"));
+    assert!(first.iter().zip(&second).all(|(a, b)| a != b && !a.is_empty()));
+    assert!(none.iter().all(String::is_empty) && none.len() == 20);
+    let folder = folder_with(ONE_CAR, study);
+    assert!(fleet(folder.path(), &["study.toml", "--out", "out"]).status.success());
+    for (row, (a, b)) in rows(&folder.path().join("out/fleet.csv")).iter().zip(of_both) {
+        let number = |text: &str| text.parse::<f64>().expect("a number");
+        assert_eq!(number(&row["coupler.rated_load [N], smallest"]), number(&a).min(number(&b)));
+    }
+}
+
+/// Keys at the top, in tables within tables, and with units of their own are varied like any other.
+#[test]
+fn every_key_can_be_varied() {
+    const TRAIN: &str = r#"
+damping_ratio = 0.05
+[coupler]
+stiffness = "30 MN/m"
+rated_load = "1 MN"
+limits = { proof = "1.5 MN" }
+[[vehicle]]
+mass = "100 t"
+held = true
+[[vehicle]]
+mass = "80 t"
+brake_force = "1 kN"
+[[vehicle]]
+mass = "80 t"
+[load]
+grade = "0.5 %"
+[[scenario]]
+kind = "pulse"
+at = "tail"
+force = "100 kN"
+duration = "1 s"
+"#;
+    let study = r#"
+trains = ["train.toml"]
+[[vary]]
+key = "damping_ratio"
+values = [0.05, 0.1]
+[[vary]]
+key = "vehicle[1].brake_force"
+values = ["1 kN", "20 kN"]
+[[vary]]
+key = "load.grade"
+from = "0.5 %"
+to = "1.5 %"
+steps = 2
+[[vary]]
+key = "coupler.limits.proof"
+values = ["1.5 MN"]
+"#;
+    let folder = folder_with(TRAIN, study);
+    let output = fleet(folder.path(), &["study.toml", "--out", "out"]);
+    assert!(output.status.success(), "{}", complaint(&output));
+    let found = rows(&folder.path().join("out/fleet.csv"));
+    let mut number = 0;
+    for ratio in ["0.05", "0.1"] {
+        for brake in ["1 kN", "20 kN"] {
+            for grade in ["0.5 %", "1.5 %"] {
+                let text = TRAIN
+                    .replace("damping_ratio = 0.05", &format!("damping_ratio = {ratio}"))
+                    .replace("brake_force = \"1 kN\"", &format!("brake_force = \"{brake}\""))
+                    .replace("grade = \"0.5 %\"", &format!("grade = \"{grade}\""));
+                fs::write(folder.path().join(format!("by-hand-{number}.toml")), text).expect("a train file");
+                number += 1;
+            }
+        }
+    }
+    assert!(fleet(folder.path(), &["by-hand-*.toml", "--out", "by-hand"]).status.success());
+    let by_hand = rows(&folder.path().join("by-hand/fleet.csv"));
+    assert_eq!((found.len(), by_hand.len()), (8, 8));
+    let forces: HashSet<&str> = found.iter().map(|row| &*row["peak_force_n"]).collect();
+    assert_eq!(forces.len(), 8, "each variation is another train");
+    for (a, b) in found.iter().zip(&by_hand) {
+        for column in ["worst_coupler", "peak_force_n", "peak_time_s", "safe_load_factor"] {
+            assert_eq!(a[column], b[column], "{column}: {a:?}");
+        }
+    }
+    let last = &found[7];
+    assert_eq!((&*last["damping_ratio"], &*last["load.grade [%]"]), ("0.1", "1.5"));
+    assert_eq!((&*last["vehicle[1].brake_force [N]"], &*last["coupler.limits.proof [N]"]), ("20000.0", "1500000.0"));
+    let study = "trains = [\"train.toml\"]\nsamples = 50\n[[vary]]\nkey = \"load.grade\"\ndistribution = \
+                 \"uniform\"\nlow = \"0.5 %\"\nhigh = \"1.5 %\"\n";
+    fs::write(folder.path().join("study.toml"), study).expect("a study file");
+    assert!(fleet(folder.path(), &["study.toml", "--out", "drawn"]).status.success());
+    for row in rows(&folder.path().join("drawn/fleet.csv")) {
+        let [grade, steady] =
+            ["load.grade [%]", "initial_force_n"].map(|key| row[key].parse::<f64>().expect("a number"));
+        assert!((0.5..1.5).contains(&grade) && (7e3..3e4).contains(&steady.abs()), "{row:?}");
+    }
+}
+
 #[test]
 fn draws_that_make_no_train_are_errors_and_the_rest_goes_on() {
     let study = "trains = [\"train.toml\"]\nsamples = 200\nseed = 3\n[[vary]]\nkey = \"vehicle[1].mass\"\ndistribution = \
@@ -247,7 +354,7 @@ fn each_mistake_in_a_study_has_its_message() {
 4 | key = \"coupler.stifness\"
   |       ^^^^^^^^^^^^^^^^^^
   |
-  = help: expected stiffness, rated_load or rated_buff
+  = help: expected stiffness, rated_load, rated_buff, limits.fatigue, limits.proof, limits.ultimate or damping
 ",
         ),
         (

@@ -14,7 +14,7 @@ use crate::error::{InputError, printable_path};
 use crate::findings::{Options, cases};
 
 /// Keys that can change how many cases a train has, or whether its other keys are right.
-const COUNTING: [&str; 4] = ["count", "held", "coupler", "at"];
+const COUNTING: [&str; 6] = ["count", "held", "coupler", "at", "kind", "vehicles"];
 
 /// The train files and the study, as they were found at the start.
 pub struct Inputs {

@@ -2,27 +2,23 @@
 
 use std::fmt;
 
+use crate::consist::keys::TRAIN;
 use crate::error::quoted;
+use crate::keys::{Kind, Shape};
 use crate::units::{Dimension, one_of};
 
-/// Tables of a train file, whether there can be several, and the keys that can be varied.
-const TABLES: [(&str, bool, &[&str]); 5] = [
-    ("coupler", false, &["stiffness", "rated_load", "rated_buff"]),
-    ("vehicle", true, &["mass", "count", "held", "length", "label"]),
-    ("coupler_override", true, &["at", "stiffness", "rated_load", "rated_buff"]),
-    ("load", false, &["uniform"]),
-    ("scenario", true, &["coupler", "at", "force", "duration", "horizon"]),
-];
-
-/// A key of a train file.
+/// A key of a train file that is no table.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Key {
-    /// The table's name.
-    pub table: &'static str,
+    /// The table's name; `None` for a key before all tables.
+    pub table: Option<&'static str>,
     /// Which of several tables of that name, from 0.
     pub index: Option<usize>,
+    /// The table within that table, as of `coupler.limits.proof`.
+    pub inner: Option<&'static str>,
     /// The key in it.
     pub leaf: &'static str,
+    dimension: Option<Dimension>,
 }
 
 /// What is wrong with a path, and what would be right.
@@ -34,6 +30,29 @@ pub struct BadKey {
     pub help: String,
 }
 
+/// Tables of a train file, and whether there can be several.
+fn tables() -> impl Iterator<Item = (&'static str, bool, &'static Shape)> {
+    TRAIN.keys.iter().filter_map(|key| match key.kind {
+        Kind::Table(shape) => Some((key.name, false, shape)),
+        Kind::Tables(shape) => Some((key.name, true, shape)),
+        _ => None,
+    })
+}
+
+/// A table's keys that are no tables, each with the table within it that it is in.
+fn leaves(shape: &'static Shape) -> impl Iterator<Item = (Option<&'static str>, &'static str, Option<Dimension>)> {
+    let dimension = |kind| if let Kind::Quantity { of, .. } = kind { Some(of) } else { None };
+    shape.keys.iter().flat_map(move |key| match key.kind {
+        Kind::Table(inner) => inner.keys.iter().map(|k| (Some(key.name), k.name, dimension(k.kind))).collect(),
+        Kind::Tables(_) => Vec::new(),
+        kind => vec![(None, key.name, dimension(kind))],
+    })
+}
+
+fn path((inner, leaf, _): (Option<&str>, &str, Option<Dimension>)) -> String {
+    inner.map_or(leaf.to_owned(), |inner| format!("{inner}.{leaf}"))
+}
+
 impl Key {
     /// Reads a path.
     ///
@@ -41,59 +60,58 @@ impl Key {
     /// A path that no train file can have.
     pub fn parse(text: &str) -> Result<Key, BadKey> {
         let bad = |title: String, help: String| BadKey { title, help };
-        let all = || {
-            let shown = TABLES.iter().flat_map(|(name, many, leaves)| {
-                leaves.iter().map(move |leaf| format!("{name}{}.{leaf}", if *many { "[0]" } else { "" }))
-            });
-            format!("expected {}", one_of(shown))
+        let unknown = || {
+            let table = |(name, many, _): (&str, bool, _)| format!("{name}{}", if many { "[0]" } else { "" });
+            let fronts = one_of(tables().map(table));
+            let help =
+                format!("expected a key of {fronts}, such as coupler.stiffness; the train file's schema has all");
+            bad(format!("no train file has a key {}", quoted(text)), help)
         };
-        let unknown = || bad(format!("no train file has a key {}", quoted(text)), all());
-        let (front, leaf) = text.rsplit_once('.').ok_or_else(unknown)?;
+        let Some((front, rest)) = text.split_once('.') else {
+            let known = leaves(&TRAIN).find(|&(inner, leaf, _)| inner.is_none() && leaf == text);
+            let (inner, leaf, dimension) = known.ok_or_else(unknown)?;
+            return Ok(Key { table: None, index: None, inner, leaf, dimension });
+        };
         let (name, index) = match front.split_once('[') {
             None => (front, None),
             Some((name, rest)) => {
                 (name, Some(rest.strip_suffix(']').and_then(|n| n.parse().ok()).ok_or_else(unknown)?))
             }
         };
-        let &(table, many, leaves) = TABLES.iter().find(|(known, ..)| *known == name).ok_or_else(unknown)?;
-        let leaf = leaves.iter().find(|known| **known == leaf).ok_or_else(|| {
-            bad(format!("[{table}] has no key {} to vary", quoted(leaf)), format!("expected {}", one_of(leaves)))
+        let (table, many, shape) = tables().find(|(known, ..)| *known == name).ok_or_else(unknown)?;
+        let (inner, leaf, dimension) = leaves(shape).find(|&known| path(known) == rest).ok_or_else(|| {
+            let right = format!("expected {}", one_of(leaves(shape).map(path)));
+            bad(format!("[{table}] has no key {} to vary", quoted(rest)), right)
         })?;
         match (many, index) {
             (true, None) => {
                 let help = format!(
-                    "write {table}[0].{leaf} for the first [[{table}]] of the file, {table}[1].{leaf} for the second"
+                    "write {table}[0].{rest} for the first [[{table}]] of the file, {table}[1].{rest} for the second"
                 );
                 Err(bad(format!("a train file has several [[{table}]]"), help))
             }
-            (false, Some(_)) => Err(bad(format!("a train file has one [{table}]"), format!("write {table}.{leaf}"))),
-            _ => Ok(Key { table, index, leaf }),
+            (false, Some(_)) => Err(bad(format!("a train file has one [{table}]"), format!("write {table}.{rest}"))),
+            _ => Ok(Key { table: Some(table), index, inner, leaf, dimension }),
         }
     }
 
     /// A regular expression of the paths that [`parse`](Key::parse) takes.
     pub(crate) fn pattern() -> String {
-        let table = |(name, many, leaves): &(&str, bool, &[&str])| {
-            format!("{name}{}\\.({})", if *many { "\\[\\+?[0-9]+\\]" } else { "" }, leaves.join("|"))
-        };
-        format!("^({})$", TABLES.iter().map(table).collect::<Vec<_>>().join("|"))
+        let words = |shape| leaves(shape).map(path).collect::<Vec<_>>().join("|").replace('.', "\\.");
+        let table =
+            |(name, many, shape)| format!("{name}{}\\.({})", if many { "\\[\\+?[0-9]+\\]" } else { "" }, words(shape));
+        let top = leaves(&TRAIN).filter(|leaf| leaf.0.is_none()).map(path);
+        format!("^({})$", top.chain(tables().map(table)).collect::<Vec<_>>().join("|"))
     }
 
     /// What it measures; `None` for a key without a unit.
     pub fn dimension(&self) -> Option<Dimension> {
-        Some(match self.leaf {
-            "stiffness" => Dimension::Stiffness,
-            "rated_load" | "rated_buff" | "uniform" | "force" => Dimension::Force,
-            "mass" => Dimension::Mass,
-            "length" => Dimension::Length,
-            "duration" | "horizon" => Dimension::Time,
-            _ => return None,
-        })
+        self.dimension
     }
 
     /// Whether every coupler can have its own value.
     pub fn of_every_coupler(&self) -> bool {
-        self.table == "coupler"
+        self.table == Some("coupler") && self.inner.is_none()
     }
 
     /// Puts a value there.
@@ -101,19 +119,28 @@ impl Key {
     /// # Errors
     /// A sentence where the train file has no such table.
     pub fn put(&self, train: &mut toml::Table, value: toml::Value) -> Result<(), String> {
-        let at = match self.index {
-            None => train.entry(self.table).or_insert_with(|| toml::Value::Table(toml::Table::new())).as_table_mut(),
-            Some(index) => train.get_mut(self.table).and_then(|v| v.as_array_mut()?.get_mut(index)?.as_table_mut()),
+        let empty = || toml::Value::Table(toml::Table::new());
+        let table = self.table.unwrap_or_default();
+        let at = match (self.table, self.index) {
+            (None, _) => Some(train),
+            (Some(_), None) => train.entry(table).or_insert_with(empty).as_table_mut(),
+            (Some(_), Some(index)) => {
+                train.get_mut(table).and_then(|v| v.as_array_mut()?.get_mut(index)?.as_table_mut())
+            }
         };
-        let missing = || format!("the train file has no {}[{}] (counted from 0)", self.table, self.index.unwrap_or(0));
+        let at = match self.inner {
+            None => at,
+            Some(inner) => at.and_then(|t| t.entry(inner).or_insert_with(empty).as_table_mut()),
+        };
+        let missing = || format!("the train file has no {table}[{}] (counted from 0)", self.index.unwrap_or(0));
         at.ok_or_else(missing)?.insert(self.leaf.to_owned(), value);
         Ok(())
     }
 
-    /// Gives each coupler its own value, but for those that the train file already overrides.
-    pub fn put_each(&self, train: &mut toml::Table, values: Vec<toml::Value>) {
+    /// Gives each coupler its own value, but for those that the train file already overrides; the values that were put.
+    pub fn put_each(&self, train: &mut toml::Table, values: Vec<toml::Value>) -> Vec<toml::Value> {
         let overrides = train.entry("coupler_override").or_insert_with(|| toml::Value::Array(vec![]));
-        let Some(overrides) = overrides.as_array_mut() else { return };
+        let Some(overrides) = overrides.as_array_mut() else { return Vec::new() };
         let of_this_key =
             overrides.iter().filter_map(|o| o.as_table().filter(|t| t.contains_key(self.leaf))?.get("at"));
         let numbers = |at: &toml::Value| match at {
@@ -121,18 +148,25 @@ impl Key {
             one => one.as_integer().into_iter().collect::<Vec<_>>(),
         };
         let taken: std::collections::HashSet<i64> = of_this_key.flat_map(numbers).collect();
+        let mut put = Vec::new();
         for (value, number) in values.into_iter().zip(1i64..).filter(|(_, number)| !taken.contains(number)) {
-            let entries = [("at".to_owned(), toml::Value::Integer(number)), (self.leaf.to_owned(), value)];
+            let entries = [("at".to_owned(), toml::Value::Integer(number)), (self.leaf.to_owned(), value.clone())];
             overrides.push(toml::Value::Table(entries.into_iter().collect()));
+            put.push(value);
         }
+        put
     }
 }
 
 impl fmt::Display for Key {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.index {
-            None => write!(f, "{}.{}", self.table, self.leaf),
-            Some(index) => write!(f, "{}[{index}].{}", self.table, self.leaf),
+        if let Some(table) = self.table {
+            write!(f, "{table}")?;
         }
+        if let Some(index) = self.index {
+            write!(f, "[{index}]")?;
+        }
+        let dot = if self.table.is_some() { "." } else { "" };
+        write!(f, "{dot}{}", path((self.inner, self.leaf, None)))
     }
 }

@@ -141,15 +141,17 @@ impl Spread {
 
 /// A value in SI units, or a share, as a train file has it.
 pub fn written(value: f64, dimension: Dimension, share: bool) -> toml::Value {
-    toml::Value::String(if share { format!("{:e} %", 100.0 * value) } else { format!("{value:e} {}", dimension.si()) })
+    let in_its_unit = |value: f64| format!("{:e} {}", value / dimension.si_size(), dimension.si());
+    toml::Value::String(if share { format!("{:e} %", 100.0 * value) } else { in_its_unit(value) })
 }
 
-/// A value as a number in SI units or in per cent, where it is one.
+/// A value as a number in the units of the tables or in per cent, where it is one.
 pub fn number(value: &toml::Value, dimension: Option<Dimension>) -> Option<f64> {
     match (value, dimension) {
         (toml::Value::Integer(n), _) => Some(*n as f64),
+        (toml::Value::Float(x), _) => Some(*x),
         (toml::Value::String(text), Some(dimension)) => match units::parse(text, dimension, true).ok()? {
-            Amount::Si(value) => Some(value),
+            Amount::Si(value) => Some(value / dimension.si_size()),
             Amount::Share(share) => Some(100.0 * share),
         },
         _ => None,

@@ -189,7 +189,8 @@ fn plain(value: &DeValue) -> Option<toml::Value> {
         DeValue::Integer(number) => toml::Value::Integer(i64::from_str_radix(number.as_str(), number.radix()).ok()?),
         DeValue::Boolean(flag) => toml::Value::Boolean(*flag),
         DeValue::Array(items) => toml::Value::Array(items.iter().map(|i| plain(i.get_ref())).collect::<Option<_>>()?),
-        DeValue::Float(_) | DeValue::Datetime(_) | DeValue::Table(_) => return None,
+        DeValue::Float(number) => toml::Value::Float(number.as_str().replace('_', "").parse().ok()?),
+        DeValue::Datetime(_) | DeValue::Table(_) => return None,
     })
 }
 

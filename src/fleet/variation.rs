@@ -45,10 +45,12 @@ pub fn vary(study: &Study, variation: usize, text: &str, path: &Path) -> Varied 
     let mut missing = Ok(());
     for (k, input) in study.inputs.iter().enumerate() {
         let values = values(study, variation, k, couplers);
-        cells.push(cell(input, &values));
         if input.per_coupler {
-            input.key.put_each(&mut table, values);
-        } else if let Some(value) = values.into_iter().next() {
+            cells.push(cell(input, &input.key.put_each(&mut table, values)));
+            continue;
+        }
+        cells.push(cell(input, &values));
+        if let Some(value) = values.into_iter().next() {
             missing = missing.and(input.key.put(&mut table, value));
         }
     }

@@ -161,6 +161,93 @@ fn recurring_peaks_of_few_light_vehicles() {
     }
 }
 
+/// A scene that rests under no load, with a step of force at one mass.
+fn pushed(mass: &[f64], stiffness: &[f64], held_tail: bool, source: usize, force: f64, horizon: f64) -> Scene {
+    let springs = stiffness.len();
+    Scene {
+        chain: Chain { mass: mass.to_vec(), stiffness: stiffness.to_vec(), held_head: true, held_tail },
+        source,
+        force,
+        duration: f64::INFINITY,
+        initial: vec![0.0; springs],
+        rated_draft: vec![1e3; springs],
+        rated_buff: vec![1e3; springs],
+        horizon,
+    }
+}
+
+/// A swing that first passes its rating long before its largest one does: where the sum over modes has to look among fast
+/// modes for it, it looks as long as it takes.
+#[test]
+fn a_first_exceedance_among_fast_modes_is_the_first() {
+    let mut scene = pushed(&[1.0, 1.25e-3, 0.927], &[0.739, 1.206], false, 2, 1.0, 49.0);
+    for share in [0.656, 0.8, 0.95, 0.99] {
+        let found = |method| {
+            let ask = Ask { tolerance: 1e-9, method: Some(method), ..Ask::default() };
+            let springs = solve(&scene, &ask).expect("a solution").springs;
+            springs.into_iter().map(|s| s.expect("asked for").buff).collect::<Vec<_>>()
+        };
+        let (modal, marched) = (found(Method::Modal), found(Method::Propagator));
+        for (modal, marched) in modal.iter().zip(&marched) {
+            assert_eq!(modal.exceeds(), marched.exceeds());
+            if let (Some(a), Some(b)) = (modal.first_over, marched.first_over) {
+                assert!((a - b).abs() < 1e-9, "{share}: {a} {b}");
+            }
+        }
+        scene.rated_buff = marched.iter().map(|side| share * side.best.value).collect();
+    }
+}
+
+/// A slow swing of 1 - cos t, beside one 3e4 times as fast that carries next to nothing, has its top of 2 at the very end of a
+/// step: the slopes over the steps on either side of it are lost to rounding.
+#[test]
+fn a_peak_at_the_end_of_a_step_is_not_lost() {
+    const LIGHT: f64 = 1e-9;
+    let scene = |horizon: f64| pushed(&[1.0, 1.0, LIGHT], &[1.0, 1.0], false, 1, -1.0, horizon);
+    // The slower root of LIGHT x^2 - (1 + 2 LIGHT) x + 1 = 0, x = omega^2.
+    let b = 1.0 + 2.0 * LIGHT;
+    let top = std::f64::consts::PI * (0.5 * (b + (b * b - 4.0 * LIGHT).sqrt())).sqrt();
+    let until_top = propagator::steps(&scene(top), propagator::omega_max(&scene(top)));
+    let mut aligned = 0;
+    for part in 0..200 {
+        let count = (until_top * (1.1 + 0.01 * f64::from(part))).floor();
+        let scene = scene(top * count / until_top + 1e-15 * f64::from(part % 8));
+        let omega = propagator::omega_max(&scene);
+        if propagator::steps(&scene, omega) != count || aligned == 20 {
+            continue;
+        }
+        aligned += 1;
+        let peaks = propagator::peaks(&scene, omega, Wanted::Everything).0;
+        let largest = peaks[0].draft.best.value;
+        // A light mass's own swing is of the order of its share.
+        assert!((largest - 2.0).abs() < 4.0 * LIGHT, "{count} steps: {largest}");
+    }
+    assert!(aligned > 5, "{aligned}");
+}
+
+/// A horizon a little behind the end of a step counts as well.
+#[test]
+fn nothing_before_the_horizon_is_left_out() {
+    for steps in 2..12 {
+        for behind in [0.0, 1e-15, 5e-10, 1e-6] {
+            let horizon = 0.75 * f64::from(steps) + behind;
+            let mut scene = pushed(&[1.0; 12], &[1.0; 11], false, 11, -1.0, horizon);
+            scene.duration = 3.0;
+            let by = |method| {
+                let found = by(method, &scene).expect("a scene for it");
+                (found.springs, found.bound)
+            };
+            let ((fronts, a), (marched, b)) = (by(Method::Fronts), by(Method::Propagator));
+            for (fronts, marched) in fronts.iter().zip(&marched) {
+                for negative in [false, true] {
+                    let values = [fronts, marched].map(|side| side.side(negative).best.value);
+                    assert!((values[0] - values[1]).abs() <= a + b, "{horizon}: {values:?}");
+                }
+            }
+        }
+    }
+}
+
 /// A rating set a little over or under a peak: never the wrong verdict, and none at all within the bound.
 #[test]
 fn a_peak_near_the_rating_is_decided_rightly_or_not_at_all() {

@@ -181,7 +181,7 @@ impl<'a> Fronts<'a> {
 
     #[inline(always)]
     fn march(&mut self, search: &mut Search) {
-        let count = (self.scene.horizon / self.width - 1e-9).ceil().max(1.0) as usize;
+        let count = (self.scene.horizon / self.width * (1.0 - 4.0 * f64::EPSILON)).ceil().max(1.0) as usize;
         let mut first = 1;
         while first <= count {
             for force in &mut self.force {

@@ -110,6 +110,9 @@ pub fn local_norms<const L: usize>(around: [[[f64; L]; 2 * FAR + 1]; 2], all: [[
     norms
 }
 
+/// A slope over a step under this share of the forces at its ends may be rounding.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
 /// How far a quick bound of a spring's force over a step passes what matters in either sign; negative if it does not.
 ///
 /// `f` is G and `q` is `-h^2 G''` at both ends, `remainder` the first one. A force that certainly rises (or falls) through the
@@ -122,7 +125,8 @@ pub fn opening(f: [f64; 2], q: [f64; 2], remainder: f64, level: [f64; 2], crossi
     let up = more(f[0], f[1]) + 0.125 * more(more(q[0], q[1]), 0.0) - level[0];
     let down = -less(f[0], f[1]) - 0.125 * less(less(q[0], q[1]), 0.0) - level[1];
     let rise = f[1] - f[0];
-    let steep = rise.abs() - 0.5 * more(q[0].abs(), q[1].abs()) - 4.8 * remainder > 0.0;
+    let rounding = ROUNDING * more(f[0].abs(), f[1].abs());
+    let steep = rise.abs() - 0.5 * more(q[0].abs(), q[1].abs()) - 4.8 * remainder > rounding;
     let (rises, falls) = (steep & (rise > 0.0), steep & (rise < 0.0));
     let no_up = falls | (rises & !last & (f[1] <= crossing[0]));
     let no_down = rises | (falls & !last & (-f[1] <= crossing[1]));
@@ -143,7 +147,7 @@ pub fn bracket([left, right]: [[f64; 3]; 2], remainder: f64) -> [f64; 2] {
     [lower, top.value + SECOND * (left[2].max(0.0) + right[2].max(0.0)) + remainder]
 }
 
-/// Lower bound of the slope over a step.
+/// Lower bound of the slope over a step, rounding included.
 ///
 /// The remainder's second derivative is that of the shorter series for `h^2 G''`, `5 / 384` of the same maximum, and the
 /// remainder vanishes at both ends: its slope is at most half of that.
@@ -155,7 +159,8 @@ pub fn least_slope([left, right]: [[f64; 3]; 2], remainder: f64) -> f64 {
     let between = if turns { first - 0.5 * left[1] * left[1] / (right[1] - left[1]) } else { first };
     let of_remainder = 0.5 * (5.0 / 384.0) / (61.0 / 46_080.0) * remainder;
     // The slope of Lidstone's second polynomial lies between -8 / 360 and 7 / 360.
-    first.min(last).min(between) - 8.0 / 360.0 * (left[2].abs() + right[2].abs()) - of_remainder
+    let rounding = ROUNDING * left[0].abs().max(right[0].abs());
+    first.min(last).min(between) - 8.0 / 360.0 * (left[2].abs() + right[2].abs()) - of_remainder - rounding
 }
 
 #[cfg(test)]

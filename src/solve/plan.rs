@@ -197,11 +197,12 @@ pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
             let share = if stands_at_rating(scene) { 0.0 } else { 0.1 * ask.tolerance };
             let left_out = sums::leave_out(scene, modes, share);
             let bound = sums::error_bound(scene, modes) + left_out;
-            let (peaks, work, missed) = search::peaks(scene, modes, bound, ask.tolerance);
-            if missed > ask.tolerance {
-                reason += "; its search for peaks among millions of fast swings was given up, and the bound is widened";
+            let found = search::peaks(scene, modes, bound, ask.tolerance);
+            if found.given_up {
+                reason += "; its search among millions of fast swings was given up: the bound is widened, and first exceedances \
+                           may come earlier than they are told";
             }
-            (peaks, work, bound + missed)
+            (found.peaks, found.work, bound + found.missed)
         }
         (Method::Fronts, _) => {
             let (peaks, work) = fronts::peaks(scene, ask.wanted);

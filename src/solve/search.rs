@@ -26,7 +26,8 @@ const MOST_CELLS: f64 = 200_000.0;
 const MOST_FINE_LOOKS: u64 = 1_000_000;
 /// That share.
 const EASED: f64 = 0.1;
-/// Looks into cells, times modes, after which a search gives up and widens its bound instead.
+/// Looks into cells, times modes, after which a search gives up: those that are always affordable, and the most.
+const LEAST_LOOKS: u64 = 100_000;
 const MOST_LOOKS: u64 = 40_000_000;
 /// Nanoseconds for one look, per mode.
 const LOOK: f64 = 100.0;
@@ -45,24 +46,37 @@ struct Candidate {
     bound: f64,
 }
 
-/// Extremes of every spring's force in a scene from values that are within `bound` of the truth, the work done, and how
-/// much further than `bound` an extreme can be because the search for it was eased, by [`EASED`] of the tolerance, or given up.
+/// What a search found.
+pub struct Found {
+    /// Extremes of every spring's force.
+    pub peaks: Vec<SpringPeaks>,
+    /// The work done.
+    pub work: Work,
+    /// How much further than its bound an extreme can be because the search for it was eased, by [`EASED`] of the tolerance, or
+    /// given up.
+    pub missed: f64,
+    /// The search for an extreme or for a first exceedance was given up: that time is then an upper limit.
+    pub given_up: bool,
+}
+
+/// Extremes of every spring's force in a scene from values that are within `bound` of the truth.
 ///
 /// Modes beyond a wide gap are left to looks first. Where so many cells want a look that a grid which resolves all modes would
 /// have taken less, it is laid.
-pub fn peaks(scene: &Scene, modes: &Modes, bound: f64, tolerance: f64) -> (Vec<SpringPeaks>, Work, f64) {
+pub fn peaks(scene: &Scene, modes: &Modes, bound: f64, tolerance: f64) -> Found {
     let field = Field::new(scene, modes);
     let (slow, all) = (resolved_modes(&field.omega), field.omega.len());
     let price = survey_price(all, scene.initial.len(), cells(scene.horizon, &field.omega));
-    let most_looks = if slow == all { MOST_LOOKS } else { MOST_LOOKS.min((price / LOOK) as u64) };
-    let (peaks, mut work, missed) = Scan::run(&field, slow, bound, tolerance, most_looks);
-    if slow == all || missed <= tolerance || price > MOST_NANOSECONDS {
-        return (peaks, work, missed);
+    let affordable = ((price / LOOK) as u64).clamp(LEAST_LOOKS, MOST_LOOKS);
+    let most_looks = if slow == all { MOST_LOOKS } else { affordable };
+    let first = Scan::run(&field, slow, bound, tolerance, most_looks);
+    if slow == all || !first.given_up || price > MOST_NANOSECONDS {
+        return first;
     }
-    let (peaks, more, missed) = Scan::run(&field, all, bound, tolerance, MOST_LOOKS);
-    work.mode_sums += more.mode_sums;
-    work.refinements += more.refinements;
-    (peaks, work, missed)
+    let mut found = Scan::run(&field, all, bound, tolerance, MOST_LOOKS);
+    found.work.mode_sums += first.work.mode_sums;
+    found.work.refinements += first.work.refinements;
+    found
 }
 
 /// How many cells resolve the last of these modes.
@@ -99,20 +113,16 @@ struct Scan<'a> {
     eased: f64,
     /// How far an extreme may lie over what was found, because the search for it was given up.
     missed: f64,
+    given_up: bool,
 }
 
 impl Scan<'_> {
-    fn run(
-        field: &Field,
-        resolved: usize,
-        bound: f64,
-        tolerance: f64,
-        most_looks: u64,
-    ) -> (Vec<SpringPeaks>, Work, f64) {
+    fn run(field: &Field, resolved: usize, bound: f64, tolerance: f64, most_looks: u64) -> Found {
         let watch = Watch::new(field.scene, bound);
         let lowest = watch.peaks.iter().map(|p| [p.draft.best.value, p.buff.best.value]).collect();
         let (work, eased) = (Work::default(), EASED * tolerance);
-        let mut scan = Scan { field, resolved, watch, work, lowest, looks: 0, most_looks, eased, missed: 0.0 };
+        let mut scan =
+            Scan { field, resolved, watch, work, lowest, looks: 0, most_looks, eased, missed: 0.0, given_up: false };
         for stretch in field.stretches() {
             let cells = cells(stretch.to - stretch.from, &field.omega[..resolved]);
             let parts = (cells * field.scene.initial.len() as f64 / MOST_CELLS) as usize + 1;
@@ -130,10 +140,14 @@ impl Scan<'_> {
             }
         }
         let missed = if scan.looks > MOST_FINE_LOOKS { scan.missed.max(scan.watch.grain()) } else { scan.missed };
-        (scan.watch.peaks, scan.work, missed)
+        Found { peaks: scan.watch.peaks, work: scan.work, missed, given_up: scan.given_up }
     }
 
     fn stretch(&mut self, stretch: &Stretch) {
+        let all = (0..self.lowest.len()).flat_map(|s| [(s, false), (s, true)]);
+        for (spring, negative) in all.filter(|&(s, n)| self.watch.at_rating(s, n)).collect::<Vec<_>>() {
+            self.watch.departs(spring, negative, self.lowest[spring][usize::from(negative)]);
+        }
         let sides = self.open_sides(stretch);
         if stretch.to <= stretch.from || sides.is_empty() {
             return;
@@ -145,15 +159,15 @@ impl Scan<'_> {
         let mut centre = (usize::MAX, Vec::new());
         let mut with_fast_modes: Vec<Candidate> = Vec::new();
         for c in candidates {
+            if grid.unresolved[c.spring] > self.watch.fineness() {
+                with_fast_modes.push(c);
+                continue;
+            }
             let (a, b) = grid.cell(c.cell);
             if low_in(&c) < c.cell {
                 self.watch.departs(c.spring, c.negative, self.lowest[c.spring][usize::from(c.negative)]);
             }
             if c.bound <= self.watch.level(c.spring, c.negative) {
-                continue;
-            }
-            if grid.unresolved[c.spring] > self.watch.fineness() {
-                with_fast_modes.push(c);
                 continue;
             }
             if centre.0 != c.cell {
@@ -167,8 +181,11 @@ impl Scan<'_> {
         for side in with_fast_modes.chunk_by(|a, b| (a.spring, a.negative) == (b.spring, b.negative)) {
             // Until a force that stood at its rating has left it, another level matters.
             let early = side.partition_point(|c| c.cell <= low_in(c));
-            for part in [&side[..early], &side[early..]] {
+            for (part, departed) in [(&side[..early], false), (&side[early..], true)] {
                 if let Some(c) = part.first() {
+                    if departed {
+                        self.watch.departs(c.spring, c.negative, self.lowest[c.spring][usize::from(c.negative)]);
+                    }
                     let cells: Vec<Interval> = part.iter().map(|c| Interval::new(c.bound, grid.cell(c.cell))).collect();
                     self.best_first(stretch, (c.spring, c.negative), cells.clone());
                     self.first_crossing(stretch, (c.spring, c.negative), cells);
@@ -299,11 +316,13 @@ impl Scan<'_> {
             }
         }
         // Given up: the latest that it can be.
+        self.given_up = true;
         self.watch.take(spring, negative, peaks.best.at, peaks.best.value);
     }
 
     /// Takes what the force is at one instant, and how much larger it may be, for an interval that is not looked into.
     fn give_up(&mut self, stretch: &Stretch, (spring, negative): (usize, bool), interval: &Interval) {
+        self.given_up = true;
         let t = 0.5 * (interval.from + interval.to);
         let value = self.field.value(stretch, spring, t);
         self.watch.take(spring, negative, t, if negative { -value } else { value });

@@ -11,7 +11,8 @@ use crate::chain::Scene;
 pub struct Side {
     /// Largest value and its time; at t = 0 if nothing later is larger by more than an eighth of the error bound.
     pub best: Point,
-    /// The first time over the rating, if the force is ever certainly (by more than the error bound) over it.
+    /// The first time over the rating, if the force is ever certainly (by more than the error bound) over it: of the first rise
+    /// that is certain, be there earlier ones within the error bound or not.
     pub first_over: Option<f64>,
     /// The true force may be over the rating: it comes within the error bound of it, or stood there and was pushed on.
     pub near: bool,
@@ -266,7 +267,9 @@ impl Watch {
         let t = local.time(top.at);
         let t = if t > horizon * (1.0 - 8.0 * f64::EPSILON) { horizon } else { t };
         let value = sign * exact(t);
-        if value > side.best.value + grain {
+        // However small the step past a limit of the verdict, it counts.
+        let passes = |limit: f64| value > limit && side.best.value <= limit;
+        if value > side.best.value + grain || passes(rating - bound) || passes(rating + bound) {
             side.best = Point { at: t, value };
             side.near |= value > rating - bound;
         }

@@ -145,7 +145,7 @@ impl Random {
             tolerance: if self.loose { 1e-4 } else { 1e-9 },
             ..Options::default()
         };
-        checks::analysis(&train, &options, if self.long { 1.0 } else { 0.1 });
+        checks::analysis(&train, &options, if self.long { 0.3 } else { 0.05 });
     }
 
     /// Vehicles alike; the first and the last stand alone, so that they can be held, and are not the only ones.

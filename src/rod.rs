@@ -12,6 +12,9 @@
 //! spring beyond a free end's mass, to a held end's mass itself; a force on an end mass acts on the rod's end. A coupler's
 //! place is its middle. Every level is a whole multiple of half the force, and none passes what the loads make at rest:
 //! the overloads of [P] figures 4 and 5 are the chain's own.
+//!
+//! What a lasting force does in a rod of length L recurs every `T = 4 L / c`, its four transits, and so does what is left when it
+//! ends: times beyond are told from those within, however long the horizon.
 
 use crate::chain::Scene;
 use crate::solve::closed_form::equal;
@@ -24,6 +27,11 @@ pub struct Rod<'a> {
     unit: f64,
     /// Place and sign of each image of the force, in springs from the first mass; half a unit of force each.
     images: Vec<(f64, f64)>,
+    /// T
+    recurrence: f64,
+    /// Of the event as it is told from the first T after the force sets in, and the first after it ends.
+    duration: f64,
+    horizon: f64,
 }
 
 impl Rod<'_> {
@@ -41,16 +49,26 @@ impl Rod<'_> {
             s => s as f64,
         };
         let period = 2.0 * (rear - front);
-        let rounds = (scene.horizon / unit / period).ceil() as i64 + 1;
+        let recurrence = 2.0 * period * unit;
+        let duration = match scene.duration {
+            long if long > 2.0 * recurrence && long < scene.horizon => recurrence + long % recurrence,
+            short => short,
+        };
+        let horizon = match scene.duration < scene.horizon {
+            true => (duration + recurrence).min(scene.horizon - (scene.duration - duration)),
+            false => recurrence.min(scene.horizon),
+        };
+        let rounds = (horizon / unit / period).ceil() as i64 + 1;
         let image = |k: i64| {
             let sign = if k % 2 == 0 { 1.0 } else { front_sign * rear_sign };
             let shift = k as f64 * period;
             [(place + shift, sign), (2.0 * front - place + shift, front_sign * sign)]
         };
-        Some(Rod { scene, unit, images: (-rounds..=rounds).flat_map(image).collect() })
+        let images = (-rounds..=rounds).flat_map(image).collect();
+        Some(Rod { scene, unit, images, recurrence, duration, horizon })
     }
 
-    /// Arrivals at a spring's place: times and changes of force, ascending, within the horizon.
+    /// Arrivals at a spring's place: times and changes of force, ascending, within the time that is told from.
     fn arrivals(&self, spring: usize) -> Vec<(f64, f64)> {
         let x = spring as f64 + 0.5;
         let step = |&(a, sign): &(f64, f64)| {
@@ -58,9 +76,8 @@ impl Rod<'_> {
             (self.unit * (x - a).abs(), sign * half * self.scene.force)
         };
         let begun: Vec<(f64, f64)> = self.images.iter().map(step).collect();
-        let ended = begun.iter().map(|&(t, f)| (t + self.scene.duration, -f));
-        let mut all: Vec<(f64, f64)> =
-            begun.iter().copied().chain(ended).filter(|a| a.0 <= self.scene.horizon).collect();
+        let ended = begun.iter().map(|&(t, f)| (t + self.duration, -f));
+        let mut all: Vec<(f64, f64)> = begun.iter().copied().chain(ended).filter(|a| a.0 <= self.horizon).collect();
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
         all
     }
@@ -73,7 +90,7 @@ impl Rod<'_> {
         for (n, &(time, step)) in arrivals.iter().enumerate() {
             change += step;
             // Arrivals at one instant, up to rounding, are one.
-            let alone = arrivals.get(n + 1).is_none_or(|next| next.0 - time > 1e-12 * self.scene.horizon);
+            let alone = arrivals.get(n + 1).is_none_or(|next| next.0 - time > 1e-12 * self.horizon);
             if alone {
                 (high, low) = (high.max(initial + change), low.min(initial + change));
             }
@@ -84,8 +101,13 @@ impl Rod<'_> {
     /// Force at a spring's place at given times.
     pub fn history(&self, spring: usize, times: &[f64]) -> Vec<f64> {
         let arrivals = self.arrivals(spring);
-        let at =
-            |&t: &f64| self.scene.initial[spring] + arrivals.iter().take_while(|a| a.0 <= t).map(|a| a.1).sum::<f64>();
+        let told_at = |t: f64| match t < self.scene.duration {
+            true if t > self.recurrence => t % self.recurrence,
+            true => t,
+            false => self.duration + (t - self.scene.duration) % self.recurrence,
+        };
+        let change = |t: f64| arrivals.iter().take_while(|a| a.0 <= t).map(|a| a.1).sum::<f64>();
+        let at = |&t: &f64| self.scene.initial[spring] + change(told_at(t));
         times.iter().map(at).collect()
     }
 }
@@ -134,5 +156,52 @@ mod tests {
         assert_eq!(rod.history(99, &[1.9, 2.1, 21.9, 22.1]), [0.0, 1.0, 1.0, 0.0]);
         assert_eq!(rod.extremes(50), (1.0, -1.0));
         assert_eq!(rod.extremes(0), (2.0, -2.0));
+    }
+
+    /// Against the sum over as many images as the horizon takes.
+    #[test]
+    fn long_horizons_are_told_from_four_transits() {
+        for (held_tail, duration, transits) in [
+            (true, f64::INFINITY, 41.3),
+            (false, f64::INFINITY, 41.3),
+            (true, 31.7, 60.0),
+            (false, 29.2, 60.0),
+            (false, 3.0, 4.5),
+        ] {
+            let mut scene = held(5, -1.0, duration, 0.3);
+            scene.chain.mass.fill(1.0);
+            scene.chain.stiffness.fill(1.0);
+            scene.chain.held_tail = held_tail;
+            scene.source = 2;
+            let period = 2.0 * if held_tail { 5.0 } else { 5.5 };
+            scene.duration *= 0.5 * period;
+            scene.horizon = 0.5 * period * transits;
+            let turn = if held_tail { 1.0 } else { -1.0 };
+            let step = |x: f64, t: f64| -> f64 {
+                let image = |k: i32| {
+                    let (sign, shift) = (f64::powi(turn, k), f64::from(k) * period);
+                    [(2.0 + shift, sign), (shift - 2.0, -sign)].map(|(a, sign)| {
+                        let half = if x > a { 0.5 } else { -0.5 };
+                        if t >= (x - a).abs() { -half * sign } else { 0.0 }
+                    })
+                };
+                (-40..=40).flat_map(image).sum()
+            };
+            let rod = Rod::new(&scene).expect("a rod");
+            for spring in 0..5 {
+                let x = spring as f64 + 0.5;
+                // Between arrivals, which come at halves.
+                let times: Vec<f64> = (0..(4.0 * scene.horizon) as u32).map(|n| 0.25 * f64::from(n) + 0.1).collect();
+                let due: Vec<f64> = times.iter().map(|&t| 0.3 + step(x, t) - step(x, t - scene.duration)).collect();
+                let found = rod.history(spring, &times);
+                assert!(
+                    found.iter().zip(&due).all(|(a, b)| (a - b).abs() < 1e-12),
+                    "spring {spring}, pulse of {duration}"
+                );
+                let (high, low) = rod.extremes(spring);
+                let [most, least] = [due.iter().copied().fold(0.3, f64::max), due.iter().copied().fold(0.3, f64::min)];
+                assert!((high - most).abs() < 1e-12 && (low - least).abs() < 1e-12, "{high} {most} {low} {least}");
+            }
+        }
     }
 }

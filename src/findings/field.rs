@@ -15,6 +15,8 @@ const ROWS: usize = 2000;
 const MOST_KEPT: usize = 1600;
 /// Values that are looked at.
 const LOOKED: f64 = 1e8;
+/// The most instants, for their memory.
+const MOST_INSTANTS: f64 = 4e6;
 /// Instants per unit of time sqrt(m / k): about eight in the period of the fastest vibration of equal vehicles; and the fewest
 /// for which a picture of it is one.
 const PER_UNIT: f64 = 2.5;
@@ -143,7 +145,7 @@ pub fn field(train: &Train, scenario: usize, case: &CaseFindings, of: Of) -> Opt
 /// Even instants from 0 to the horizon, or as far as there may be enough of them.
 fn instants(train: &Train, horizon_s: f64) -> Option<Vec<f64>> {
     let unit_s = scenario::wave(train).time_unit_s;
-    let most = LOOKED / train.couplers.len() as f64;
+    let most = (LOOKED / train.couplers.len() as f64).min(MOST_INSTANTS);
     let units = (horizon_s / unit_s).min(most / SPARSEST);
     let count = (PER_UNIT * units).clamp(FEWEST, most.max(FEWEST));
     let to = horizon_s.min(units * unit_s);

@@ -26,6 +26,8 @@ const MOST_CELLS: f64 = 200_000.0;
 const MOST_FINE_LOOKS: u64 = 1_000_000;
 /// That share.
 const EASED: f64 = 0.1;
+/// A look at fewer modes counts, and takes, as much as one at so many: what is kept of looks has to fit into memory as well.
+const FEWEST_MODES: usize = 16;
 /// Looks into cells, times modes, after which a search gives up: those that are always affordable, and the most.
 const LEAST_LOOKS: u64 = 100_000;
 const MOST_LOOKS: u64 = 40_000_000;
@@ -253,7 +255,7 @@ impl Scan<'_> {
         let (center, radius) = (0.5 * (a + b), 0.5 * (b - a));
         let resolved = self.field.omega.partition_point(|w| w * radius <= RESOLVED);
         self.work.refinements += 1;
-        self.looks += self.field.omega.len() as u64;
+        self.looks += self.field.omega.len().max(FEWEST_MODES) as u64;
         if self.looks > MOST_FINE_LOOKS {
             self.watch.ease(self.eased);
         }
@@ -287,7 +289,7 @@ impl Scan<'_> {
                 self.give_up(stretch, side, &interval);
                 return;
             }
-            heap.extend(self.split(stretch, side, &interval));
+            heap.extend(self.split(stretch, side, &interval).into_iter().filter(|part| part.upper > goal));
         }
     }
 

@@ -140,8 +140,9 @@ fn correlations(run: &Run, summary: &Summary) -> Option<Table> {
         .filter_map(|(name, column)| Some((rank_correlation(column, utilisation)?, name)))
         .collect();
     found.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()));
-    let text = "Spearman's rank correlation of each input with the largest utilisation of a variation: near 1 or -1 it rules, \
-                near 0 it does not matter, or not in one direction only."
+    let text = "Spearman's rank correlation of each input with the largest utilisation of a variation in any of its cases: \
+                near 1 or -1 it rules, near 0 it does not matter, or not in one direction only. Where a train has several \
+                scenarios, one that rules hides what matters in the others."
         .to_owned();
     let rows: Vec<_> = found.into_iter().map(|(r, name)| vec![name.clone(), format!("{r:.3}")]).collect();
     let head = vec!["input", "rank correlation"];
@@ -164,7 +165,7 @@ fn worst(summary: &Summary) -> Option<Table> {
         "file",
         "utilisation, %",
         "coupler",
-        "when",
+        "case",
         "smallest safe load factor of all cases",
         "cases with an exceedance",
     ];

@@ -54,7 +54,7 @@ pub struct Found {
     pub peaks: Vec<SpringPeaks>,
     /// The work done.
     pub work: Work,
-    /// How much further than its bound an extreme can be because the search for it was eased, by [`EASED`] of the tolerance, or
+    /// How much further than its bound an extreme can be because the search for it was eased, by a tenth of the tolerance, or
     /// given up.
     pub missed: f64,
     /// The search for an extreme or for a first exceedance was given up: that time is then an upper limit.

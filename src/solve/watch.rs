@@ -145,7 +145,9 @@ impl Watch {
     /// told whether it passed the rating, be it by a part in 1e86.
     pub fn settle(&mut self, spring: usize, negative: bool, lowest: f64) {
         let undecided = self.bound > 0.0 && !self.departs(spring, negative, lowest);
-        self.side_mut(spring, negative).near |= undecided;
+        let largest = self.peaks[spring].side(negative).best.value + self.grain;
+        let near = largest > self.cautious_rating(spring, negative);
+        self.side_mut(spring, negative).near |= undecided && near;
     }
 
     /// What could not be looked into leaves it open whether a side passes its rating.

@@ -9,7 +9,7 @@
 use std::time::Instant;
 
 use trainsafe::chain::{Chain, Scene};
-use trainsafe::solve::{Ask, Method, Wanted, solve};
+use trainsafe::solve::{Ask, Method, solve};
 
 const RUNS: usize = 3;
 
@@ -44,13 +44,7 @@ fn scene(n: usize) -> Scene {
 }
 
 fn median_seconds(scene: &Scene, method: Method) -> Result<f64, trainsafe::solve::SolveError> {
-    let ask = Ask {
-        tolerance: 1e-9,
-        method: Some(method),
-        verdict_only: false,
-        all_time_bound: false,
-        wanted: Wanted::Everything,
-    };
+    let ask = Ask { tolerance: 1e-9, method: Some(method), ..Ask::default() };
     let mut seconds = Vec::with_capacity(RUNS);
     for _ in 0..RUNS {
         let start = Instant::now();

@@ -120,6 +120,21 @@ fn marched(scene: &Scene) -> Found {
     Found { method: Method::Propagator, springs, bound: propagator::error_bound(scene, omega) }
 }
 
+/// A scene that rests under no load, with a step of force at one mass.
+fn pushed(mass: &[f64], stiffness: &[f64], held_tail: bool, source: usize, force: f64, horizon: f64) -> Scene {
+    let springs = stiffness.len();
+    Scene {
+        chain: Chain { mass: mass.to_vec(), stiffness: stiffness.to_vec(), held_head: true, held_tail },
+        source,
+        force,
+        duration: f64::INFINITY,
+        initial: vec![0.0; springs],
+        rated_draft: vec![1e3; springs],
+        rated_buff: vec![1e3; springs],
+        horizon,
+    }
+}
+
 /// Light vehicles among heavy ones swing a hundred thousand times within the horizon, at few frequencies, and pass their
 /// largest force again and again. No reference goes so far: two methods that share nothing agree within their bounds, and the
 /// search looks into few of the many peaks.
@@ -132,18 +147,8 @@ fn recurring_peaks_of_few_light_vehicles() {
         (vec![2.0, 1e6, 1.0], vec![1.0, 50.0]),
     ] {
         let springs = stiffness.len();
-        let chain = Chain { mass, stiffness, held_head: true, held_tail: false };
-        let horizon = 400.0 * chain.transit();
-        let scene = Scene {
-            chain,
-            source: springs,
-            force: -1.0,
-            duration: f64::INFINITY,
-            initial: vec![0.0; springs],
-            rated_draft: vec![1e3; springs],
-            rated_buff: vec![1e3; springs],
-            horizon,
-        };
+        let mut scene = pushed(&mass, &stiffness, false, springs, -1.0, 0.0);
+        scene.horizon = 400.0 * scene.chain.transit();
         let omega = propagator::omega_max(&scene);
         let ask = Ask { tolerance: 1e-9, method: Some(Method::Modal), ..Ask::default() };
         let by_modes = solve(&scene, &ask).expect("a solution");
@@ -158,21 +163,6 @@ fn recurring_peaks_of_few_light_vehicles() {
         }
         let cells = propagator::steps(&scene, omega) * springs as f64;
         assert!((by_modes.work.refinements as f64) < 1e-3 * cells);
-    }
-}
-
-/// A scene that rests under no load, with a step of force at one mass.
-fn pushed(mass: &[f64], stiffness: &[f64], held_tail: bool, source: usize, force: f64, horizon: f64) -> Scene {
-    let springs = stiffness.len();
-    Scene {
-        chain: Chain { mass: mass.to_vec(), stiffness: stiffness.to_vec(), held_head: true, held_tail },
-        source,
-        force,
-        duration: f64::INFINITY,
-        initial: vec![0.0; springs],
-        rated_draft: vec![1e3; springs],
-        rated_buff: vec![1e3; springs],
-        horizon,
     }
 }
 

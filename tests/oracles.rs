@@ -159,13 +159,7 @@ fn all_time_bounds_of_link_1() {
             if method == Method::Modal && due.n > 100 {
                 continue;
             }
-            let ask = Ask {
-                tolerance: 1e-9,
-                method: Some(method),
-                verdict_only: false,
-                all_time_bound: true,
-                wanted: Wanted::Everything,
-            };
+            let ask = Ask { tolerance: 1e-9, method: Some(method), all_time_bound: true, ..Ask::default() };
             let bounds = solve(&scene, &ask).expect("a method that fits").all_time_bounds.expect("asked for");
             close("bound", bounds[0], due.bound.0, FIGURES);
         }

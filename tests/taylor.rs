@@ -3,7 +3,7 @@
 use trainsafe::chain::{Chain, Scene};
 use trainsafe::play::{Drive, Play, Rule};
 use trainsafe::solve::taylor::{self, Outcome};
-use trainsafe::solve::{Ask, Method, Wanted, solve};
+use trainsafe::solve::{Ask, Method, solve};
 
 const PI: f64 = std::f64::consts::PI;
 
@@ -68,13 +68,7 @@ fn the_papers_break() {
 /// Breaks in the middle and rectangular pulses on uneven chains, each against a sum over modes with its own bound.
 #[test]
 fn undamped_chains_agree_with_sums_over_modes() {
-    let ask = Ask {
-        tolerance: 1e-9,
-        method: Some(Method::Modal),
-        verdict_only: false,
-        all_time_bound: false,
-        wanted: Wanted::Everything,
-    };
+    let ask = Ask { tolerance: 1e-9, method: Some(Method::Modal), ..Ask::default() };
     for (held_head, held_tail) in [(false, false), (true, false), (false, true), (true, true)] {
         for pulse in [false, true] {
             let mut p = play(uneven(24, held_head, held_tail));

@@ -6,7 +6,7 @@ use std::time::Duration;
 use criterion::{BenchmarkId, Criterion};
 use trainsafe::accuracy::peers::Peer;
 use trainsafe::chain::{Chain, Scene};
-use trainsafe::solve::{Ask, Method, Wanted, solve};
+use trainsafe::solve::{Ask, Method, solve};
 
 /// `springs` springs behind a held head, all at 0.8 of their rating; the coupler behind the last mass breaks, and four
 /// transits of the wave are followed.
@@ -32,13 +32,7 @@ pub fn every_method(criterion: &mut Criterion, group: &str, methods: &[Method], 
     let mut group = criterion.benchmark_group(group);
     group.sample_size(10).warm_up_time(Duration::from_millis(500)).measurement_time(Duration::from_secs(3));
     for &method in methods {
-        let ask = Ask {
-            tolerance: 1e-9,
-            method: Some(method),
-            verdict_only: false,
-            all_time_bound: false,
-            wanted: Wanted::Everything,
-        };
+        let ask = Ask { tolerance: 1e-9, method: Some(method), ..Ask::default() };
         group.bench_function(BenchmarkId::new(method.name(), springs), |b| {
             b.iter(|| black_box(solve(black_box(scene), &ask)));
         });

@@ -10,7 +10,7 @@ use super::{Effort, INSTANTS, Options, Origin, Row, WATCHED};
 use crate::chain::Scene;
 use crate::solve::dd::Dd;
 use crate::solve::watch::{Side, SpringPeaks};
-use crate::solve::{Ask, Method, Solution, SolveError, Wanted, solve};
+use crate::solve::{Ask, Method, Solution, SolveError, solve};
 
 /// Shares of the largest rating that this crate's methods are asked for.
 const TOLERANCES: [f64; 4] = [1e-3, 1e-6, 1e-9, 1e-12];
@@ -76,10 +76,7 @@ impl<'a> Bench<'a> {
 
     fn solution(&self, method: Option<Method>, tolerance: f64) -> Result<Solution, SolveError> {
         let tolerance = tolerance * self.rating_n / self.force_n;
-        solve(
-            self.scene,
-            &Ask { tolerance, method, verdict_only: false, all_time_bound: false, wanted: Wanted::Everything },
-        )
+        solve(self.scene, &Ask { tolerance, method, ..Ask::default() })
     }
 
     /// A row for a solution, or a wider range of tolerances for the same one among the rows from `from` on.

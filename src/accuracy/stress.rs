@@ -8,7 +8,7 @@ use comfy_table::{LineStyle, Table, presets};
 
 use super::reference::{Extreme, Reference, ReferenceError};
 use crate::chain::Scene;
-use crate::solve::{Ask, Solution, Wanted, solve};
+use crate::solve::{Ask, Solution, solve};
 pub use cases::{Case, cases};
 
 /// Longest train whose modes are found in long arithmetic here: the work grows as the square.
@@ -82,13 +82,7 @@ pub fn run(case: &Case) -> StressRow {
 
 fn timed(scene: &Scene) -> (Result<Solution, crate::solve::SolveError>, f64) {
     let rating = scene.rated_draft.iter().chain(&scene.rated_buff).fold(0.0f64, |a, &r| a.max(r));
-    let ask = Ask {
-        tolerance: 1e-9 * rating,
-        method: None,
-        verdict_only: false,
-        all_time_bound: false,
-        wanted: Wanted::Everything,
-    };
+    let ask = Ask { tolerance: 1e-9 * rating, ..Ask::default() };
     let mut seconds = Vec::new();
     loop {
         let start = Instant::now();

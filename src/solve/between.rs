@@ -122,7 +122,7 @@ impl<'a> Search<'a> {
             free: Vec::new(),
             at_rating,
         };
-        for (spring, negative) in search.both() {
+        for (spring, negative) in search.watch.sides() {
             let initial = search.watch.peaks[spring].side(negative);
             let (value, over) = (initial.best.value, initial.first_over.is_some());
             let rating = search.watch.rating(spring, negative);
@@ -131,13 +131,8 @@ impl<'a> Search<'a> {
                 lead.crossed = if over { 0.0 } else { lead.crossed };
             }
         }
-        search.both().for_each(|(s, negative)| search.set_level(s, negative));
+        search.watch.sides().for_each(|(s, negative)| search.set_level(s, negative));
         search
-    }
-
-    /// Every side of every spring.
-    fn both(&self) -> impl Iterator<Item = (usize, bool)> + use<> {
-        (0..self.sides.len()).flat_map(|s| [(s, false), (s, true)])
     }
 
     /// A change of force too small to matter.
@@ -174,7 +169,7 @@ impl<'a> Search<'a> {
             && lead.is_far_from(last)
         {
             *last = lead.clone();
-            self.both().for_each(|(s, negative)| self.set_level(s, negative));
+            self.watch.sides().for_each(|(s, negative)| self.set_level(s, negative));
         }
     }
 
@@ -435,7 +430,7 @@ impl<'a> Search<'a> {
             let uppers = self.sides[s][usize::from(negative)].open.iter().map(|o| o.upper);
             uppers.fold(f64::NEG_INFINITY, f64::max) / self.watch.rating(s, negative)
         };
-        let mut sides: Vec<(f64, (usize, bool))> = self.both().map(|side| (promise(&side), side)).collect();
+        let mut sides: Vec<(f64, (usize, bool))> = self.watch.sides().map(|side| (promise(&side), side)).collect();
         sides.sort_by(|a, b| b.0.total_cmp(&a.0));
         for (_, (spring, negative)) in sides {
             self.look(spring, negative);

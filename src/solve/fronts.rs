@@ -19,7 +19,7 @@
 
 use super::between::{PHASE, Search, Step};
 use super::closed_form::equal;
-use super::motion::{BLOCK, FAR, Motion, local_norms, opening};
+use super::motion::{BLOCK, FAR, Motion, any_opens, local_norms, opening};
 use super::watch::SpringPeaks;
 use super::{Wanted, Work};
 use crate::chain::Scene;
@@ -271,11 +271,7 @@ impl<'a> Fronts<'a> {
                 continue;
             }
             let open = self.open(spring, first, search);
-            let mut any = false;
-            for passed in open {
-                any |= passed > 0.0;
-            }
-            if !any {
+            if !any_opens(open) {
                 continue;
             }
             for (l, _) in open.iter().enumerate().take(last_lane).filter(|(_, o)| **o > 0.0) {

@@ -134,6 +134,16 @@ pub fn opening(f: [f64; 2], q: [f64; 2], remainder: f64, level: [f64; 2], crossi
     more(up, down)
 }
 
+/// Whether some of these passes what matters.
+#[inline(always)]
+pub fn any_opens<const L: usize>(open: [f64; L]) -> bool {
+    let mut any = false;
+    for passed in open {
+        any |= passed > 0.0;
+    }
+    any
+}
+
 /// Lower and upper bound of the largest value over a step, from `G`, `h^2 G''`, `h^4 G''''` at both ends and the remainder.
 #[inline]
 pub fn bracket([left, right]: [[f64; 3]; 2], remainder: f64) -> [f64; 2] {

@@ -21,7 +21,7 @@ use std::sync::OnceLock;
 
 use super::between::{PHASE, Search, Step};
 use super::dd::Dd;
-use super::motion::{BLOCK, FAR, Motion, local_norms, opening};
+use super::motion::{BLOCK, FAR, Motion, any_opens, local_norms, opening};
 use super::path::Path;
 use super::series::{polynomial, sine_over_root};
 use super::watch::SpringPeaks;
@@ -119,11 +119,7 @@ impl See for Sieve<'_, '_> {
             let norm = view.norms[block];
             let from = block * BLOCK;
             let open = sift(view, self.search, from, norm, last);
-            let mut any = false;
-            for passed in open {
-                any |= passed > 0.0;
-            }
-            if any {
+            if any_opens(open) {
                 let at = |end: usize, s: usize| view.force[end][s + 1];
                 for s in (from..from + BLOCK).filter(|s| open[s - from] > 0.0) {
                     self.search.consider(&view.step, s, view.remainders[1][s], norm, at);

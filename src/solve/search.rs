@@ -7,7 +7,8 @@
 //! split, the one with the highest bound first: a fast swing on a slow one reaches its bound near the slow one's top, and all
 //! other cells are done with.
 
-use std::cmp::Ordering;
+mod interval;
+
 use std::collections::BinaryHeap;
 
 use nalgebra::DMatrix;
@@ -17,6 +18,7 @@ use super::local::{Local, hermite_top};
 use super::sums::{Coordinates, Field, Modes, RESOLVED, ROUNDOFF, Stretch};
 use super::watch::{SpringPeaks, Watch};
 use crate::chain::Scene;
+use interval::Interval;
 
 /// Columns of a block of the matrix products.
 const BLOCK: usize = 128;
@@ -134,11 +136,9 @@ impl Scan<'_> {
                 scan.stretch(&stretch.part(at(part), to));
             }
         }
-        for (spring, lowest) in scan.lowest.iter().enumerate() {
-            for (negative, &lowest) in [false, true].into_iter().zip(lowest) {
-                if scan.watch.at_rating(spring, negative) {
-                    scan.watch.settle(spring, negative, lowest);
-                }
+        for (spring, negative) in scan.watch.sides() {
+            if scan.watch.at_rating(spring, negative) {
+                scan.watch.settle(spring, negative, scan.lowest[spring][usize::from(negative)]);
             }
         }
         let missed = if scan.looks > MOST_FINE_LOOKS { scan.missed.max(scan.watch.grain()) } else { scan.missed };
@@ -146,12 +146,14 @@ impl Scan<'_> {
     }
 
     fn stretch(&mut self, stretch: &Stretch) {
-        let all = (0..self.lowest.len()).flat_map(|s| [(s, false), (s, true)]);
-        for (spring, negative) in all.filter(|&(s, n)| self.watch.at_rating(s, n)).collect::<Vec<_>>() {
-            self.watch.departs(spring, negative, self.lowest[spring][usize::from(negative)]);
+        if stretch.to <= stretch.from {
+            return;
+        }
+        for (spring, negative) in self.watch.sides() {
+            self.departs(spring, negative);
         }
         let sides = self.open_sides(stretch);
-        if stretch.to <= stretch.from || sides.is_empty() {
+        if sides.is_empty() {
             return;
         }
         let grid = Grid::new(self.field, self.resolved, stretch);
@@ -167,7 +169,7 @@ impl Scan<'_> {
             }
             let (a, b) = grid.cell(c.cell);
             if low_in(&c) < c.cell {
-                self.watch.departs(c.spring, c.negative, self.lowest[c.spring][usize::from(c.negative)]);
+                self.departs(c.spring, c.negative);
             }
             if c.bound <= self.watch.level(c.spring, c.negative) {
                 continue;
@@ -186,7 +188,7 @@ impl Scan<'_> {
             for (part, departed) in [(&side[..early], false), (&side[early..], true)] {
                 if let Some(c) = part.first() {
                     if departed {
-                        self.watch.departs(c.spring, c.negative, self.lowest[c.spring][usize::from(c.negative)]);
+                        self.departs(c.spring, c.negative);
                     }
                     let cells: Vec<Interval> = part.iter().map(|c| Interval::new(c.bound, grid.cell(c.cell))).collect();
                     self.best_first(stretch, (c.spring, c.negative), cells.clone());
@@ -194,6 +196,11 @@ impl Scan<'_> {
                 }
             }
         }
+    }
+
+    /// Takes note of a side that was seen well under its rating.
+    fn departs(&mut self, spring: usize, negative: bool) {
+        self.watch.departs(spring, negative, self.lowest[spring][usize::from(negative)]);
     }
 
     /// The sides that may still tell something new: where all modes together, whatever their phases, pass what matters.
@@ -205,7 +212,7 @@ impl Scan<'_> {
             let mean = if negative { -stretch.mean[spring] } else { stretch.mean[spring] };
             self.watch.at_rating(spring, negative) || mean + swing > self.watch.level(spring, negative)
         };
-        (0..self.watch.peaks.len()).flat_map(|s| [(s, false), (s, true)]).filter(is_open).collect()
+        self.watch.sides().filter(is_open).collect()
     }
 
     /// Forces and slopes of all springs on the grid, block by block; cells of the given sides that might matter, and what is
@@ -331,54 +338,6 @@ impl Scan<'_> {
         self.watch.leave_open(spring, negative, interval.upper);
         let best = self.watch.peaks[spring].side(negative).best.value;
         self.missed = self.missed.max(interval.upper - best);
-    }
-}
-
-/// A piece of time with an upper bound on a side's force.
-#[derive(Clone, Debug)]
-struct Interval {
-    upper: f64,
-    from: f64,
-    to: f64,
-}
-
-impl Interval {
-    fn new(upper: f64, (from, to): (f64, f64)) -> Interval {
-        Interval { upper, from, to }
-    }
-
-    /// Its quarters, each with its bound: what a side's polynomial cannot pass on it, and how far other modes can move it.
-    fn quarters(&self, local: &Local, slack: f64) -> Vec<Interval> {
-        let (a, b) = (self.from, self.to);
-        let time = |k: usize| if k == 4 { b } else { a + (b - a) * k as f64 / 4.0 };
-        let quarter = |(k, top)| Interval { upper: top + slack, from: time(k), to: time(k + 1) };
-        local.upper_bounds(4).enumerate().map(quarter).collect()
-    }
-
-    /// Times cannot be told apart any further.
-    fn is_too_small(&self) -> bool {
-        self.to - self.from <= 2e-13 * self.to
-    }
-}
-
-impl PartialEq for Interval {
-    fn eq(&self, other: &Interval) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for Interval {}
-
-impl PartialOrd for Interval {
-    fn partial_cmp(&self, other: &Interval) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-/// By bound; of equal ones the earlier is greater.
-impl Ord for Interval {
-    fn cmp(&self, other: &Interval) -> Ordering {
-        self.upper.total_cmp(&other.upper).then(other.from.total_cmp(&self.from))
     }
 }
 

@@ -92,7 +92,14 @@ impl Watch {
             buff: Side::at_rest(-scene.initial[i], r[1], bound, !draws(i)),
         };
         let peaks = ratings.iter().enumerate().map(at_rest).collect();
-        Watch { peaks, ratings, horizon: scene.horizon, bound, grain: 0.125 * bound }
+        let mut watch = Watch { peaks, ratings, horizon: scene.horizon, bound, grain: 0.0 };
+        watch.ease(watch.fineness());
+        watch
+    }
+
+    /// Every side of every spring.
+    pub fn sides(&self) -> impl Iterator<Item = (usize, bool)> + use<> {
+        (0..self.peaks.len()).flat_map(|s| [(s, false), (s, true)])
     }
 
     /// The rating in one sign.
@@ -145,7 +152,7 @@ impl Watch {
     /// told whether it passed the rating, be it by a part in 1e86.
     pub fn settle(&mut self, spring: usize, negative: bool, lowest: f64) {
         let undecided = self.bound > 0.0 && !self.departs(spring, negative, lowest);
-        let largest = self.peaks[spring].side(negative).best.value + self.grain;
+        let largest = self.peaks[spring].side(negative).best.value + self.grain();
         let near = largest > self.cautious_rating(spring, negative);
         self.side_mut(spring, negative).near |= undecided && near;
     }

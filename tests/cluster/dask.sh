@@ -11,7 +11,7 @@ export TRAINSAFE RAYON_NUM_THREADS=1
 work=$(mktemp -d)
 started=()
 tidy() {
-    for pid in "${started[@]}"; do kill "$pid" 2>/dev/null || true; done
+    for pid in "${started[@]}"; do kill -9 "$pid" 2>/dev/null || true; done
     rm -rf "$work"
 }
 trap tidy EXIT

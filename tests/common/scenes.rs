@@ -149,13 +149,7 @@ pub fn by(method: Method, scene: &Scene) -> Option<Found> {
 }
 
 fn solved(scene: &Scene, method: Method) -> (Vec<SpringPeaks>, f64) {
-    let ask = Ask {
-        tolerance: TOLERANCE * rating(scene),
-        method: Some(method),
-        verdict_only: false,
-        all_time_bound: false,
-        wanted: Wanted::Everything,
-    };
+    let ask = Ask { tolerance: TOLERANCE * rating(scene), method: Some(method), ..Ask::default() };
     let solution = solve(scene, &ask).expect("a method that fits");
     (solution.springs.into_iter().map(|s| s.expect("no spring left out")).collect(), solution.error_bound)
 }

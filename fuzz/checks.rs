@@ -5,6 +5,7 @@ use std::path::Path;
 
 use serde_json::Value;
 use trainsafe::consist::{self, Train};
+use trainsafe::doubts;
 use trainsafe::error::InputError;
 use trainsafe::findings::{self, CaseFindings, CouplerFindings, Options};
 use trainsafe::fleet::{study, variation};
@@ -101,7 +102,7 @@ fn plain(text: &str) {
 
 /// The whole analysis of a train, and the texts of its report, if it should take no longer than `most_s`.
 pub fn analysis(train: &Train, options: &Options, most_s: f64) {
-    consist::warnings(train);
+    doubts::doubts(train);
     match findings::estimate_s(train, options) {
         Ok(seconds) if seconds <= most_s => {}
         Ok(seconds) => return assert!(seconds.is_finite()),

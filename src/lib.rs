@@ -29,6 +29,7 @@
 pub mod accuracy;
 pub mod chain;
 pub mod consist;
+pub mod doubts;
 pub mod error;
 pub mod findings;
 pub mod fleet;

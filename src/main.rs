@@ -15,6 +15,7 @@ use std::time::{Duration, Instant};
 
 use clap::Parser;
 use trainsafe::accuracy::{self, AccuracyError};
+use trainsafe::doubts::doubts;
 use trainsafe::error::printable_path;
 use trainsafe::report::Format;
 use trainsafe::scenario::Event;
@@ -70,7 +71,7 @@ fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
             say(&format!("note: {} has no map: {why}", scenario.name));
         }
     }
-    consist::warnings(&train).iter().for_each(|warning| say(&format!("warning: {warning}")));
+    doubts(&train).iter().for_each(|warning| say(&format!("warning: {warning}")));
     let bytes = findings::memory_bytes(&train, &options).unwrap_or_default();
     let memory = if bytes > LARGE { format!(" and {:.1} GB of memory", bytes as f64 / 1e9) } else { String::new() };
     if seconds > LONG_S || bytes > LARGE {

@@ -172,6 +172,30 @@ pub fn horizon_s(train: &Train, scenario: &Scenario, broken: Option<usize>) -> f
     })
 }
 
+/// Shortest horizon of a scenario's cases, s.
+///
+/// From the head to the tail the front part grows and the rear part shrinks, so that the longest part's transit first
+/// falls, then rises. Its smallest value is found by halving.
+pub fn shortest_horizon_s(train: &Train, scenario: &Scenario) -> f64 {
+    let Event::Break { couplers } = &scenario.event else { return horizon_s(train, scenario, None) };
+    let mut couplers = couplers.clone();
+    couplers.sort_unstable();
+    let at = |i: usize| horizon_s(train, scenario, couplers.get(i).copied());
+    let (mut low, mut high) = (0, couplers.len().saturating_sub(1));
+    while low < high {
+        let middle = (low + high) / 2;
+        if at(middle + 1) < at(middle) { low = middle + 1 } else { high = middle }
+    }
+    at(low)
+}
+
+/// Longest horizon of a scenario's cases, s: that of a break nearest to an end.
+pub fn longest_horizon_s(train: &Train, scenario: &Scenario) -> f64 {
+    let Event::Break { couplers } = &scenario.event else { return horizon_s(train, scenario, None) };
+    let ends = [couplers.iter().min(), couplers.iter().max()];
+    ends.into_iter().map(|b| horizon_s(train, scenario, b.copied())).fold(0.0, f64::max)
+}
+
 /// How fast long waves run through a train.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wave {

@@ -4,8 +4,14 @@ use std::fs;
 use std::path::Path;
 
 use proptest::prelude::*;
-use trainsafe::consist::{self, TEMPLATE, Train, describe, warnings};
+use trainsafe::consist::{self, TEMPLATE, Train, describe};
+use trainsafe::doubts::doubts;
 use trainsafe::scenario::Event;
+
+/// What is doubtful about a train, as it is told.
+fn warnings(train: &Train) -> Vec<String> {
+    doubts(train).iter().map(ToString::to_string).collect()
+}
 
 fn parse(text: &str) -> Train {
     consist::parse(text, Path::new("a.toml")).unwrap_or_else(|e| panic!("{e}"))

@@ -6,7 +6,7 @@ mod scenes;
 use scenes::*;
 use serde::Deserialize;
 use trainsafe::chain::{Chain, Scene};
-use trainsafe::consist::{Coupler, Extras, Vehicle};
+use trainsafe::consist::{Coupler, Extras, Origin, Vehicle};
 use trainsafe::play::Rule;
 use trainsafe::scenario::{Event, Scenario};
 use trainsafe::solve::{Ask, Method, Wanted, fronts, propagator, solve};
@@ -299,6 +299,7 @@ fn figure_4_in_si_units() {
             cascade: Rule::Keep,
         }],
         extras: Extras::default(),
+        origin: Origin::default(),
     };
     let analysis = analyze(&train, &Options::default()).expect("a train that can be analysed");
     let case = &analysis.scenarios[0].cases[0];

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use trainsafe::Train;
-use trainsafe::consist;
+use trainsafe::consist::{self, Origin};
 
 const FRONT: &str =
     "name = \"tabled\"\n[coupler]\nstiffness = \"30 MN/m\"\nrated_load = \"1 MN\"\n[load]\nuniform = \"60 %\"\n";
@@ -15,7 +15,9 @@ fn read(table: &str, rest: &str) -> Result<Train, String> {
     fs::write(folder.path().join("consist.csv"), table).expect("a table");
     let text = format!("vehicles = \"consist.csv\"\n{FRONT}{rest}");
     let shown = folder.path().display().to_string();
-    consist::parse(&text, &folder.path().join("train.toml")).map_err(|e| e.to_string().replace(&shown, "HERE"))
+    let train = consist::parse(&text, &folder.path().join("train.toml"));
+    // Where it comes from is not compared.
+    train.map(|t| Train { origin: Origin::default(), ..t }).map_err(|e| e.to_string().replace(&shown, "HERE"))
 }
 
 fn spelt_out(vehicles: &str) -> Train {

@@ -2,9 +2,10 @@
 
 use std::fmt::Write as _;
 
-use super::{Coupler, Train, Vehicle};
+use super::{Train, Vehicle};
+use crate::doubts::doubts;
 use crate::play::Rule;
-use crate::scenario::{self, Event, Scenario};
+use crate::scenario::{Event, Scenario, longest_horizon_s, shortest_horizon_s};
 use crate::units::{Dimension, shown};
 
 /// Longer lists of vehicles are told by kind, and longer lists of kinds are cut.
@@ -20,8 +21,8 @@ pub fn describe(train: &Train) -> String {
     for scenario in &train.scenarios {
         let _ = writeln!(text, "  {}: {}", scenario.name, scenario_line(train, scenario));
     }
-    for warning in warnings(train) {
-        let _ = writeln!(text, "warning: {warning}");
+    for doubt in doubts(train) {
+        let _ = writeln!(text, "warning: {doubt}");
     }
     text
 }
@@ -37,7 +38,7 @@ fn size(train: &Train) -> String {
 }
 
 /// A number of things, in English.
-fn count(number: usize, thing: &str) -> String {
+pub(crate) fn count(number: usize, thing: &str) -> String {
     format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
 }
 
@@ -150,80 +151,8 @@ fn scenario_line(train: &Train, scenario: &Scenario) -> String {
         Rule::InDraft => format!("{event}; couplers that pass their rating in draft break"),
         Rule::InBoth => format!("{event}; couplers that pass their rating in draft or buff break"),
     };
-    let [from, to] = [shortest_s(train, scenario), longest_s(train, scenario)].map(|t| shown(t, Dimension::Time));
+    let [from, to] =
+        [shortest_horizon_s(train, scenario), longest_horizon_s(train, scenario)].map(|t| shown(t, Dimension::Time));
     let horizon = if from == to { to } else { format!("{from} to {to}") };
     format!("{event}; {}, horizon {horizon}", count(cases, "case"))
-}
-
-/// Shortest horizon of a scenario's cases, s.
-///
-/// From the head to the tail the front part grows and the rear part shrinks, so that the longest part's transit first
-/// falls, then rises. Its smallest value is found by halving.
-fn shortest_s(train: &Train, scenario: &Scenario) -> f64 {
-    let Event::Break { couplers } = &scenario.event else { return scenario::horizon_s(train, scenario, None) };
-    let mut couplers = couplers.clone();
-    couplers.sort_unstable();
-    let at = |i: usize| scenario::horizon_s(train, scenario, couplers.get(i).copied());
-    let (mut low, mut high) = (0, couplers.len().saturating_sub(1));
-    while low < high {
-        let middle = (low + high) / 2;
-        if at(middle + 1) < at(middle) { low = middle + 1 } else { high = middle }
-    }
-    at(low)
-}
-
-/// Longest horizon of a scenario's cases, s: that of a break nearest to an end.
-fn longest_s(train: &Train, scenario: &Scenario) -> f64 {
-    let Event::Break { couplers } = &scenario.event else { return scenario::horizon_s(train, scenario, None) };
-    let ends = [couplers.iter().min(), couplers.iter().max()];
-    ends.into_iter().map(|b| scenario::horizon_s(train, scenario, b.copied())).fold(0.0, f64::max)
-}
-
-/// What is likely not meant, one sentence each; nothing here stops a run.
-pub fn warnings(train: &Train) -> Vec<String> {
-    let mut found: Vec<String> = overloaded(train).into_iter().collect();
-    let live = train.vehicles.iter().filter(|v| !v.held);
-    let (with, without) = live.partition::<Vec<_>, _>(|v| v.length_m.is_some());
-    if !with.is_empty() && !without.is_empty() {
-        let what = count(without.len(), "vehicle");
-        found.push(format!(
-            "no length is given for {what}, so there are no speeds in m/s and no places along the train"
-        ));
-    }
-    for scenario in &train.scenarios {
-        found.extend(doubts(train, scenario).into_iter().map(|doubt| format!("{}: {doubt}", scenario.name)));
-    }
-    found
-}
-
-fn overloaded(train: &Train) -> Option<String> {
-    let over = |(force, c): &(&f64, &Coupler)| **force > c.rated_draft_n || -**force > c.rated_buff_n;
-    let over = train.initial_force_n.iter().zip(&train.couplers).filter(over).count();
-    let couplers = count(train.couplers.len(), "coupler");
-    (over > 0).then(|| format!("the load is over the rating of {over} of {couplers} before anything happens"))
-}
-
-fn doubts(train: &Train, scenario: &Scenario) -> Vec<String> {
-    let mut doubts = vec![];
-    let default = Scenario { horizon_s: None, ..scenario.clone() };
-    let transit_s = longest_s(train, &default) / 4.0;
-    let horizon_s = longest_s(train, scenario);
-    match &scenario.event {
-        Event::Break { .. } if train.couplers.len() == 1 => {
-            doubts.push("once its only coupler is broken the train has none left to look at".to_owned());
-        }
-        Event::Break { couplers } if couplers.iter().any(|&b| train.initial_force_n[b] == 0.0) => {
-            doubts.push("a coupler without load breaks and nothing changes; give [load] a uniform force".to_owned());
-        }
-        Event::Pulse { duration_s, .. } | Event::Shaped { duration_s, .. } if *duration_s > horizon_s => {
-            doubts.push("the pulse outlasts the horizon, so what its end does is not seen".to_owned());
-        }
-        _ => {}
-    }
-    if horizon_s < transit_s {
-        let [horizon, transit] = [horizon_s, transit_s].map(|t| shown(t, Dimension::Time));
-        let what = if scenario.event.kind() == "break" { "the longest part" } else { "the train" };
-        doubts.push(format!("the horizon of {horizon} ends before a wave has crossed {what}, {transit}"));
-    }
-    doubts
 }

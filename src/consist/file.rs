@@ -10,7 +10,7 @@ use super::loads::{self, OwnLoad};
 use super::scenarios;
 use super::table::Row;
 use super::tree::{Found, Read, Table, Value};
-use super::{Coupler, MOST_VEHICLES, Train, Vehicle};
+use super::{Coupler, Files, MOST_VEHICLES, Origin, Train, Vehicle};
 use crate::error::{Problem, printable, quoted};
 use crate::play::Rule;
 use crate::scenario::{self, Scenario};
@@ -20,7 +20,7 @@ use crate::units::Amount;
 ///
 /// A value that was wrong is replaced by some right one so that the rest is still looked at. The train is good only if no
 /// problem has been noted. `rows` are those of the table that the file's `vehicles` names.
-pub(super) fn train(found: &Found, root: &Table, rows: Option<&[Row]>, path: &Path) -> Read<Train> {
+pub(super) fn train(found: &Found, root: &Table, rows: Option<&[Row]>, path: &Path, files: &Files) -> Read<Train> {
     let name = root.get("name").map_or_else(|| Ok(stem(path)), |v| v.name().map(str::to_owned));
     let base = base_coupler(root).unwrap_or(PLACEHOLDER);
     let (own, vehicles): (Vec<OwnLoad>, _) = match rows {
@@ -39,11 +39,11 @@ pub(super) fn train(found: &Found, root: &Table, rows: Option<&[Row]>, path: &Pa
     let couplers: Vec<Coupler> = ratings.iter().map(Ratings::coupler).collect();
     let weakest_n = couplers.iter().map(|c| c.rated_draft_n).fold(f64::INFINITY, f64::min);
     let load = loads::read(root, &vehicles, &couplers, &own, weakest_n);
-    let scenarios = scenarios::read(root, &vehicles, weakest_n, path)?;
+    let scenarios = scenarios::read(root, &vehicles, weakest_n, path, files)?;
     let (initial_force_n, steady) = load?;
     let mut extras = extras(&ratings, steady);
     extras.damping_ratio = damping_ratio(root, &extras, &scenarios)?;
-    Ok(Train { name: name?, initial_force_n, vehicles, couplers, scenarios, extras })
+    Ok(Train { name: name?, initial_force_n, vehicles, couplers, scenarios, extras, origin: Origin::default() })
 }
 
 /// The damping ratio of every mode; it fits neither dashpots nor what only they fit.

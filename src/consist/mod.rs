@@ -15,17 +15,19 @@ mod table;
 mod text;
 pub(crate) mod tree;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use toml::de::DeTable;
 
+use crate::doubts::Doubt;
 use crate::error::{InputError, Problem};
 use crate::scenario::Scenario;
 
-pub use describe::{describe, warnings};
+pub(crate) use describe::count;
+pub use describe::describe;
 pub use extras::{Extras, LIMITS, Limits, Steady};
 pub use loads::steady_forces;
-pub(crate) use text::{table_text, text_of};
+pub use text::{Files, Source};
 
 /// A commented train file to start from, with every key explained; it runs as it is.
 pub const TEMPLATE: &str = include_str!("template.toml");
@@ -73,6 +75,17 @@ pub struct Train {
     pub scenarios: Vec<Scenario>,
     /// What it has beyond linear springs under a given load; all absent by default.
     pub extras: Extras,
+    /// Where it comes from; empty for a train that was not read from files.
+    pub origin: Origin,
+}
+
+/// Where a train comes from.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Origin {
+    /// Every file that was read for it.
+    pub sources: Vec<Source>,
+    /// What its reader found that is probably not meant; part of [`doubts`](crate::doubts::doubts).
+    pub doubts: Vec<Doubt>,
 }
 
 /// Reads a train file.
@@ -80,7 +93,8 @@ pub struct Train {
 /// # Errors
 /// A file that cannot be read, is no text or is over 8 MiB, and all that [`parse`] refuses.
 pub fn read(path: &Path) -> Result<Train, InputError> {
-    parse(&text_of(path)?, path)
+    let files = Files::default();
+    parse_with(&files.main(path)?, path, &files)
 }
 
 /// Reads the text of a train file; `path` is what messages call it.
@@ -109,6 +123,14 @@ pub fn read(path: &Path) -> Result<Train, InputError> {
 /// # Ok::<(), trainsafe::error::InputError>(())
 /// ```
 pub fn parse(text: &str, path: &Path) -> Result<Train, InputError> {
+    parse_with(text, path, &Files::default())
+}
+
+/// The same with the files that the train file names taken from `files`, and noted there.
+///
+/// # Errors
+/// As for [`parse`].
+pub fn parse_with(text: &str, path: &Path, files: &Files) -> Result<Train, InputError> {
     if text.trim().is_empty() {
         let help = "`trainsafe new` prints one to start from";
         return Err(InputError::of_file(path, "the train file is empty", help));
@@ -117,25 +139,19 @@ pub fn parse(text: &str, path: &Path) -> Result<Train, InputError> {
     let rows = match root.get_ref().get("vehicles").and_then(|v| v.get_ref().as_str()) {
         Some(name) => {
             let beside = table::place(path, name);
-            Some(table::parse(&table_text(&beside)?, &beside)?)
+            let text = files.beside(&beside).map_err(|[title, help]| InputError::of_file(&beside, title, help))?;
+            Some(table::parse(&text, &beside)?)
         }
         None => None,
     };
     let found = tree::Found::default();
     let root = tree::Table::root(&found, root.get_ref(), &keys::TRAIN);
-    let train = file::train(&found, &root, rows.as_deref(), path);
-    let problems = found.into_problems();
+    let train = file::train(&found, &root, rows.as_deref(), path, files);
+    let (problems, doubts) = found.into_parts();
     match train {
-        Ok(train) if problems.is_empty() => Ok(train),
+        Ok(train) if problems.is_empty() => Ok(Train { origin: Origin { sources: files.list(), doubts }, ..train }),
         _ => Err(InputError::new(path, text, problems)),
     }
-}
-
-/// The table of vehicles that a train file's text refers to, if it does.
-pub(crate) fn table_of(text: &str, path: &Path) -> Option<PathBuf> {
-    let root = DeTable::parse(text).ok()?;
-    let name = root.get_ref().get("vehicles")?.get_ref().as_str()?;
-    Some(table::place(path, name))
 }
 
 /// A text that TOML's grammar refuses.

@@ -5,18 +5,18 @@
 
 use std::path::Path;
 
-use super::text;
+use super::Files;
 use crate::units::Dimension;
 
 /// Reads a record: times, s, and forces, N.
 ///
 /// # Errors
 /// What is wrong with it, and what would be right.
-pub(super) fn read(path: &Path) -> Result<Vec<[f64; 2]>, [String; 2]> {
+pub(super) fn read(path: &Path, files: &Files) -> Result<Vec<[f64; 2]>, [String; 2]> {
     let shown = crate::error::printable_path(path);
     let wrong = |what: String, right: &str| [format!("{shown}: {what}"), right.to_owned()];
     let header = "the first line names two columns and their units: time_ms,force_kn";
-    let text = text::beside(path).map_err(|[what, right]| wrong(what, &right))?;
+    let text = files.beside(path).map_err(|[what, right]| wrong(what, &right))?;
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(text.as_bytes());
     let names = reader.headers().map_err(|e| wrong(e.to_string(), header))?.clone();
     let column =

@@ -7,7 +7,7 @@ use std::path::Path;
 use super::file::coupler_list;
 use super::keys::SCENARIO;
 use super::tree::{Read, Table, Value};
-use super::{Vehicle, record};
+use super::{Files, Vehicle, record};
 use crate::error::quoted;
 use crate::play::{Drive, Rule};
 use crate::scenario::{Event, Scenario};
@@ -20,7 +20,13 @@ const MOST_CASES: usize = 1_000_000;
 const MOST_SCENARIOS: usize = 1000;
 
 /// The scenarios, or each coupler in turn if there are none.
-pub(super) fn read(root: &Table, vehicles: &[Vehicle], weakest_n: f64, path: &Path) -> Read<Vec<Scenario>> {
+pub(super) fn read(
+    root: &Table,
+    vehicles: &[Vehicle],
+    weakest_n: f64,
+    path: &Path,
+    files: &Files,
+) -> Read<Vec<Scenario>> {
     let each = || Event::Break { couplers: (0..vehicles.len() - 1).collect() };
     let tables = root.get("scenario").map_or(Ok(vec![]), |v| v.tables())?;
     if tables.is_empty() {
@@ -36,7 +42,7 @@ pub(super) fn read(root: &Table, vehicles: &[Vehicle], weakest_n: f64, path: &Pa
     }
     let (mut scenarios, mut cases) = (vec![], 0);
     for table in &tables {
-        let scenario = scenario(table, vehicles, weakest_n, path);
+        let scenario = scenario(table, vehicles, weakest_n, path, files);
         if let Ok(Unnamed { event: Event::Break { couplers }, .. }) = &scenario {
             cases += couplers.len();
         }
@@ -57,7 +63,13 @@ struct Unnamed<'s> {
     cascade: Rule,
 }
 
-fn scenario<'s>(table: &Table<'s>, vehicles: &[Vehicle], weakest_n: f64, path: &Path) -> Read<Unnamed<'s>> {
+fn scenario<'s>(
+    table: &Table<'s>,
+    vehicles: &[Vehicle],
+    weakest_n: f64,
+    path: &Path,
+    files: &Files,
+) -> Read<Unnamed<'s>> {
     let name = table.get("name").map(|v| v.name().map(|text| (text, v.clone()))).transpose();
     let horizon = table.get("horizon").map(|v| v.quantity()).transpose();
     let cascade = cascade(table);
@@ -67,7 +79,7 @@ fn scenario<'s>(table: &Table<'s>, vehicles: &[Vehicle], weakest_n: f64, path: &
     let event = match kind {
         "break" => break_of(table, vehicles.len() - 1),
         "impact" => impact(table, vehicles.len()),
-        _ => pulse(table, vehicles, weakest_n, path),
+        _ => pulse(table, vehicles, weakest_n, path, files),
     };
     Ok(Unnamed { name: name?, event: event?, horizon_s: horizon?, cascade: cascade? })
 }
@@ -116,10 +128,10 @@ fn break_of(table: &Table, count: usize) -> Read<Event> {
     Ok(Event::Break { couplers })
 }
 
-fn pulse(table: &Table, vehicles: &[Vehicle], weakest_n: f64, path: &Path) -> Read<Event> {
+fn pulse(table: &Table, vehicles: &[Vehicle], weakest_n: f64, path: &Path, files: &Files) -> Read<Event> {
     let vehicle = struck(table, vehicles);
     if let Some(record) = table.get("record") {
-        return recorded(table, &record, vehicle?, path);
+        return recorded(table, &record, vehicle?, path, files);
     }
     let force = table
         .require("force", "add force = \"-1.2 MN\", the outside force on that vehicle, forward positive")
@@ -168,14 +180,14 @@ fn ramps(table: &Table, shape: &str, duration_s: f64) -> Read<[f64; 2]> {
 }
 
 /// A pulse whose course stands in a file of its own, beside the train file.
-fn recorded(table: &Table, record: &Value, vehicle: usize, path: &Path) -> Read<Event> {
+fn recorded(table: &Table, record: &Value, vehicle: usize, path: &Path, files: &Files) -> Read<Event> {
     for key in ["force", "duration", "shape", "rise", "fall"] {
         if let Some(span) = table.key_span(key) {
             return Err(table.note_at(span, format!("{key} beside a record"), "the record gives the force over time"));
         }
     }
     let file = path.parent().unwrap_or(Path::new("")).join(record.name()?);
-    let points = record::read(&file).map_err(|[found, right]| record.wrong(found, right))?;
+    let points = record::read(&file, files).map_err(|[found, right]| record.wrong(found, right))?;
     let force_n = points.iter().map(|p| p[1]).fold(0.0f64, |a, f| if f.abs() > a.abs() { f } else { a });
     let duration_s = points.last().map_or(0.0, |p| p[0]);
     Ok(Event::Shaped { vehicle, shape: "record", force_n, duration_s, drive: Drive::Lines(points) })

@@ -1,8 +1,11 @@
-//! The text of a file, with its kind and size looked at before anything is read. Each file is opened once.
+//! The files that a train is read from: each is opened once, its kind and size looked at before anything is read.
 
 use std::fs::{self, File};
 use std::io::{self, Read as _};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use sha2::{Digest, Sha256};
 
 use crate::error::InputError;
 
@@ -11,29 +14,71 @@ use crate::error::InputError;
 const LARGEST: u64 = 8 << 20;
 const LARGEST_TABLE: u64 = 16 << 20;
 
-/// The text of a train file or study, which may come through a pipe.
-pub(crate) fn text_of(path: &Path) -> Result<String, InputError> {
-    let give = "give the path of a train file; `trainsafe new` prints one to start from";
-    text(path, "a train file", give, LARGEST).map_err(|[title, help]| InputError::of_file(path, title, help))
+/// A file that was read, or that could not be.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Source {
+    /// Its path, as the train file or the user names it.
+    pub path: PathBuf,
+    /// SHA-256 of its bytes; of what stands in the way, where it could not be read.
+    pub sha256: [u8; 32],
 }
 
-/// The text of a table that a train file names.
-pub(crate) fn table_text(path: &Path) -> Result<String, InputError> {
-    beside(path).map_err(|[title, help]| InputError::of_file(path, title, help))
+/// A text, or what is wrong with the file and what would be right.
+type Text = Result<Arc<str>, [String; 2]>;
+
+/// The files that one train is read from: the train file, its table of vehicles, its records.
+///
+/// Whatever reads a file for a train reads it here, so that this list is complete: a run is resumed only if none of them has changed.
+/// A file that is asked for again is not read again.
+#[derive(Debug, Default)]
+pub struct Files {
+    read: Mutex<Vec<(Source, Text)>>,
 }
 
-/// The text of a file that a train file names; what is wrong, and what would be right. A pipe could wait for ever, and a device
-/// has no end: whoever wrote the train file need not be the one who reads it.
-pub(super) fn beside(path: &Path) -> Result<String, [String; 2]> {
-    let give = "give the path of a CSV file";
-    let about = fs::metadata(path).map_err(|e| unreadable(&e, give))?;
-    if about.is_file() || about.is_dir() {
-        return text(path, "a CSV file", give, LARGEST_TABLE);
+impl Files {
+    /// The text of a train file or study, which may come through a pipe.
+    pub(crate) fn main(&self, path: &Path) -> Result<Arc<str>, InputError> {
+        let give = "give the path of a train file; `trainsafe new` prints one to start from";
+        let text = self.text(path, || bytes(path, "a train file", give, LARGEST).and_then(utf8));
+        text.map_err(|[title, help]| InputError::of_file(path, title, help))
     }
-    Err(["this is a pipe or a device".into(), give.into()])
+
+    /// The text of a file that a train file names. A pipe could wait for ever, and a device has no end: whoever wrote the train file
+    /// need not be the one who reads it.
+    pub(super) fn beside(&self, path: &Path) -> Text {
+        let give = "give the path of a CSV file";
+        self.text(path, || {
+            let about = fs::metadata(path).map_err(|e| unreadable(&e, give))?;
+            if about.is_file() || about.is_dir() {
+                return bytes(path, "a CSV file", give, LARGEST_TABLE).and_then(utf8);
+            }
+            Err(["this is a pipe or a device".into(), give.into()])
+        })
+    }
+
+    /// Every file that was asked for, in the order of the first time.
+    pub fn list(&self) -> Vec<Source> {
+        self.lock().iter().map(|(source, _)| source.clone()).collect()
+    }
+
+    fn text(&self, path: &Path, read: impl FnOnce() -> Result<(Arc<str>, [u8; 32]), [String; 2]>) -> Text {
+        if let Some((_, text)) = self.lock().iter().find(|(source, _)| source.path == path) {
+            return text.clone();
+        }
+        let (text, sha256) = match read() {
+            Ok((text, sha256)) => (Ok(text), sha256),
+            Err(wrong) => (Err(wrong.clone()), Sha256::digest(wrong.concat()).into()),
+        };
+        self.lock().push((Source { path: path.to_owned(), sha256 }, text.clone()));
+        text
+    }
+
+    fn lock(&self) -> std::sync::MutexGuard<'_, Vec<(Source, Text)>> {
+        self.read.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
-fn text(path: &Path, kind: &str, give: &str, most: u64) -> Result<String, [String; 2]> {
+fn bytes(path: &Path, kind: &str, give: &str, most: u64) -> Result<Vec<u8>, [String; 2]> {
     let mut file = File::open(path).map_err(|e| unreadable(&e, give))?;
     let about = file.metadata().map_err(|e| unreadable(&e, give))?;
     if about.is_dir() {
@@ -52,7 +97,12 @@ fn text(path: &Path, kind: &str, give: &str, most: u64) -> Result<String, [Strin
     if bytes.len() as u64 > most {
         return Err(too_large("no end in sight".to_owned()));
     }
-    decoded(bytes)
+    Ok(bytes)
+}
+
+fn utf8(bytes: Vec<u8>) -> Result<(Arc<str>, [u8; 32]), [String; 2]> {
+    let sha256 = Sha256::digest(&bytes).into();
+    decoded(bytes).map(|text| (text.into(), sha256))
 }
 
 fn unreadable(error: &io::Error, give: &str) -> [String; 2] {

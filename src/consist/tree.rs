@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use toml::de::{DeTable, DeValue};
 
+use crate::doubts::Doubt;
 use crate::error::{Problem, Problems, is_obeyed, quoted};
 use crate::keys::{Key, Kind, LONGEST_NAME, Shape, Sign};
 use crate::units::{self, Amount, Dimension, one_of};
@@ -13,6 +14,7 @@ use crate::units::{self, Amount, Dimension, one_of};
 #[derive(Default)]
 pub(crate) struct Found {
     problems: RefCell<Problems>,
+    doubts: RefCell<Vec<Doubt>>,
 }
 
 /// Proof that a problem has been noted: whoever holds one need not note it again.
@@ -28,8 +30,15 @@ impl Found {
         Reported(())
     }
 
-    pub(crate) fn into_problems(self) -> Problems {
-        self.problems.into_inner()
+    /// Something that is probably not meant, and no error.
+    #[expect(dead_code, reason = "the first doubt of a reader comes with the columns of a table")]
+    pub(crate) fn doubt(&self, doubt: Doubt) {
+        self.doubts.borrow_mut().push(doubt);
+    }
+
+    /// What is wrong, and what is doubtful.
+    pub(crate) fn into_parts(self) -> (Problems, Vec<Doubt>) {
+        (self.problems.into_inner(), self.doubts.into_inner())
     }
 }
 

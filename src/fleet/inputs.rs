@@ -9,7 +9,7 @@ use sha2::{Digest, Sha256};
 use super::FleetError;
 use super::study::{self, Study};
 use super::variation::{self, Varied};
-use crate::consist::{self, Train};
+use crate::consist::{self, Files, Train};
 use crate::error::{InputError, printable_path};
 use crate::findings::{Options, cases};
 
@@ -38,7 +38,7 @@ impl Inputs {
         let mut wanted = paths.to_vec();
         for path in paths.iter().filter(|p| p.is_file()) {
             // What cannot be read is a bad train, and told as such later.
-            let Ok(text) = consist::text_of(path) else { continue };
+            let Ok(text) = Files::default().main(path) else { continue };
             if study::is_study(&text) {
                 if paths.len() > 1 {
                     let title = format!("{} is a study, which names its own trains", printable_path(path));
@@ -47,7 +47,7 @@ impl Inputs {
                 let read = study::parse(&text, path)?;
                 let folder = path.parent().unwrap_or(Path::new(""));
                 wanted = read.trains.iter().map(|t| folder.join(t)).collect();
-                (study, study_text) = (Some(read), text);
+                (study, study_text) = (Some(read), text.to_string());
             }
         }
         let mut files = Vec::new();
@@ -56,7 +56,7 @@ impl Inputs {
         }
         let mut seen = std::collections::HashSet::new();
         files.retain(|file| seen.insert(file.clone()));
-        let digests = files.par_iter().map(|file| digest(&consist::text_of(file), file)).collect();
+        let digests = files.par_iter().map(|file| digest(&base(file).0)).collect();
         Ok(Inputs { files, study, digests, study_text })
     }
 
@@ -89,13 +89,13 @@ impl Inputs {
     /// [`FleetError::Changed`] if the file is no longer what it was at the start.
     pub fn load(&self, file: usize, variation: usize) -> Result<Varied, FleetError> {
         let path = &self.files[file];
-        let text = consist::text_of(path);
-        if digest(&text, path) != self.digests[file] {
+        let (files, train) = base(path);
+        if digest(&files) != self.digests[file] {
             return Err(FleetError::Changed(path.clone()));
         }
-        let varied = match (&self.study, text) {
+        let varied = match (&self.study, files.main(path)) {
             (Some(study), Ok(text)) => variation::vary(study, variation, &text, path),
-            (None, Ok(text)) => Varied { cells: vec![], train: consist::parse(&text, path).map_err(|e| e.brief()) },
+            (None, Ok(_)) => Varied { cells: vec![], train: train.map_err(|e| e.brief()) },
             (study, Err(e)) => {
                 let inputs = study.as_ref().map_or(0, |s| s.inputs.len());
                 Varied { cells: vec![String::new(); inputs], train: Err(e.brief()) }
@@ -170,18 +170,20 @@ fn in_folder(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), FleetError> 
     Ok(())
 }
 
-/// Content of a train file and of the table it refers to; of a file that cannot be read, what stands in the way.
-fn digest(text: &Result<String, InputError>, path: &Path) -> [u8; 32] {
+/// Content of every file that a train was read from.
+fn digest(files: &Files) -> [u8; 32] {
     let mut all = Sha256::new();
-    match text {
-        Ok(text) => {
-            all.update(text);
-            if let Some(table) = consist::table_of(text, path) {
-                all.update([0]);
-                all.update(consist::table_text(&table).unwrap_or_else(|e| e.brief()));
-            }
-        }
-        Err(e) => all.update(e.brief()),
+    for source in files.list() {
+        all.update(source.path.as_os_str().as_encoded_bytes());
+        all.update([0]);
+        all.update(source.sha256);
     }
     all.finalize().into()
+}
+
+/// The train as its file has it, and the files that it was read from.
+fn base(path: &Path) -> (Files, Result<Train, InputError>) {
+    let files = Files::default();
+    let train = files.main(path).and_then(|text| consist::parse_with(&text, path, &files));
+    (files, train)
 }

@@ -86,7 +86,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Study, InputError> {
     let root = DeTable::parse(text).map_err(|e| consist::not_toml(e, text, path))?;
     let found = Found::default();
     let study = study(&Table::root(&found, root.get_ref(), &STUDY));
-    let problems = found.into_problems();
+    let (problems, _) = found.into_parts();
     match study {
         Ok(study) if problems.is_empty() => Ok(study),
         _ => Err(InputError::new(path, text, problems)),

@@ -2,7 +2,7 @@
 
 #![allow(dead_code)] // Each test binary uses its own part.
 
-use trainsafe::consist::{Coupler, Extras, Train, Vehicle};
+use trainsafe::consist::{Coupler, Extras, Origin, Train, Vehicle};
 use trainsafe::play::Rule;
 use trainsafe::scenario::{Event, Scenario};
 
@@ -54,6 +54,7 @@ pub fn uniform(name: &str, n: usize, mass_kg: f64, stiffness_n_per_m: f64, rated
         initial_force_n: vec![load_n; n - 1],
         scenarios: Vec::new(),
         extras: Extras::default(),
+        origin: Origin::default(),
     }
 }
 

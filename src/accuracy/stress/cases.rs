@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::super::reference::Reference;
 use crate::chain::{Chain, Scene};
-use crate::consist::{Coupler, Extras, Train, Vehicle};
+use crate::consist::{Coupler, Extras, Origin, Train, Vehicle};
 use crate::scenario::{self, Event};
 
 /// A named extreme scene.
@@ -121,6 +121,7 @@ fn units() -> Vec<Named> {
             initial_force_n: vec![0.8 * force_n; 100],
             scenarios: Vec::new(),
             extras: Extras::default(),
+            origin: Origin::default(),
         };
         let event = Event::Break { couplers: vec![99] };
         scenario::parts(&train, &event, Some(99), 1.0).into_iter().next().map(|p| four_transits(p.scene))

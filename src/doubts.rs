@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::Serialize;
 
-use crate::consist::{Coupler, Train, count};
+use crate::consist::{Coupler, Limits, SENSES, Train, count};
 use crate::scenario::{Event, Scenario, longest_horizon_s};
 use crate::units::{Dimension, shown};
 
@@ -44,6 +44,7 @@ impl fmt::Display for Doubt {
 pub fn doubts(train: &Train) -> Vec<Doubt> {
     let mut found = train.origin.doubts.clone();
     found.extend(overloaded(train));
+    found.extend(limit_order(train));
     found.extend(lengths(train));
     for scenario in &train.scenarios {
         found.extend(of_scenario(train, scenario));
@@ -57,6 +58,26 @@ fn overloaded(train: &Train) -> Option<Doubt> {
     let couplers = count(train.couplers.len(), "coupler");
     let text = format!("the load is over the rating of {over} of {couplers} before anything happens");
     (over > 0).then(|| Doubt::of_train("load-over-rating", text))
+}
+
+/// Couplers that are rated above the load that breaks them.
+fn limit_order(train: &Train) -> Option<Doubt> {
+    let rated = |c: &Coupler| [c.rated_draft_n, c.rated_buff_n];
+    let above = |(limits, c): (&Limits, &Coupler)| -> Vec<usize> {
+        let over = |side: &usize| limits.ultimate_n()[*side].is_some_and(|ultimate| rated(c)[*side] > ultimate);
+        (0..2).filter(over).collect()
+    };
+    let sides = train.extras.limits.iter().zip(&train.couplers).map(above);
+    let found: Vec<(usize, Vec<usize>)> = sides.enumerate().filter(|(_, sides)| !sides.is_empty()).collect();
+    let (first, senses) = found.first()?;
+    let sense = SENSES[senses[0]];
+    let others = if found.len() > 1 { format!(", and of {} more", found.len() - 1) } else { String::new() };
+    let text = format!(
+        "the rating of coupler {} in {sense} is above its ultimate load in {sense}{others}: a coupler would break before it \
+         reaches its rating; check both, or give limits.draft and limits.buff apart",
+        first + 1
+    );
+    Some(Doubt::of_train("limit-order", text))
 }
 
 fn lengths(train: &Train) -> Option<Doubt> {

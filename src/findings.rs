@@ -18,7 +18,7 @@ pub(crate) use field::larger;
 pub use field::{Field, Of, field};
 use general::Solved;
 pub use history::{history, rod_history};
-pub use limits::LimitFindings;
+pub use limits::{LimitFindings, LimitInSense};
 pub use map::{MapFindings, MapPoint};
 use rayon::prelude::*;
 use safe_factor::safe_load_factor;
@@ -164,6 +164,9 @@ pub struct CouplerFindings {
     pub peak_buff_time_s: Option<f64>,
     /// Over its rating in either sign; `None`: not decided, the rating lies within the error bound of the peak.
     pub exceeds: Option<bool>,
+    /// The same in draft and in buff alone.
+    #[serde(skip)]
+    pub(crate) exceeds_in: [Option<bool>; 2],
     /// The first time it is over its rating, s after the event; `None` if it never is.
     pub first_exceeds_s: Option<f64>,
     /// Over which rating it is then, `"draft"` or `"buff"`.
@@ -271,11 +274,15 @@ pub(crate) fn cases(event: &Event) -> Vec<Option<usize>> {
     }
 }
 
+/// The largest rating of any coupler in either sense.
+fn largest_rating_n(train: &Train) -> f64 {
+    train.couplers.iter().map(|c| c.rated_draft_n.max(c.rated_buff_n)).fold(0.0, f64::max)
+}
+
 /// What the options ask of the solvers, in their units.
 fn ask(train: &Train, options: &Options) -> Ask {
-    let rating = train.couplers.iter().map(|c| c.rated_draft_n.max(c.rated_buff_n)).fold(0.0, f64::max);
     Ask {
-        tolerance: options.tolerance * rating / Scales::of(train).force_n,
+        tolerance: options.tolerance * largest_rating_n(train) / Scales::of(train).force_n,
         method: options.method,
         verdict_only: options.verdict_only,
         all_time_bound: options.all_time_bound,
@@ -310,19 +317,24 @@ pub(crate) fn case_findings(
     let start = Instant::now();
     let horizon_s = scenario::horizon_s(train, scenario, broken);
     let tolerance_n = ask(train, options).tolerance * Scales::of(train).force_n;
-    let (solved, rod) = if scenario::beyond_steps(&train.extras.dashpot_n_s_per_m, &scenario.event) {
-        (general::solved(train, scenario, broken, horizon_s, options)?, None)
-    } else {
-        let parts = scenario::parts(train, &scenario.event, broken, horizon_s);
-        let rod = if train.extras.damping_ratio > 0.0 { None } else { rod_findings(&parts) };
-        // After a break the coupler of the largest utilisation is the one that bounds the load; it need not be under a pulse.
-        let wanted = if broken.is_some() { options.wanted } else { Wanted::Everything };
-        let options = Options { wanted, ..options.clone() };
-        (solved_by_parts(train, &parts, &options, memo)?, rod)
+    let beyond_steps = scenario::beyond_steps(&train.extras.dashpot_n_s_per_m, &scenario.event);
+    let parts = |train: &Train| scenario::parts(train, &scenario.event, broken, horizon_s);
+    let solve = |train: &Train, options: &Options| match beyond_steps {
+        true => general::solved(train, scenario, broken, horizon_s, options),
+        false => solved_by_parts(train, &parts(train), options, memo),
     };
+    let rod = if beyond_steps || train.extras.damping_ratio > 0.0 { None } else { rod_findings(&parts(train)) };
+    // After a break the coupler of the largest utilisation is the one that bounds the load; it need not be under a pulse.
+    let wanted = if broken.is_some() { options.wanted } else { Wanted::Everything };
+    let solved = solve(train, &Options { wanted, ..options.clone() })?;
     let Solved { method, reason, error_bound_n, mut couplers, worst, left_out } = solved;
     let cascade = cascade::find(train, scenario, broken, horizon_s)?;
-    limits::find(train, &mut couplers, error_bound_n);
+    limits::find(train, &mut couplers, error_bound_n, |rated| {
+        // The tolerance is a share of the largest rating, and stays what it is.
+        let tolerance = options.tolerance * largest_rating_n(train) / largest_rating_n(rated);
+        let wanted = Wanted::Everything;
+        Ok(solve(rated, &Options { tolerance, wanted, verdict_only: false, ..options.clone() })?.couplers)
+    })?;
     Ok(CaseFindings {
         kind: scenario.event.kind(),
         broken_coupler: broken.map(|b| b + 1),
@@ -409,9 +421,10 @@ fn coupler_findings(
     let use_of = |peak: Option<(f64, f64)>, rating: f64| peak.map_or(0.0, |(f, _)| f.abs() / rating);
     let (in_draft, in_buff) = (use_of(draft, coupler.rated_draft_n), use_of(buff, coupler.rated_buff_n));
     let (peak_force_n, peak_time_s) = if in_buff > in_draft { buff } else { draft }.unwrap_or((0.0, 0.0));
-    let exceeds = match (peaks.draft.exceeds(), peaks.buff.exceeds()) {
-        (Some(true), _) | (_, Some(true)) => Some(true),
-        (Some(false), Some(false)) => Some(false),
+    let exceeds_in = [&peaks.draft, &peaks.buff].map(|side| side.exceeds());
+    let exceeds = match exceeds_in {
+        [Some(true), _] | [_, Some(true)] => Some(true),
+        [Some(false), Some(false)] => Some(false),
         _ => None,
     };
     let firsts = [(peaks.draft.first_over, "draft"), (peaks.buff.first_over, "buff")];
@@ -431,6 +444,7 @@ fn coupler_findings(
         peak_buff_n: buff.map(|p| p.0),
         peak_buff_time_s: buff.map(|p| p.1),
         exceeds,
+        exceeds_in,
         first_exceeds_s: first.map(|(t, _)| t * scales.time_s),
         first_exceeds_in: first.map(|(_, sense)| sense),
         all_time_bound_n,

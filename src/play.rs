@@ -18,14 +18,16 @@ pub struct Play {
     pub broken: Vec<usize>,
     /// What breaks later.
     pub rule: Rule,
+    /// The force at which each spring breaks under the rule, in tension and in compression; empty where that is its rating.
+    pub break_at: Vec<[f64; 2]>,
 }
 
-/// Which springs break when they pass their rating.
+/// Which springs break when they pass the force that breaks them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rule {
     /// None.
     Keep,
-    /// Those in tension; one that passes its rating in compression is kept.
+    /// Those in tension; one that passes that force in compression is kept.
     InDraft,
     /// All.
     InBoth,

@@ -6,7 +6,7 @@ use crate::chain::{Chain, Scene};
 use crate::consist::Train;
 use crate::play::{Drive, Rule};
 
-pub use plays::{beyond_steps, initial_force_n, play};
+pub use plays::{beyond_steps, break_loads, initial_force_n, play};
 
 /// One named event to run, with how long to watch.
 #[derive(Clone, Debug, PartialEq)]

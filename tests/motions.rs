@@ -40,6 +40,7 @@ fn play(case: &Value) -> Play {
         dashpot: numbers(&case["dashpot"]),
         velocity: numbers(&case["velocity"]),
         broken: numbers(&case["broken"]).into_iter().map(|b| b as usize).collect(),
+        break_at: Vec::new(),
         rule: match case["rule"].as_str() {
             Some("draft") => Rule::InDraft,
             Some("both") => Rule::InBoth,

@@ -38,7 +38,10 @@ fn full_templates() -> [String; 2] {
     let all = consist::TEMPLATE.replace("\n#: ", "\n");
     let stand_ins = consist::TEMPLATE.replace("\n#+ ", "\n").replace("\nuniform", "\n#");
     [
-        all.replace("\nat = [53]", "\nat = [53]\ndamping = \"1 kN*s/m\"\nlimits = { proof = \"2 MN\" }"),
+        all.replace(
+            "\nat = [53]",
+            "\nat = [53]\ndamping = \"1 kN*s/m\"\nlimits = { proof = \"2 MN\", draft.ultimate = \"3 MN\" }",
+        ),
         stand_ins.replace("\ncount = 104", "\ncount = 104\ngrade = \"1 %\"\nrolling_resistance = \"1 N/t\""),
     ]
 }

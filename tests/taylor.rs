@@ -43,6 +43,7 @@ fn play(scene: Scene) -> Play {
         velocity: vec![0.0; masses],
         broken: Vec::new(),
         rule: Rule::Keep,
+        break_at: Vec::new(),
     }
 }
 

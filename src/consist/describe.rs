@@ -2,10 +2,10 @@
 
 use std::fmt::Write as _;
 
-use super::{Train, Vehicle};
+use super::{LIMITS, Train, Vehicle};
 use crate::doubts::doubts;
 use crate::play::Rule;
-use crate::scenario::{Event, Scenario, longest_horizon_s, shortest_horizon_s};
+use crate::scenario::{Event, Scenario, break_loads, longest_horizon_s, shortest_horizon_s};
 use crate::units::{Dimension, shown};
 
 /// Longer lists of vehicles are told by kind, and longer lists of kinds are cut.
@@ -119,6 +119,17 @@ fn load(train: &Train) -> String {
     format!("load before the event: {range}{from}")
 }
 
+/// What breaks couplers in a cascade, in the first senses of draft and buff.
+fn breaking_loads(train: &Train, senses: usize) -> &'static str {
+    let all = || (0..train.couplers.len()).flat_map(|i| break_loads(train, i).into_iter().take(senses));
+    let ultimate = |(_, key): (f64, &str)| key == LIMITS[2];
+    match (all().all(ultimate), all().any(ultimate)) {
+        (true, _) => "their ultimate load",
+        (false, true) => "their ultimate load, or their rating where none is given,",
+        (false, false) => "their rating (no ultimate load is given)",
+    }
+}
+
 fn scenario_line(train: &Train, scenario: &Scenario) -> String {
     let (event, cases) = match &scenario.event {
         Event::Break { couplers } => match couplers.as_slice() {
@@ -148,8 +159,8 @@ fn scenario_line(train: &Train, scenario: &Scenario) -> String {
     };
     let event = match scenario.cascade {
         Rule::Keep => event,
-        Rule::InDraft => format!("{event}; couplers that pass their rating in draft break"),
-        Rule::InBoth => format!("{event}; couplers that pass their rating in draft or buff break"),
+        Rule::InDraft => format!("{event}; couplers that pass {} in draft break", breaking_loads(train, 1)),
+        Rule::InBoth => format!("{event}; couplers that pass {} in draft or buff break", breaking_loads(train, 2)),
     };
     let [from, to] =
         [shortest_horizon_s(train, scenario), longest_horizon_s(train, scenario)].map(|t| shown(t, Dimension::Time));

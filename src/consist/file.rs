@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::path::Path;
 
-use super::extras::{Extras, LIMITS, Limits, Steady};
+use super::extras::{Extras, LIMITS, Limits, SENSES, Steady};
 use super::keys::COUPLER;
 use super::loads::{self, OwnLoad};
 use super::scenarios;
@@ -102,15 +102,42 @@ impl<'s> CouplerKeys<'s> {
     }
 }
 
-/// A `limits` table.
+/// A `limits` table: a capacity of its own is of both senses, but where the table of a sense has another.
 fn limits(value: &Value) -> Read<Limits> {
     let table = value.table()?;
-    let quantity = |key| table.get(key).map(|v| v.quantity()).transpose();
-    let [fatigue, proof, ultimate] = LIMITS.map(quantity);
-    if table.is_empty() {
-        return Err(value.wrong("limits is empty", "give it fatigue, proof or ultimate: fatigue = \"970 kN\""));
+    let both = capacities(value, &table);
+    let own = SENSES.map(|sense| match table.get(sense) {
+        None => Ok([None; 3]),
+        Some(value) => value.table().and_then(|table| capacities(&value, &table)),
+    });
+    let ([draft, buff], both) = (own, both?);
+    let own = Limits { draft_n: draft?, buff_n: buff? };
+    for (l, name) in LIMITS.into_iter().enumerate() {
+        if let (Some(plain), Some(_), Some(_)) = (table.get(name), own.draft_n[l], own.buff_n[l]) {
+            let title = format!("{name} is given for draft and for buff as well, so this one has no effect");
+            return Err(plain.wrong(title, "remove it, or one of the two in limits.draft and limits.buff"));
+        }
     }
-    Ok(Limits([fatigue?, proof?, ultimate?]))
+    Ok(own.or(&Limits::both(both)))
+}
+
+/// The capacities that a table has by name.
+fn capacities(value: &Value, table: &Table) -> Read<[Option<f64>; 3]> {
+    let [fatigue, proof, ultimate] = LIMITS.map(|key| table.get(key).map(|v| v.quantity()).transpose());
+    if table.is_empty() {
+        let title = format!("{} is empty", value.name_of_key());
+        return Err(value.wrong(title, "give it fatigue, proof or ultimate: fatigue = \"970 kN\""));
+    }
+    Ok([fatigue?, proof?, ultimate?])
+}
+
+/// The limits of a coupler, which rise from fatigue to ultimate; `whose` says which coupler's they are.
+fn in_order(limits: Limits, value: &Value, whose: &str) -> Read<Limits> {
+    let right = "the order is fatigue, proof, ultimate, and none is above the next";
+    match limits.disorder() {
+        Some(disorder) => Err(value.wrong(format!("{whose}{disorder}"), right)),
+        None => Ok(limits),
+    }
 }
 
 /// The ratings that hold unless overridden; a share in `buff` is of whichever draft rating the coupler has.
@@ -128,7 +155,7 @@ const PLACEHOLDER: Ratings = Ratings {
     stiffness_n_per_m: 1.0,
     draft_n: 1.0,
     buff: Amount::Share(1.0),
-    limits: Limits([None; 3]),
+    limits: Limits::both([None; 3]),
     damping_n_s_per_m: 0.0,
 };
 
@@ -153,7 +180,8 @@ fn base_coupler(root: &Table) -> Read<Ratings> {
     let draft =
         table.require("rated_load", "add rated_load = \"1.5 MN\", the capacity in draft").and_then(|v| v.quantity());
     let buff = keys.buff.map_or(Ok(Amount::Share(1.0)), |v| v.amount());
-    let limits = keys.limits.as_ref().map_or(Ok(Limits::default()), limits);
+    let own = |value: &Value| limits(value).and_then(|limits| in_order(limits, value, ""));
+    let limits = keys.limits.as_ref().map_or(Ok(Limits::default()), own);
     Ok(Ratings {
         stiffness_n_per_m: stiffness?,
         draft_n: draft?,
@@ -196,7 +224,7 @@ fn apply_override(table: &Table, base: &Ratings, ratings: &mut [Ratings], seen: 
     let stiffness = keys.stiffness.map(|v| v.quantity()).transpose();
     let draft = keys.draft.map(|v| v.amount()).transpose();
     let buff = keys.buff.map(|v| v.amount()).transpose();
-    let limits = keys.limits.as_ref().map(limits).transpose();
+    let limits = keys.limits.as_ref().map(|value| Ok((limits(value)?, value))).transpose();
     let right = format!("expected a coupler's number from 1 to {}, or a list of them", ratings.len());
     let at = table.require("at", &right).and_then(|v| coupler_list(&v, ratings.len(), &right));
     let (at, stiffness, draft, buff, limits, damping) = (at?, stiffness?, draft?, buff?, limits?, damping?);
@@ -217,8 +245,8 @@ fn apply_override(table: &Table, base: &Ratings, ratings: &mut [Ratings], seen: 
             Some(Amount::Share(share)) => share * base.draft_n,
             None => coupler.draft_n,
         };
-        if let Some(Limits(own)) = limits {
-            coupler.limits = Limits(std::array::from_fn(|l| own[l].or(coupler.limits.0[l])));
+        if let Some((own, value)) = limits {
+            coupler.limits = in_order(own.or(&coupler.limits), value, &format!("coupler {}: ", i + 1))?;
         }
     }
     Ok(())

@@ -1,6 +1,6 @@
 //! The keys of a train file.
 
-use super::{LIMITS, MOST_VEHICLES};
+use super::{LIMITS, MOST_VEHICLES, SENSES};
 use crate::keys::{Key, Kind, Shape, Sign, Variant};
 use crate::units::Dimension;
 
@@ -84,7 +84,8 @@ const BUFF: Key = Key::optional(
 const OWN_LIMITS: Key = Key::optional(
     "limits",
     Kind::Table(&LIMITS_TABLE),
-    "More capacities, in draft and in buff; the report says which each coupler passes.",
+    "More capacities, in draft and in buff or in each; the report says which each coupler passes. In a cascade a coupler \
+     breaks at its ultimate load.",
     "{ fatigue = \"0.9 MN\", proof = \"1.8 MN\", ultimate = \"2.9 MN\" }",
 );
 const DAMPING: Key = Key::optional(
@@ -132,17 +133,48 @@ pub(super) static OVERRIDE: Shape = Shape {
     )
 };
 
+const FATIGUE: Key = Key::optional(LIMITS[0], RATING, "The force that the coupler bears again and again.", "0.9 MN");
+const PROOF: Key = Key::optional(LIMITS[1], RATING, "The force that leaves no lasting deformation.", "1.8 MN");
+const ULTIMATE: Key = Key::optional(
+    LIMITS[2],
+    RATING,
+    "The force at which the coupler breaks, in a cascade as well; its rating stands for it if absent.",
+    "2.9 MN",
+);
+
 pub(super) static LIMITS_TABLE: Shape = Shape {
     least: 1,
     ..Shape::new(
         "limits",
-        "Capacities beside the rating, in draft and in buff.",
+        "Capacities beside the rating: of both senses, or of draft or buff alone. None is above the next: fatigue, proof, ultimate.",
         &[
-            Key::optional(LIMITS[0], RATING, "The force that the coupler bears again and again.", "0.9 MN"),
-            Key::optional(LIMITS[1], RATING, "The force that leaves no lasting deformation.", "1.8 MN"),
-            Key::optional(LIMITS[2], RATING, "The force at which the coupler breaks.", "2.9 MN"),
+            FATIGUE,
+            PROOF,
+            ULTIMATE,
+            Key::optional(
+                SENSES[0],
+                Kind::Table(&LIMITS_IN_DRAFT),
+                "Those in draft, where they differ.",
+                "{ ultimate = \"2.9 MN\" }",
+            ),
+            Key::optional(
+                SENSES[1],
+                Kind::Table(&LIMITS_IN_BUFF),
+                "Those in buff, where they differ.",
+                "{ ultimate = \"3.5 MN\" }",
+            ),
         ],
     )
+};
+
+static LIMITS_IN_DRAFT: Shape = Shape {
+    least: 1,
+    ..Shape::new("limits.draft", "Capacities in draft beside the rating.", &[FATIGUE, PROOF, ULTIMATE])
+};
+
+static LIMITS_IN_BUFF: Shape = Shape {
+    least: 1,
+    ..Shape::new("limits.buff", "Capacities in buff beside the rating.", &[FATIGUE, PROOF, ULTIMATE])
 };
 
 /// Two keys that a vehicle may have of its own, and the load for all.
@@ -308,7 +340,8 @@ pub(super) static SCENARIO: Shape = Shape {
             Key::optional(
                 "cascade",
                 Kind::Flag,
-                "Couplers that pass their rating in draft break, one after the other; else they are reported.",
+                "Couplers that pass their ultimate load in draft, or their rating where none is given, break, one after the \
+                 other; else they are reported.",
                 "true",
             )
             .or("false"),

@@ -25,7 +25,7 @@ use crate::scenario::Scenario;
 
 pub(crate) use describe::count;
 pub use describe::describe;
-pub use extras::{Extras, LIMITS, Limits, Steady};
+pub use extras::{Extras, LIMITS, Limits, SENSES, Steady};
 pub use loads::steady_forces;
 pub use text::{Files, Source};
 

@@ -177,6 +177,11 @@ impl<'s> Value<'s> {
         self.wrong(format!("{} is {}", self.key.name, quoted(text)), right)
     }
 
+    /// The name of its key.
+    pub(super) fn name_of_key(&self) -> &'static str {
+        self.key.name
+    }
+
     pub(crate) fn span(&self) -> Range<usize> {
         self.span.clone()
     }

@@ -14,8 +14,8 @@ pub struct Key {
     pub table: Option<&'static str>,
     /// Which of several tables of that name, from 0.
     pub index: Option<usize>,
-    /// The table within that table, as of `coupler.limits.proof`.
-    pub inner: Option<&'static str>,
+    /// The tables within that table, as of `coupler.limits.draft.proof`.
+    pub inner: Vec<&'static str>,
     /// The key in it.
     pub leaf: &'static str,
     dimension: Option<Dimension>,
@@ -39,18 +39,25 @@ fn tables() -> impl Iterator<Item = (&'static str, bool, &'static Shape)> {
     })
 }
 
-/// A table's keys that are no tables, each with the table within it that it is in.
-fn leaves(shape: &'static Shape) -> impl Iterator<Item = (Option<&'static str>, &'static str, Option<Dimension>)> {
+/// A key that is no table: the tables that it is in, its name, and what it measures.
+type Leaf = (Vec<&'static str>, &'static str, Option<Dimension>);
+
+/// A table's keys that are no tables, each with the tables within it that it is in.
+fn leaves(shape: &'static Shape) -> impl Iterator<Item = Leaf> {
     let dimension = |kind| if let Kind::Quantity { of, .. } = kind { Some(of) } else { None };
+    let within = |name, (mut inner, leaf, of): Leaf| {
+        inner.insert(0, name);
+        (inner, leaf, of)
+    };
     shape.keys.iter().flat_map(move |key| match key.kind {
-        Kind::Table(inner) => inner.keys.iter().map(|k| (Some(key.name), k.name, dimension(k.kind))).collect(),
+        Kind::Table(shape) => leaves(shape).map(|leaf| within(key.name, leaf)).collect(),
         Kind::Tables(_) => Vec::new(),
-        kind => vec![(None, key.name, dimension(kind))],
+        kind => vec![(Vec::new(), key.name, dimension(kind))],
     })
 }
 
-fn path((inner, leaf, _): (Option<&str>, &str, Option<Dimension>)) -> String {
-    inner.map_or(leaf.to_owned(), |inner| format!("{inner}.{leaf}"))
+fn path((inner, leaf, _): &Leaf) -> String {
+    inner.iter().chain([leaf]).copied().collect::<Vec<_>>().join(".")
 }
 
 impl Key {
@@ -68,7 +75,7 @@ impl Key {
             bad(format!("no train file has a key {}", quoted(text)), help)
         };
         let Some((front, rest)) = text.split_once('.') else {
-            let known = leaves(&TRAIN).find(|&(inner, leaf, _)| inner.is_none() && leaf == text);
+            let known = leaves(&TRAIN).find(|(inner, leaf, _)| inner.is_empty() && *leaf == text);
             let (inner, leaf, dimension) = known.ok_or_else(unknown)?;
             return Ok(Key { table: None, index: None, inner, leaf, dimension });
         };
@@ -79,8 +86,8 @@ impl Key {
             }
         };
         let (table, many, shape) = tables().find(|(known, ..)| *known == name).ok_or_else(unknown)?;
-        let (inner, leaf, dimension) = leaves(shape).find(|&known| path(known) == rest).ok_or_else(|| {
-            let right = format!("expected {}", one_of(leaves(shape).map(path)));
+        let (inner, leaf, dimension) = leaves(shape).find(|known| path(known) == rest).ok_or_else(|| {
+            let right = format!("expected {}", one_of(leaves(shape).map(|leaf| path(&leaf))));
             bad(format!("[{table}] has no key {} to vary", quoted(rest)), right)
         })?;
         match (many, index) {
@@ -97,10 +104,10 @@ impl Key {
 
     /// A regular expression of the paths that [`parse`](Key::parse) takes.
     pub(crate) fn pattern() -> String {
-        let words = |shape| leaves(shape).map(path).collect::<Vec<_>>().join("|").replace('.', "\\.");
+        let words = |shape| leaves(shape).map(|leaf| path(&leaf)).collect::<Vec<_>>().join("|").replace('.', "\\.");
         let table =
             |(name, many, shape)| format!("{name}{}\\.({})", if many { "\\[\\+?[0-9]+\\]" } else { "" }, words(shape));
-        let top = leaves(&TRAIN).filter(|leaf| leaf.0.is_none()).map(path);
+        let top = leaves(&TRAIN).filter(|leaf| leaf.0.is_empty()).map(|leaf| path(&leaf));
         format!("^({})$", top.chain(tables().map(table)).collect::<Vec<_>>().join("|"))
     }
 
@@ -111,14 +118,14 @@ impl Key {
 
     /// Whether every coupler can have its own value.
     pub fn of_every_coupler(&self) -> bool {
-        self.table == Some("coupler") && self.inner.is_none()
+        self.table == Some("coupler") && self.inner.is_empty()
     }
 
     /// Puts a value there.
     ///
     /// # Errors
     /// A sentence where the train file has no such table.
-    pub fn put(&self, train: &mut toml::Table, value: toml::Value) -> Result<(), String> {
+    pub fn put<'t>(&self, train: &'t mut toml::Table, value: toml::Value) -> Result<(), String> {
         let empty = || toml::Value::Table(toml::Table::new());
         let table = self.table.unwrap_or_default();
         let at = match (self.table, self.index) {
@@ -128,10 +135,9 @@ impl Key {
                 train.get_mut(table).and_then(|v| v.as_array_mut()?.get_mut(index)?.as_table_mut())
             }
         };
-        let at = match self.inner {
-            None => at,
-            Some(inner) => at.and_then(|t| t.entry(inner).or_insert_with(empty).as_table_mut()),
-        };
+        let within =
+            |table: &'t mut toml::Table, inner: &&str| table.entry(*inner).or_insert_with(empty).as_table_mut();
+        let at = at.and_then(|table| self.inner.iter().try_fold(table, within));
         let missing = || format!("the train file has no {table}[{}] (counted from 0)", self.index.unwrap_or(0));
         at.ok_or_else(missing)?.insert(self.leaf.to_owned(), value);
         Ok(())
@@ -167,6 +173,6 @@ impl fmt::Display for Key {
             write!(f, "[{index}]")?;
         }
         let dot = if self.table.is_some() { "." } else { "" };
-        write!(f, "{dot}{}", path((self.inner, self.leaf, None)))
+        write!(f, "{dot}{}", path(&(self.inner.clone(), self.leaf, None)))
     }
 }

@@ -5,7 +5,7 @@ use std::io::Write;
 use super::cells::{number, optional, text};
 use crate::findings::{Analysis, CaseFindings, CouplerFindings, ScenarioFindings};
 
-const COLUMNS: [&str; 20] = [
+const COLUMNS: [&str; 21] = [
     "scenario",
     "broken_coupler",
     "coupler",
@@ -26,12 +26,14 @@ const COLUMNS: [&str; 20] = [
     "first_exceeds_in",
     "all_time_bound_n",
     "limits_passed",
+    "limits_undecided",
 ];
 
 /// Writes every coupler of every case, in the units and with the names of `result.json`.
 ///
 /// A cell is empty where there is no value; numbers read back to the same bits. The last columns are there only where they
-/// have something to say: `all_time_bound_n` if the bounds were asked for, `limits_passed` if the train has limits. A text that a spreadsheet would take for a formula (it begins with `=`, `+`,
+/// have something to say: `all_time_bound_n` if the bounds were asked for, `limits_passed` and
+/// `limits_undecided` if the train has limits. A text that a spreadsheet would take for a formula (it begins with `=`, `+`,
 /// `-`, `@`, or a control character) gets an apostrophe before it, which spreadsheets show as plain text.
 ///
 /// # Errors
@@ -42,7 +44,7 @@ pub fn csv(analysis: &Analysis, writer: impl Write) -> Result<(), csv::Error> {
     let limits = cases().any(|(_, case)| case.couplers.iter().any(|c| c.limits.is_some()));
     let shown = |column: usize| match COLUMNS[column] {
         "all_time_bound_n" => bounds,
-        "limits_passed" => limits,
+        "limits_passed" | "limits_undecided" => limits,
         _ => true,
     };
     let columns: Vec<usize> = (0..COLUMNS.len()).filter(|&c| shown(c)).collect();
@@ -80,5 +82,6 @@ fn row(scenario: &ScenarioFindings, case: &CaseFindings, c: &CouplerFindings) ->
         c.first_exceeds_in.unwrap_or_default().to_owned(),
         optional(c.all_time_bound_n),
         c.limits.as_ref().map(|l| l.passed.join(" ")).unwrap_or_default(),
+        c.limits.as_ref().map(|l| l.undecided.join(" ")).unwrap_or_default(),
     ]
 }

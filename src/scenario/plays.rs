@@ -2,12 +2,21 @@
 
 use super::{Event, Scales, Scenario, chain_of};
 use crate::chain::Scene;
-use crate::consist::Train;
+use crate::consist::{LIMITS, Limits, Train};
 use crate::play::{Drive, Play, Rule};
 
 /// Whether dashpots or the event are what steps of force on a chain at rest cannot stand for.
 pub fn beyond_steps(dashpots: &[f64], event: &Event) -> bool {
     dashpots.iter().any(|c| *c > 0.0) || matches!(event, Event::Impact { .. } | Event::Shaped { .. })
+}
+
+/// The loads at which coupler `i` breaks in a cascade, N, in draft and in buff, each with the key that gives it: its ultimate
+/// load where it has one in that sense, else its rating.
+pub fn break_loads(train: &Train, i: usize) -> [(f64, &'static str); 2] {
+    let coupler = &train.couplers[i];
+    let [draft, buff] = train.extras.limits.get(i).map_or([None; 2], Limits::ultimate_n);
+    let or = |ultimate: Option<f64>, rating, key| ultimate.map_or((rating, key), |n| (n, LIMITS[2]));
+    [or(draft, coupler.rated_draft_n, "rated_load"), or(buff, coupler.rated_buff_n, "rated_buff")]
 }
 
 /// Forces in the couplers before the event, N: none in an impact, whose vehicles roll and stand freely before they meet.
@@ -53,6 +62,7 @@ pub fn play(train: &Train, scenario: &Scenario, broken: Option<usize>, horizon_s
         velocity,
         broken: broken.into_iter().collect(),
         rule,
+        break_at: (0..last).map(|i| break_loads(train, i).map(|(n, _)| force(n))).collect(),
     }
 }
 

@@ -108,8 +108,10 @@ impl<'a> Breaks<'a> {
         SIGN[side] * self.play.scene.initial[spring]
     }
 
+    /// The force at which a side breaks.
     fn rating(&self, spring: usize, side: usize) -> f64 {
-        [&self.play.scene.rated_draft, &self.play.scene.rated_buff][side][spring]
+        let rated = || [&self.play.scene.rated_draft, &self.play.scene.rated_buff][side][spring];
+        self.play.break_at.get(spring).map_or_else(rated, |at| at[side])
     }
 
     /// Norms of the motion and its derivative as they are now.

@@ -134,7 +134,7 @@ fn the_report_tells_sense_and_margin_of_what_was_given() {
     let (line, text) = sentences("{ fatigue = \"1 N\", draft = { proof = \"1 N\" } }", "-1.5 N");
     assert_eq!(
         line,
-        "The fatigue load is passed by none in draft and 1 coupler in buff. No coupler passes its proof load, in draft. No \
+        "The fatigue load is passed by none in draft and 1 coupler in buff. No coupler passes its proof load in draft. No \
          ultimate load was given. No proof load was given in buff. The largest excess over a fatigue load is 50.0 %: coupler 1, \
          1.500 N of 1 N in buff. The smallest margin to a proof load is 50.0 %: coupler 1, 500.0 mN of 1 N in draft."
             .replace("500.0 mN", "0.5000 N")
@@ -144,7 +144,7 @@ fn the_report_tells_sense_and_margin_of_what_was_given() {
     assert!(line.contains("For 1 coupler it cannot be decided whether the proof load in buff is passed."), "{line}");
     let (line, _) = sentences("{ buff = { proof = \"2 N\", ultimate = \"2.5 N\" } }", "-1 N");
     assert!(
-        line.starts_with("No coupler passes its proof load, in buff. No coupler passes its ultimate load, in buff."),
+        line.starts_with("No coupler passes its proof load in buff. No coupler passes its ultimate load in buff."),
         "{line}"
     );
     assert!(line.contains("No fatigue load was given. No proof or ultimate load was given in draft."), "{line}");

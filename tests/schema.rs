@@ -38,10 +38,7 @@ fn full_templates() -> [String; 2] {
     let all = consist::TEMPLATE.replace("\n#: ", "\n");
     let stand_ins = consist::TEMPLATE.replace("\n#+ ", "\n").replace("\nuniform", "\n#");
     [
-        all.replace(
-            "\nat = [53]",
-            "\nat = [53]\ndamping = \"1 kN*s/m\"\nlimits = { proof = \"2 MN\", draft.ultimate = \"3 MN\" }",
-        ),
+        all.replace("\nat = [53]", "\nat = [53]\ndamping = \"1 kN*s/m\"\nlimits = { proof = \"2 MN\" }"),
         stand_ins.replace("\ncount = 104", "\ncount = 104\ngrade = \"1 %\"\nrolling_resistance = \"1 N/t\""),
     ]
 }
@@ -93,6 +90,10 @@ const UNSEEN: &[&str] = &[
     "held-group",
     "held-in-the-middle",
     "huge",
+    "limits-order",
+    "limits-order-in-buff",
+    "limits-order-override",
+    "limits-thrice",
     "listed-twice",
     "load-empty",
     "load-twice",
@@ -180,6 +181,15 @@ fn shown(at: &Place) -> String {
 
 /// What is wrong with these lies in what another key says, and `vehicle = []` in TOML's way to write none.
 const ONLY_BY_READER: &[&str] = &[
+    "coupler.limits.proof \".5 kN\"",
+    "coupler.limits.proof \"1 kN\"",
+    "coupler.limits.proof \"5. kN\"",
+    "coupler.limits.ultimate \".5 kN\"",
+    "coupler.limits.ultimate \"1 kN\"",
+    "coupler.limits.ultimate \"5. kN\"",
+    "coupler_override[0].limits.proof \".5 kN\"",
+    "coupler_override[0].limits.proof \"1 kN\"",
+    "coupler_override[0].limits.proof \"5. kN\"",
     "load {}",
     "load.uniform left out",
     "scenario[1].at \"head\"",
@@ -234,6 +244,8 @@ fn schema_and_reader_agree_on_every_key() {
         }
     }
     assert!(taken > 200 && refused > 1500, "{taken} {refused}");
+    // Limits of one sense have the keys of limits of both.
+    unseen.retain(|key| !key.contains(".limits.draft") && !key.contains(".limits.buff"));
     let elsewhere =
         ["coupler_override.limits.fatigue", "coupler_override.limits.ultimate", "scenario.record", "vehicles"];
     assert_eq!(unseen, elsewhere.map(str::to_owned).into(), "keys that no file here has");

@@ -353,7 +353,7 @@ fn each_mistake_in_a_study_has_its_message() {
 4 | key = \"coupler.stifness\"
   |       ^^^^^^^^^^^^^^^^^^
   |
-  = help: expected stiffness, rated_load, rated_buff, limits.fatigue, limits.proof, limits.ultimate or damping
+  = help: expected stiffness, rated_load, rated_buff, limits.fatigue, limits.proof, limits.ultimate, limits.draft.fatigue, limits.draft.proof, limits.draft.ultimate, limits.buff.fatigue, limits.buff.proof, limits.buff.ultimate or damping
 ",
         ),
         (

@@ -249,10 +249,11 @@ const REFUSED: &[(&str, Dimension, &str, &str)] = &[
     ("286 kip", Dimension::Mass, "has \"kip\", a unit of force", "write \"286 klb\" (1000 lb of mass)"),
     ("9 lbf", Dimension::Mass, "has \"lbf\", a unit of force", "write \"9 lb\" (a pound of mass)"),
     ("3 T", Dimension::Mass, "has the unknown unit \"T\"", "did you mean \"3 t\"?"),
-    ("1 mn", Dimension::Force, "has the unknown unit \"mn\"", "did you mean \"1 mN\" or \"1 MN\"?"),
+    ("1 mn", Dimension::Force, "has the unknown unit \"mn\"", "did you mean \"1 MN\" or \"1 mN\"?"),
     ("1 KN", Dimension::Force, "has the unknown unit \"KN\"", "did you mean \"1 kN\"?"),
     ("1 kn/MM", Dimension::Stiffness, "has the unknown unit \"kn/MM\"", "did you mean \"1 kN/mm\"?"),
-    ("30 mn / m", Dimension::Stiffness, "has the unknown unit \"mn / m\"", "did you mean \"30 mN/m\" or \"30 MN/m\"?"),
+    ("30 mn / m", Dimension::Stiffness, "has the unknown unit \"mn / m\"", "did you mean \"30 MN/m\"?"),
+    ("30 mN/m", Dimension::Stiffness, "has the unknown unit \"mN/m\"", "did you mean \"30 MN/m\"?"),
     ("3 tons", Dimension::Force, "has the unknown unit \"tons\"", "a force is in N, kN, MN, lbf or kip"),
     ("3 kg", Dimension::Force, "has \"kg\", a unit of mass", "a force is in N, kN, MN, lbf or kip"),
     (

@@ -43,12 +43,14 @@ impl Scale {
 }
 
 /// What a part of a unit measures. Forces are of two kinds, because only newtons may be followed by `s` without a sign; so
-/// they have symbols only: "newtons/m" would be a damping.
+/// they have symbols only: "newtons/m" would be a damping. Millinewtons are a force alone: in a stiffness they can only be
+/// meant as meganewtons.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Of {
     Mass,
     UsTon,
     MetricForce,
+    SmallForce,
     PoundForce,
     Time,
     Length,
@@ -101,7 +103,7 @@ const PARTS: &[Part] = &[
     ),
     part(Of::UsTon, TWO_POUNDS, -5, "ton_us", &[], &["ton", "tons"]),
     part(Of::MetricForce, ONE, 0, "N", &[], &[]),
-    part(Of::MetricForce, ONE, -3, "mN", &[], &[]),
+    part(Of::SmallForce, ONE, -3, "mN", &[], &[]),
     part(Of::MetricForce, ONE, 1, "daN", &[], &[]),
     part(Of::MetricForce, ONE, 3, "kN", &[], &[]),
     part(Of::MetricForce, ONE, 6, "MN", &[], &[]),
@@ -154,7 +156,7 @@ const LENGTH: Piece = Piece::Of(&[Of::Length]);
 fn forms(dimension: Dimension) -> &'static [&'static [Piece]] {
     match dimension {
         Dimension::Mass => &[&[MASS]],
-        Dimension::Force => &[&[FORCE]],
+        Dimension::Force => &[&[FORCE], &[Piece::Of(&[Of::SmallForce])]],
         Dimension::Stiffness => &[&[FORCE, Over, LENGTH]],
         Dimension::Time => &[&[TIME]],
         Dimension::Length => &[&[LENGTH]],

@@ -91,11 +91,12 @@ fn margin(limit: &str, entries: &[Entry], several: bool) -> Option<String> {
     Some(format!("{head} {article} {limit} load is {share} %: coupler {}{after}, {loads}.", c.coupler))
 }
 
-/// Couplers that pass a capacity, each in one sense, the largest force first.
+/// Couplers that pass a capacity, each in one sense, the largest excess over one first.
 pub fn passing(case: &CaseFindings) -> Vec<(&CouplerFindings, &'static str)> {
     let sides = case.couplers.iter().flat_map(|c| SENSES.map(|sense| (c, sense)));
     let mut found: Vec<_> = sides.filter(|of| side(*of).any(|l| l.passed == Some(true))).collect();
-    found.sort_by(|a, b| largest(*b).total_cmp(&largest(*a)).then(a.0.coupler.cmp(&b.0.coupler)));
+    let least_margin = |of| side(of).map(|l| l.margin).fold(1.0, f64::min);
+    found.sort_by(|a, b| least_margin(*a).total_cmp(&least_margin(*b)).then(a.0.coupler.cmp(&b.0.coupler)));
     found
 }
 

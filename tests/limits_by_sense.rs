@@ -141,6 +141,7 @@ fn the_report_tells_sense_and_margin_of_what_was_given() {
     );
     assert!(text.contains("| 1 | vehicle 1, vehicle 2 | 1.500 N in buff | fatigue 1 N (over by 50.0 %) |"), "{text}");
     let (line, _) = sentences("{ proof = \"2 N\" }", "-2 N");
+    assert!(line.starts_with("No coupler certainly passes its proof load, in draft or buff. "), "{line}");
     assert!(line.contains("For 1 coupler it cannot be decided whether the proof load in buff is passed."), "{line}");
     let (line, _) = sentences("{ buff = { proof = \"2 N\", ultimate = \"2.5 N\" } }", "-1 N");
     assert!(

@@ -87,15 +87,20 @@ pub(super) fn find(
         settle(train, couplers, &mut all, &mut open, &solve)?;
     }
     for (c, entries) in couplers.iter_mut().zip(all) {
-        let largest_n = c.peak_draft_n.unwrap_or(0.0).max(-c.peak_buff_n.unwrap_or(0.0));
-        c.limits = Some(LimitFindings { largest_n, ..LimitFindings::new(entries) });
+        let [draft, buff] = largest_n(c);
+        c.limits = Some(LimitFindings { largest_n: draft.max(buff), ..LimitFindings::new(entries) });
     }
     Ok(())
 }
 
+/// Largest |force| in draft and in buff, N; 0 where there never is one.
+fn largest_n(c: &CouplerFindings) -> [f64; 2] {
+    [c.peak_draft_n.unwrap_or(0.0), c.peak_buff_n.map_or(0.0, f64::abs)]
+}
+
 /// A coupler's largest forces against each of its capacities.
 fn against(train: &Train, c: &CouplerFindings, error_bound_n: f64) -> Vec<LimitInSense> {
-    let largest = [c.peak_draft_n.unwrap_or(0.0), -c.peak_buff_n.unwrap_or(0.0)];
+    let largest = largest_n(c);
     let limits = train.extras.limits.get(c.coupler - 1).copied().unwrap_or_default();
     let mut entries = Vec::new();
     for (sense, capacities) in limits.in_senses().into_iter().enumerate() {

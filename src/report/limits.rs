@@ -45,7 +45,8 @@ fn passed(limit: &str, entries: &[Entry], several: bool) -> String {
     let (after, in_some) = if several { (" after any of the breaks", " after some break") } else { ("", "") };
     let mut text = if over.iter().all(|n| *n == 0) {
         let comma = if senses.len() > 1 || several { "," } else { "" };
-        format!("No coupler passes its {limit} load{after}{comma} in {}.", one_of(&senses))
+        let certainly = if entries.iter().any(|(.., l)| l.passed.is_none()) { "certainly " } else { "" };
+        format!("No coupler {certainly}passes its {limit} load{after}{comma} in {}.", one_of(&senses))
     } else {
         let each = senses.iter().zip(&over).map(|(sense, n)| match n {
             0 => format!("none in {sense}"),

@@ -31,6 +31,7 @@ pub mod chain;
 pub mod consist;
 pub mod doubts;
 pub mod error;
+mod figures;
 pub mod findings;
 pub mod fleet;
 mod keys;

@@ -207,7 +207,9 @@ impl Panel {
         self.axes += &format!("<path d=\"{d}\" {}/>", paint(None, Some(Color::Quiet)));
         self.axes += &format!("<rect {frame} {}/>", paint(None, Some(Color::Quiet)));
         self.axes += &text((8.0, f.top - 12.0), "start", &y.label);
-        self.axes += &text((f.left + 0.5 * f.width, f.bottom() + 48.0), "middle", &x.label);
+        if !x.label.is_empty() {
+            self.axes += &text((f.left + 0.5 * f.width, f.bottom() + 48.0), "middle", &x.label);
+        }
     }
 
     fn place(&self, p: Point) -> Point {
@@ -325,6 +327,7 @@ impl Panel {
         let wing =
             |side: f64| (tip.0 - 10.0 * along.0 - side * 4.0 * along.1, tip.1 - 10.0 * along.1 + side * 4.0 * along.0);
         self.above += &Stroke::solid(Color::Ink, 1.2).path(&[from, tip]);
+        self.obstacles.add(&[from, tip]);
         self.above +=
             &format!("<path d=\"{}Z\" {}/>", path(&[tip, wing(1.0), wing(-1.0)]), paint(Some(Color::Ink), None));
         self.label(content, middle);
@@ -340,11 +343,16 @@ impl Panel {
         self.above +=
             &arrow.path(&[(x - 4.5, middle + 3.0 * way), (x, middle + 8.5 * way), (x + 4.5, middle + 3.0 * way)]);
         self.above += &text((x - 12.0, middle + 5.0), "end", content);
+        self.keep_free((x - 12.0 - half_width(content), middle), half_width(content) + 12.0);
     }
 
     fn label(&mut self, content: &str, middle: Point) {
         self.above += &text((middle.0, middle.1 + 5.0), "middle", content);
-        let half = half_width(content);
+        self.keep_free(middle, half_width(content));
+    }
+
+    /// Keeps later labels off one that is there.
+    fn keep_free(&mut self, middle: Point, half: f64) {
         for dy in [-8.0, 0.0, 8.0] {
             self.obstacles.add(&[(middle.0 - half, middle.1 + dy), (middle.0 + half, middle.1 + dy)]);
         }

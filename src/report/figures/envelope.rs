@@ -77,13 +77,13 @@ pub fn envelope(train: &Train, scenario: &ScenarioFindings, name: &str) -> Strin
     if marked {
         figure.explain("exceeds its rating", Sample::Mark(Shape::Diamond, Color::Over));
     }
+    reach.tell(&mut panel);
     if let [case] = &scenario.cases[..]
         && let Some(broken) = case.broken_coupler
     {
         let stroke = Stroke::dashed(Color::Quiet, 1.6, "2 3");
         panel.name_line(&format!("coupler {broken} breaks"), broken as f64, stroke);
     }
-    reach.tell(&mut panel);
     for (label, at) in narrow {
         panel.name_point(&label, at);
     }

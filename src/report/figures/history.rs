@@ -93,6 +93,7 @@ pub fn history(train: &Train, index: usize, case: &CaseFindings, c: &CouplerFind
         }
     }
     figure.explain("rated", Sample::Line(RATED));
+    reach.tell(&mut panel);
     if let Some(first_s) = c.first_exceeds_s.filter(|t| times.contains(t)) {
         let at = first_s / clock.size;
         let target = chain.iter().find(|p| p.0 >= at).copied().unwrap_or((0.0, 0.0));
@@ -102,7 +103,6 @@ pub fn history(train: &Train, index: usize, case: &CaseFindings, c: &CouplerFind
         };
         panel.point_out(&text, target);
     }
-    reach.tell(&mut panel);
     figure.add(panel);
     figure.svg()
 }

@@ -3,12 +3,13 @@
 //! The Markdown is the source, read by `pulldown-cmark` with HTML in it taken for text, so that both reports say the same. The
 //! static figures stand inline as SVG; where scripts run, interactive ones take their place on the screen.
 //!
-//! Those are drawn by Plotly.js, which every report carries (1.9 MB of base64; the page unpacks it): it has lines, pictures by
-//! place and time and hover labels in one schema. Apache ECharts would be a third of that, but the crate that holds
-//! its text does not hand it out.
+//! Those are drawn by Plotly.js, which every report carries (0.7 MB of base64; the page unpacks it): it has lines, pictures by
+//! place and time and hover labels in one schema. Where its text is from is in `assets/README.md`.
 //!
 //! A policy in the page's head forbids everything but the two scripts, by their digests: whatever a train file's names hold,
 //! nothing else runs and nothing is fetched.
+
+use std::sync::LazyLock;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -23,9 +24,10 @@ use crate::findings::{Analysis, ScenarioFindings};
 
 const STYLE: &str = concat!(include_str!("page.css"), include_str!("report.css"));
 const SCRIPT: &str = include_str!("report.js");
-/// Plotly.js, compressed with gzip, in base64; and its digest.
-const LIBRARY: &str = include_str!(concat!(env!("OUT_DIR"), "/plotly.js.gz.base64"));
-const LIBRARY_DIGEST: &str = include_str!(concat!(env!("OUT_DIR"), "/plotly.js.sha256"));
+/// Plotly.js, packed with gzip, in base64; and the digest of its text.
+static LIBRARY: LazyLock<String> =
+    LazyLock::new(|| STANDARD.encode(include_bytes!("../../assets/plotly-cartesian.min.js.gz")));
+const LIBRARY_DIGEST: &str = include_str!("../../assets/plotly-cartesian.min.js.sha256");
 
 /// The report as a page: its Markdown, its figures, and what the script draws from.
 pub fn html(analysis: &Analysis, markdown: &str, pictures: &Pictures, data: &str) -> String {
@@ -43,9 +45,10 @@ pub fn html(analysis: &Analysis, markdown: &str, pictures: &Pictures, data: &str
          <a class=\"skip\" href=\"#main\">Skip to the report</a>\n<main id=\"main\">\n{body}</main>\n\
          <footer><p>Written by trainsafe {version}. Interactive figures: Plotly.js, MIT licence, within this file.</p></footer>\n\
          <script type=\"application/json\" id=\"data\">{data}</script>\n\
-         <script type=\"text/plain\" id=\"library\">{LIBRARY}</script>\n<script>{SCRIPT}</script>\n</body>\n</html>\n",
+         <script type=\"text/plain\" id=\"library\">{library}</script>\n<script>{SCRIPT}</script>\n</body>\n</html>\n",
         version = env!("CARGO_PKG_VERSION"),
         colors = css(),
+        library = LIBRARY.as_str(),
     )
 }
 

@@ -252,5 +252,5 @@ test("names run nothing, whatever they hold", async () => {
 });
 
 test("a report is of a size that can be sent", () => {
-  assert.ok(statSync(join(paper(), "report.html")).size < 2.5e6);
+  assert.ok(statSync(join(paper(), "report.html")).size < 1.5e6);
 });

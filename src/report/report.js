@@ -213,7 +213,15 @@
         hovertext: peaks.map((p) => "largest " + sense(p[0]) + ": " + force(p[0]) + " at " + time(p[1])), marker: { symbol: "diamond", size: 9, color: peaks.map((p) => color(exceeds(c, p[0]) ? "over" : sense(p[0]))) } });
       return all;
     }
-    const historyLayout = () => layout(narrow() ? 400 : 340, timeAxis, forceAxis, { hovermode: "x", shapes: cursor() });
+    // Axes of the same time lie under each other.
+    function aligned(made) {
+      made.margin.l = 64;
+      made.margin.r = 16;
+      made.xaxis.range = [0, wave.times[wave.times.length - 1] / clock];
+      for (const axis of [made.yaxis, made.yaxis2].filter((a) => a)) axis.automargin = false;
+      return made;
+    }
+    const historyLayout = () => aligned(layout(narrow() ? 400 : 340, timeAxis, forceAxis, { hovermode: "x", shapes: cursor() }));
     const cursor = () => [{ type: "line", xref: "x", yref: "paper", y0: 0, y1: 1, x0: wave.times[state.column] / clock, x1: wave.times[state.column] / clock,
       line: { color: color("quiet"), width: 1 } }];
 
@@ -228,7 +236,7 @@
         const forces = z.map((row, r) => row.map((s, i) => (s === null ? "" : force(field.force(r, i)))));
         const x = field.times.map((t) => t / clock);
         const heat = { type: "heatmap", x, y: places, z, text, customdata: forces, colorscale: scale(), zmid: 0, zmin: -most, zmax: most, yaxis: axis, showscale: bar,
-          colorbar: { title: { text: "share of rating, %", side: "right" }, thickness: 12, outlinewidth: 0, len: 0.9 }, hoverongaps: false,
+          colorbar: { title: { text: "share of the rating, %", side: "bottom" }, orientation: "h", yref: "container", y: 0, yanchor: "bottom", thickness: 12, outlinewidth: 0, len: 0.8 }, hoverongaps: false,
           hovertemplate: "coupler %{y}, %{x:.4g} " + clockName + "<br>%{customdata}<br>%{text} of its rating<extra>" + (bar ? "" : "elastic rod") + "</extra>" };
         const cells = z.length * x.length;
         const passes = z.some((row) => row.some((s) => Math.abs(s) > OVER));
@@ -243,12 +251,13 @@
       return panel(wave, "y", true).concat(rod ? panel(rod, "y2", false) : []);
     }
     function mapLayout() {
-      const made = layout(rod ? 560 : 360, timeAxis, "coupler, from the head", { shapes: cursor() });
+      const made = layout(rod ? 620 : 420, timeAxis, "coupler, from the head", { shapes: cursor() });
       Object.assign(made.yaxis, { range: [count + 0.5, 0.5], domain: rod ? [0.55, 1] : [0, 1], showgrid: false });
       made.xaxis.showgrid = false;
       if (rod) made.xaxis.anchor = "y2";
       if (rod) made.yaxis2 = Object.assign({}, made.yaxis, { domain: [0, 0.45], title: { text: "elastic rod", standoff: 8 } });
-      return made;
+      made.margin.b = 110;
+      return aligned(made);
     }
 
     // --- drawing and acting ------------------------------------------------------------------------------------------------

@@ -26,11 +26,13 @@
 //! ```
 #![doc = include_str!("equations.md")]
 
+#[cfg(feature = "accuracy")]
 pub mod accuracy;
 pub mod chain;
 pub mod consist;
 pub mod doubts;
 pub mod error;
+#[cfg_attr(not(feature = "accuracy"), allow(dead_code))]
 mod figures;
 pub mod findings;
 pub mod fleet;

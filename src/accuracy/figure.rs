@@ -93,7 +93,7 @@ fn draw(panel: &mut Panel, accuracy: &Accuracy, error_n: Measure, x: (f64, f64))
         }
         panel.marks(&points, look.shape, look.size, look.color);
     }
-    panel.name_point("no error to be seen in an f64", (x.0, FLOOR));
+    panel.name_point("no error to be seen in an f64", (x.1, FLOOR));
     if let Some(row) = planned(accuracy) {
         let at = place(accuracy, row, error_n(row));
         panel.marks(&[at], Shape::Ring, 10.0, Color::Ink);

@@ -175,7 +175,7 @@ mod tests {
 
     #[test]
     fn coordinates_are_short() {
-        assert_eq!([-0.01, 12.0, 3.14159].map(number), ["0", "12", "3.1"]);
+        assert_eq!([-0.01, 12.0, 7.26].map(number), ["0", "12", "7.3"]);
     }
 
     #[test]

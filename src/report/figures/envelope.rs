@@ -119,9 +119,9 @@ fn mark_exceedances(panel: &mut Panel, all: &[Extremes], unit: Unit, width: f64)
 /// Draws the ratings that are on the axis; returns the labels of those of a few couplers, with their places.
 fn draw_ratings(panel: &mut Panel, train: &Train, reach: &Reach, unit: Unit) -> Vec<(String, Point)> {
     let share = couplers_per_place(train.couplers.len());
-    let sides: [(fn(&Coupler) -> f64, f64); 2] = [(|c| c.rated_draft_n, 1.0), (|c| c.rated_buff_n, -1.0)];
     let mut named = Vec::new();
-    for (value, sign) in sides {
+    for sign in [1.0, -1.0] {
+        let value = |c: &Coupler| if sign > 0.0 { c.rated_draft_n } else { c.rated_buff_n };
         let weakest = |of: &[Coupler]| of.iter().map(value).fold(f64::INFINITY, f64::min);
         let values: Vec<f64> = train.couplers.chunks(share).map(weakest).collect();
         let mut at = 0.5;

@@ -17,6 +17,9 @@ type Measure = fn(&Row) -> f64;
 /// Height of each of the two pairs of axes, in pixels.
 const HEIGHT: f64 = 320.0;
 
+/// The line at [`FLOOR`].
+const UNSEEN: Stroke = Stroke::dashed(Color::Quiet, 1.0, "2 3");
+
 /// How a series looks.
 struct Look {
     name: String,
@@ -42,6 +45,7 @@ pub fn figure(accuracy: &Accuracy) -> String {
         figure.explain(&look.name, Sample::Mark(look.shape, look.color));
     }
     figure.explain("up to the claimed bound", Sample::Line(Stroke::solid(Color::Ink, 1.2)));
+    figure.explain("no error to be seen in an f64", Sample::Line(UNSEEN));
     figure.svg()
 }
 
@@ -81,7 +85,7 @@ fn place(accuracy: &Accuracy, row: &Row, error_n: f64) -> (f64, f64) {
 }
 
 fn draw(panel: &mut Panel, accuracy: &Accuracy, error_n: Measure, x: (f64, f64)) {
-    panel.line(&[(x.0, FLOOR), (x.1, FLOOR)], Stroke::dashed(Color::Quiet, 1.0, "2 3"));
+    panel.line(&[(x.0, FLOOR), (x.1, FLOOR)], UNSEEN);
     for (look, rows) in series(accuracy) {
         let points: Vec<(f64, f64)> = rows.iter().map(|row| place(accuracy, row, error_n(row))).collect();
         panel.line(&points, Stroke::solid(look.color, 1.2));
@@ -93,7 +97,6 @@ fn draw(panel: &mut Panel, accuracy: &Accuracy, error_n: Measure, x: (f64, f64))
         }
         panel.marks(&points, look.shape, look.size, look.color);
     }
-    panel.name_point("no error to be seen in an f64", (x.1, FLOOR));
     if let Some(row) = planned(accuracy) {
         let at = place(accuracy, row, error_n(row));
         panel.marks(&[at], Shape::Ring, 10.0, Color::Ink);

@@ -69,9 +69,11 @@ pub fn log_ticks(range: (f64, f64), most: usize) -> Vec<(f64, String)> {
     let powers = (first..=last).filter(|p| p.rem_euclid(stride) == 0);
     let values = powers.flat_map(|p| between.iter().map(move |m| m * 10f64.powi(p)));
     let within = |v: &f64| (range.0 * (1.0 - 1e-9)..=range.1 * (1.0 + 1e-9)).contains(v);
-    let name =
-        |v: f64| if (1e-3..1e5).contains(&v) { label(v, 10f64.powf(v.log10().floor())) } else { power_of_ten(v) };
-    values.filter(within).map(|v| (v, name(v))).collect()
+    let values: Vec<f64> = values.filter(within).collect();
+    // All as numbers, or all as powers of ten.
+    let plain = values.iter().all(|v| (1e-3..1e5).contains(v));
+    let name = |v: f64| if plain { label(v, 10f64.powf(v.log10().floor())) } else { power_of_ten(v) };
+    values.into_iter().map(|v| (v, name(v))).collect()
 }
 
 /// 10 raised to the nearest power, as it is written by hand.

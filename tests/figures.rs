@@ -1,11 +1,15 @@
 //! Figures as files: XML, in themselves and beside each other in a page.
 
 mod common;
+#[path = "common/fleets.rs"]
+mod fleets;
 
 use std::collections::HashSet;
 use std::fs;
 use std::path::Path;
 
+use trainsafe::accuracy::{Accuracy, Effort, Origin, Row};
+use trainsafe::solve::Method;
 use trainsafe::{Options, analyze, consist, report};
 
 /// All figures of a train file, with its maps where it can have them.
@@ -207,4 +211,47 @@ fn hostile_names_are_no_markup() {
         let (tags, _) = parse(name, &svg);
         assert!(tags.iter().all(|t| !t.starts_with("script") && !t.starts_with("img")), "{name}");
     }
+}
+
+/// The figures of a comparison and of a fleet are XML too.
+#[test]
+fn figures_of_methods_and_of_fleets_are_xml() {
+    let row = |origin, method, run_time_s: f64, error_n: f64, bound_n| Row {
+        origin,
+        method,
+        setting: String::new(),
+        tolerances: Some([1e-3, 1e-12]),
+        run_time_s,
+        runs: 1,
+        work: Effort::Accelerations(1),
+        peak_error_n: error_n,
+        force_error_n: 2.0 * error_n,
+        bound_n,
+    };
+    let comparison = Accuracy {
+        train: "<train>".to_owned(),
+        scenario: "<scenario>".to_owned(),
+        broken_coupler: None,
+        couplers: [1, 2],
+        horizon_s: 1.0,
+        rating_n: 1e6,
+        doubt_n: 0.0,
+        rows: vec![
+            row(Origin::Ours(Method::Modal), "modal", 1e-3, 0.0, Some(1e-6)),
+            row(Origin::Planner(Method::Modal), "modal", 1e-3, 0.0, Some(1e-6)),
+            row(Origin::Peer, "Newmark <1>", 1e-2, 1e3, None),
+        ],
+        left_out: vec![],
+    };
+    let (_, texts) = parse("accuracy", &trainsafe::accuracy::figure(&comparison));
+    for label in ["chosen by default", "10⁻¹⁵", "Newmark &lt;1&gt;", "up to the claimed bound"] {
+        assert!(texts.iter().any(|t| t == label), "{label}: {texts:?}");
+    }
+
+    let folder = tempfile::tempdir().expect("a folder");
+    fleets::write_fleet(&folder.path().join("trains"), 6, 3);
+    assert!(fleets::fleet(folder.path(), &["trains", "--out", "out"]).status.success());
+    let svg = fs::read_to_string(folder.path().join("out/figure-safe-load.svg")).expect("a figure");
+    let (_, texts) = parse("safe load", &svg);
+    assert!(texts.iter().any(|t| t == "safe load factor"), "{texts:?}");
 }

@@ -1,7 +1,8 @@
 //! The document around the panels: the card, the legend, the text.
 
 use super::color::{CLASS, LARGE_TEXT, TEXT_SIZE, style};
-use super::panel::{Axis, Frame, Panel, Shape, Stroke};
+use super::marks::{Shape, Stroke};
+use super::panel::{Axis, Frame, Panel};
 use super::{Color, Point};
 use crate::error::is_obeyed;
 

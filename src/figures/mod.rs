@@ -6,13 +6,15 @@
 
 mod color;
 mod document;
+mod marks;
 mod panel;
 mod place;
 mod scale;
 
 pub use color::{Color, css, ramp};
 pub use document::{Figure, Sample, escaped};
-pub use panel::{Axis, Panel, Shape, Stroke};
+pub use marks::{Shape, Stroke};
+pub use panel::{Axis, Panel};
 pub use scale::ticks;
 
 /// A point, in the data's units or in pixels.

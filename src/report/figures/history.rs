@@ -3,7 +3,7 @@
 use super::reach::Reach;
 use super::{HEIGHT, RATED, ROD};
 use crate::consist::Train;
-use crate::figures::{Axis, Color, Figure, Point, Sample, Stroke};
+use crate::figures::{Axis, Color, Figure, Panel, Point, Sample, Stroke};
 use crate::findings::{self, CaseFindings, CouplerFindings};
 use crate::report::numbers::{force_unit, time, time_unit};
 use crate::report::words::time_axis;
@@ -58,9 +58,9 @@ pub fn history(train: &Train, index: usize, case: &CaseFindings, c: &CouplerFind
     };
     let chain = points(&chain);
     let x = (chain.first().map_or(0.0, |p| p.0), chain.last().map_or(1.0, |p| p.0));
-    let y = (reach.range.0 / unit.size, reach.range.1 / unit.size);
     let x_axis = Axis::new(&format!("{}, {}", time_axis(case), clock.name), x);
-    let y_axis = Axis::new(&format!("force in coupler {}, {} (draft +, buff −)", c.coupler, unit.name), y);
+    let y_label = format!("force in coupler {}, {} (draft +, buff −)", c.coupler, unit.name);
+    let y_axis = Axis::new(&y_label, (reach.range.0 / unit.size, reach.range.1 / unit.size));
     let mut figure = Figure::new(name);
     let mut panel = figure.panel(HEIGHT, x_axis, y_axis);
     let rated = [c.rated_draft_n, -c.rated_buff_n];
@@ -71,32 +71,13 @@ pub fn history(train: &Train, index: usize, case: &CaseFindings, c: &CouplerFind
         panel.line(&points(&rod), ROD);
         figure.explain("elastic rod", Sample::Line(ROD));
     }
-    // Each stretch in the colour of its sense; over that, what is over the rating: a line along the rating is not.
-    let [draft, buff] = rated.map(|r| r / unit.size);
-    let aside = LINE / HEIGHT * (y.1 - y.0);
-    let most = f64::MAX;
-    let stretches = [
-        ("draft", (0.0, most), Color::Draft, LINE, "draft"),
-        ("buff", (-most, 0.0), Color::Buff, LINE, "buff"),
-        ("over-draft", (draft + aside, most), Color::Over, 1.5 * LINE, "over its rating"),
-        ("over-buff", (-most, buff - aside), Color::Over, 1.5 * LINE, "over its rating"),
-    ];
-    let mut said = "";
-    for (part, range, color, width, label) in stretches {
-        if said.is_empty() || chain.iter().any(|p| range.0 < p.1 && p.1 < range.1) {
-            let stroke = Stroke::solid(color, width);
-            panel.line_between(&chain, range, stroke, part);
-            if label != said {
-                figure.explain(label, Sample::Line(stroke));
-            }
-            said = label;
-        }
-    }
+    // A line along the rating is not over it.
+    let aside = LINE / HEIGHT * (reach.range.1 - reach.range.0);
+    draw_chain(&mut figure, &mut panel, &chain, [rated[0] + aside, rated[1] - aside].map(|r| r / unit.size));
     figure.explain("rated", Sample::Line(RATED));
     reach.tell(&mut panel);
     if let Some(first_s) = c.first_exceeds_s.filter(|t| times.contains(t)) {
-        let at = first_s / clock.size;
-        let target = chain.iter().find(|p| p.0 >= at).copied().unwrap_or((0.0, 0.0));
+        let target = chain.iter().find(|p| p.0 >= first_s / clock.size).copied().unwrap_or((0.0, 0.0));
         let text = match first_s {
             0.0 => "over its rating from the start".to_owned(),
             t => format!("first over its rating at {}", time(t)),
@@ -105,4 +86,27 @@ pub fn history(train: &Train, index: usize, case: &CaseFindings, c: &CouplerFind
     }
     figure.add(panel);
     figure.svg()
+}
+
+/// The force, each stretch in the colour of its sense, and over that what is above the first height or below the second.
+fn draw_chain(figure: &mut Figure, panel: &mut Panel, chain: &[Point], [draft, buff]: [f64; 2]) {
+    const MOST: f64 = f64::MAX;
+    let stretches = [
+        ("draft", (0.0, MOST), Color::Draft, LINE, "draft"),
+        ("buff", (-MOST, 0.0), Color::Buff, LINE, "buff"),
+        ("over-draft", (draft, MOST), Color::Over, 1.5 * LINE, "over its rating"),
+        ("over-buff", (-MOST, buff), Color::Over, 1.5 * LINE, "over its rating"),
+    ];
+    let mut said = "";
+    for (part, range, color, width, label) in stretches {
+        if !said.is_empty() && !chain.iter().any(|p| range.0 < p.1 && p.1 < range.1) {
+            continue;
+        }
+        let stroke = Stroke::solid(color, width);
+        panel.line_between(chain, range, stroke, part);
+        if label != said {
+            figure.explain(label, Sample::Line(stroke));
+        }
+        said = label;
+    }
 }

@@ -392,7 +392,7 @@ fn figures_say_what_they_show() {
         usize::from(draft) + usize::from(buff)
     };
     let exceeding = analysis.scenarios[0].cases[0].couplers.iter().filter(|c| c.exceeds == Some(true));
-    assert_eq!(envelope.matches("fill=\"#d55e00\"").count(), 1 + exceeding.map(over).sum::<usize>());
+    assert_eq!(envelope.matches("class=\"f-over s-card\"").count(), 1 + exceeding.map(over).sum::<usize>());
 }
 
 #[test]

@@ -13,6 +13,8 @@ use super::{
 use crate::consist::{Coupler, Train};
 use crate::findings::ScenarioFindings;
 use crate::report::numbers::{Unit, force_unit};
+use crate::report::words;
+use crate::scenario::initial_force_n;
 
 /// Places that a figure has room for; of more couplers several share one.
 const PLACES: usize = 800;
@@ -58,9 +60,10 @@ pub fn envelope(train: &Train, scenario: &ScenarioFindings, name: &str) -> Strin
     let unit = force_unit(forces().fold(0.0, |m: f64, f| m.max(f.abs())));
     let mut figure = Figure::new(name);
     draw_extremes(&mut figure, &all, unit, width);
-    if train.extras.steady.is_some() && scenario.kind != "impact" {
+    if let Some((_, source)) = words::source(train, scenario).filter(|_| train.extras.steady.is_some()) {
+        let before = initial_force_n(train, &source.event);
         let largest = |of: &[f64]| of.iter().copied().reduce(|a, b| if b.abs() > a.abs() { b } else { a });
-        let before: Vec<_> = train.initial_force_n.chunks(share).map(|c| largest(c).map(|f| f / unit.size)).collect();
+        let before: Vec<_> = before.chunks(share).map(|c| largest(c).map(|f| f / unit.size)).collect();
         figure.line(steps(&before, width).concat(), ORANGE, 1.4, None, Some("before the event"));
     }
     draw_ratings(&mut figure, train, unit, share);

@@ -8,6 +8,7 @@ mod history;
 mod limits;
 mod map;
 mod safe_factor;
+mod safe_speed;
 
 use std::time::Instant;
 
@@ -25,6 +26,7 @@ use safe_factor::safe_load_factor;
 use serde::Serialize;
 
 use crate::consist::Train;
+use crate::play::Rule;
 use crate::rod::Rod;
 use crate::scenario::{self, Event, Part, Scales, Scenario};
 use crate::solve::memo::Memo;
@@ -89,6 +91,8 @@ pub struct ScenarioFindings {
     pub kind: &'static str,
     /// One per broken coupler, or one for a pulse or an impact.
     pub cases: Vec<CaseFindings>,
+    /// Couplers, counted from 1, that would break in turn but carry buff, so that nothing parts: they have no case.
+    pub left_out_in_buff: Vec<usize>,
     /// What it looks like around the event, where asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map: Option<MapFindings>,
@@ -303,7 +307,8 @@ fn scenario_findings(
         .map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
     let map = if options.map { map::find(train, scenario, options, memo) } else { Ok(None) };
     let map = map.map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
-    Ok(ScenarioFindings { name: scenario.name.clone(), kind: scenario.event.kind(), cases, map })
+    let left_out_in_buff = scenario.left_out_in_buff.iter().map(|i| i + 1).collect();
+    Ok(ScenarioFindings { name: scenario.name.clone(), kind: scenario.event.kind(), cases, left_out_in_buff, map })
 }
 
 /// One case of a train: what the event, or the break of one coupler, does to every coupler.
@@ -328,6 +333,10 @@ pub(crate) fn case_findings(
     let wanted = if broken.is_some() { options.wanted } else { Wanted::Everything };
     let solved = solve(train, &Options { wanted, ..options.clone() })?;
     let Solved { method, reason, error_bound_n, mut couplers, worst, left_out } = solved;
+    let safe_load_factor = match scenario::unbalanced_n(train, &scenario.event).iter().all(|f| *f == 0.0) {
+        true => safe_load_factor(train, &scenario.event, &couplers, &left_out),
+        false => Some(safe_speed::find(&scenario::play(train, scenario, broken, horizon_s, Rule::Keep))?),
+    };
     let cascade = cascade::find(train, scenario, broken, horizon_s)?;
     limits::find(train, &mut couplers, error_bound_n, |rated| {
         // The tolerance is a share of the largest rating, and stays what it is.
@@ -346,7 +355,7 @@ pub(crate) fn case_findings(
         run_time_s: start.elapsed().as_secs_f64(),
         exceeding: couplers.iter().filter(|c| c.exceeds == Some(true)).count(),
         undecided: couplers.iter().filter(|c| c.exceeds.is_none()).count(),
-        safe_load_factor: safe_load_factor(train, &scenario.event, &couplers, &left_out),
+        safe_load_factor,
         worst: worst.map(|i| couplers[i].clone()),
         couplers,
         left_out: left_out.len(),

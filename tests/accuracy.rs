@@ -194,6 +194,7 @@ fn train(vehicles: usize) -> Train {
         event: Event::Break { couplers },
         horizon_s: None,
         cascade: Rule::Keep,
+        left_out_in_buff: Vec::new(),
     };
     Train {
         name: "eleven cars".to_owned(),

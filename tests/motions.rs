@@ -38,6 +38,7 @@ fn play(case: &Value) -> Play {
         },
         drive: Drive::none(),
         dashpot: numbers(&case["dashpot"]),
+        start: vec![0.0; numbers(&case["initial"]).len()],
         velocity: numbers(&case["velocity"]),
         broken: numbers(&case["broken"]).into_iter().map(|b| b as usize).collect(),
         break_at: Vec::new(),

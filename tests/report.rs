@@ -69,7 +69,13 @@ fn each_break_and_a_shock_have_a_section_each() {
     train.vehicles[0].label = "tank_car | [1]".to_owned();
     train.scenarios = vec![
         breaks("each", (0..11).collect(), None),
-        Scenario { name: "the rear is hit".to_owned(), event: hit, horizon_s: Some(2.0), cascade: Rule::Keep },
+        Scenario {
+            name: "the rear is hit".to_owned(),
+            event: hit,
+            horizon_s: Some(2.0),
+            cascade: Rule::Keep,
+            left_out_in_buff: vec![],
+        },
     ];
     insta::assert_snapshot!(markdown(&train, &analysis_of(&train)));
 }
@@ -203,7 +209,13 @@ fn the_terminal_shows_the_worst() {
 
 fn figure_5_like() -> Scenario {
     let event = Event::Pulse { vehicle: 104, force_n: -1.2e6, duration_s: 0.5 };
-    Scenario { name: "the rear is \u{1b}[31mpulled".to_owned(), event, horizon_s: None, cascade: Rule::Keep }
+    Scenario {
+        name: "the rear is \u{1b}[31mpulled".to_owned(),
+        event,
+        horizon_s: None,
+        cascade: Rule::Keep,
+        left_out_in_buff: vec![],
+    }
 }
 
 #[test]

@@ -40,6 +40,7 @@ fn play(scene: Scene) -> Play {
         scene,
         drive: Drive::none(),
         dashpot: vec![0.0; springs],
+        start: vec![0.0; springs],
         velocity: vec![0.0; masses],
         broken: Vec::new(),
         rule: Rule::Keep,

@@ -116,7 +116,18 @@ fn load(train: &Train) -> String {
         0.0 => ", from the forces on the vehicles at constant speed".to_owned(),
         a => format!(", from the forces on the vehicles, which accelerate the train by {a:.4} m/s2"),
     });
-    format!("load before the event: {range}{from}")
+    format!("load before the event: {range}{from}{}", of_parts(train))
+}
+
+/// What is to be added to the load of a train with an impact.
+pub(crate) fn of_parts(train: &Train) -> &'static str {
+    let impact = train.scenarios.iter().any(|s| s.event.kind() == "impact");
+    let loaded = train.initial_force_n.iter().any(|f| *f != 0.0) || train.extras.steady.is_some();
+    if impact && loaded {
+        "; before an impact each part carries its own, and the coupler between them none"
+    } else {
+        ""
+    }
 }
 
 /// What breaks couplers in a cascade, in the first senses of draft and buff.
@@ -137,7 +148,14 @@ fn scenario_line(train: &Train, scenario: &Scenario) -> String {
                 let [ahead, behind] = [&train.vehicles[*b].label, &train.vehicles[*b + 1].label];
                 (format!("coupler {} between {ahead} and {behind} breaks", b + 1), 1)
             }
-            many => (format!("{} of {} couplers break, each alone", many.len(), train.couplers.len()), many.len()),
+            many => {
+                let left_out = match scenario.left_out_in_buff.len() {
+                    0 => String::new(),
+                    n => format!(", and {n} in buff are left out"),
+                };
+                let total = train.couplers.len();
+                (format!("{} of {total} couplers break, each alone{left_out}", many.len()), many.len())
+            }
         },
         Event::Pulse { vehicle, force_n, duration_s } => {
             let direction = if *force_n > 0.0 { "forward" } else { "backward" };

@@ -39,7 +39,9 @@ pub(super) fn train(found: &Found, root: &Table, rows: Option<&[Row]>, path: &Pa
     let couplers: Vec<Coupler> = ratings.iter().map(Ratings::coupler).collect();
     let weakest_n = couplers.iter().map(|c| c.rated_draft_n).fold(f64::INFINITY, f64::min);
     let load = loads::read(root, &vehicles, &couplers, &own, weakest_n);
-    let scenarios = scenarios::read(root, &vehicles, weakest_n, path, files)?;
+    let initial_force_n: &[f64] = load.as_ref().map_or(&[], |(forces, _)| forces);
+    let context = scenarios::Context { vehicles: &vehicles, initial_force_n, weakest_n, path, files };
+    let scenarios = scenarios::read(root, &context)?;
     let (initial_force_n, steady) = load?;
     let mut extras = extras(&ratings, steady);
     extras.damping_ratio = damping_ratio(root, &extras, &scenarios)?;

@@ -28,8 +28,9 @@ pub(crate) static TRAIN: Shape = Shape {
             Key::optional(
                 "damping_ratio",
                 Kind::Ratio,
-                "Share of critical damping of every mode of vibration; for breaks and rectangular pulses, and not beside a \
-                 coupler's damping.",
+                "Share of critical damping of every mode of vibration, which no device in a train has; for breaks and rectangular \
+                 pulses, and not beside a coupler's damping. The ratios published for draft gears, 0.05 to 0.26, are not this \
+                 but c / 2 sqrt(k m) of dashpots: give [coupler] a damping for them.",
                 "0.2",
             )
             .or("0"),
@@ -91,7 +92,8 @@ const OWN_LIMITS: Key = Key::optional(
 const DAMPING: Key = Key::optional(
     "damping",
     quantity(Dimension::Damping, Sign::NotNegative),
-    "A dashpot beside each connection's spring; none if absent.",
+    "A dashpot c beside each connection's spring; none if absent. Published damping ratios z of draft gears are this: \
+     c = 2 z sqrt(k m).",
     "200 kN*s/m",
 );
 
@@ -322,7 +324,8 @@ pub(super) static SCENARIO: Shape = Shape {
             Key::optional(
                 "vehicles",
                 NUMBER,
-                "Of an impact: how many of the train's vehicles arrive together, and couple; at least one stands.",
+                "Of an impact: how many of the train's vehicles arrive together, and couple; at least one stands. The load of \
+                 either part stays, and the coupler that joins them carries none before.",
                 "3",
             ),
             Key::optional(
@@ -334,7 +337,8 @@ pub(super) static SCENARIO: Shape = Shape {
             Key::optional(
                 "horizon",
                 quantity(Dimension::Time, Sign::Positive),
-                "How long forces are followed; four transits of a wave through the longest part if absent.",
+                "How long forces are followed; if absent, to the last change of the outside force and four transits of a wave \
+                 through the longest part beyond it.",
                 "8 s",
             ),
             Key::optional(
@@ -345,8 +349,14 @@ pub(super) static SCENARIO: Shape = Shape {
                 "true",
             )
             .or("false"),
-            Key::optional("buff_breaks", Kind::Flag, "In a cascade, couplers break in buff as well.", "true")
-                .or("false"),
+            Key::optional(
+                "buff_breaks",
+                Kind::Flag,
+                "Couplers in buff break as well, as if the parts could pass through each other: in a cascade, and of a break the \
+                 couplers that carry buff, which else are refused or left out of \"each\".",
+                "true",
+            )
+            .or("false"),
         ],
     )
 };

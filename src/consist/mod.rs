@@ -23,8 +23,8 @@ use crate::doubts::Doubt;
 use crate::error::{InputError, Problem};
 use crate::scenario::Scenario;
 
-pub(crate) use describe::count;
 pub use describe::describe;
+pub(crate) use describe::{count, of_parts};
 pub use extras::{Extras, LIMITS, Limits, SENSES, Steady};
 pub use loads::steady_forces;
 pub use text::{Files, Source};

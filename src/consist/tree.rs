@@ -31,7 +31,6 @@ impl Found {
     }
 
     /// Something that is probably not meant, and no error.
-    #[expect(dead_code, reason = "the first doubt of a reader comes with the columns of a table")]
     pub(crate) fn doubt(&self, doubt: Doubt) {
         self.doubts.borrow_mut().push(doubt);
     }
@@ -124,6 +123,11 @@ impl<'s> Table<'s> {
     /// Notes a problem at a place within it.
     pub(crate) fn note_at(&self, span: Range<usize>, title: impl Into<String>, help: impl Into<String>) -> Reported {
         self.found.note(Problem::at(span, title, Some(help.into())))
+    }
+
+    /// Notes something that is probably not meant, and no error.
+    pub(crate) fn doubt(&self, doubt: Doubt) {
+        self.found.doubt(doubt);
     }
 
     /// Notes a problem at a place within it that another place has a part in.

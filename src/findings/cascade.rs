@@ -27,6 +27,11 @@ pub struct CascadeFindings {
     pub undecided_from_s: Option<f64>,
     /// That coupler, counted from 1.
     pub undecided_coupler: Option<usize>,
+    /// When the gap at a broken coupler first closes, s: its vehicles would push each other from then on, which is not computed,
+    /// so that nothing here holds of later times.
+    pub gap_closes_s: Option<f64>,
+    /// That coupler, counted from 1.
+    pub gap_coupler: Option<usize>,
     /// No force is further than this from the exact one, N, the instants of the breaks included.
     pub error_bound_n: f64,
 }
@@ -102,6 +107,8 @@ pub(super) fn find(
         kept_in_buff,
         undecided_from_s: outcome.open.map(|(_, t)| t * scales.time_s),
         undecided_coupler: outcome.open.map(|(i, _)| i + 1),
+        gap_closes_s: outcome.gap_closes.map(|(_, t)| t * scales.time_s),
+        gap_coupler: outcome.gap_closes.map(|(i, _)| i + 1),
         error_bound_n: outcome.error_bound * scales.force_n,
     }))
 }

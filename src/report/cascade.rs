@@ -31,7 +31,14 @@ fn of_one(case: &CaseFindings, cascade: &CascadeFindings) -> String {
             format!("{head}, in {}, {}", sense(first.force_n), moment(first.time_s, case))
         }
     };
-    format!("{breaks}; {}.{}{} {}", pieces(cascade), kept(cascade), open(cascade), breaks_at(cascade))
+    format!(
+        "{breaks}; {}.{}{}{} {}",
+        pieces(cascade),
+        kept(cascade),
+        open(cascade),
+        closed(cascade),
+        breaks_at(cascade)
+    )
 }
 
 /// Which load breaks a coupler.
@@ -93,12 +100,26 @@ fn open(cascade: &CascadeFindings) -> String {
     )
 }
 
+fn closed(cascade: &CascadeFindings) -> String {
+    let (Some(from), Some(coupler)) = (cascade.gap_closes_s, cascade.gap_coupler) else { return String::new() };
+    format!(
+        " Not valid from {} on: the gap at coupler {coupler} closes then, and its vehicles would push each other, which is not \
+         computed.",
+        time(from)
+    )
+}
+
 fn of_many(cascades: &[(&CaseFindings, &CascadeFindings)]) -> String {
     let more = cascades.iter().filter(|(_, c)| !c.breaks.is_empty()).count();
     let open = match cascades.iter().filter(|(_, c)| c.undecided_from_s.is_some()).count() {
         0 => String::new(),
         n => format!(" In {} the sequence is not decided to its end.", count(n, "case")),
     };
+    let closed = match cascades.iter().filter(|(_, c)| c.gap_closes_s.is_some()).count() {
+        0 => String::new(),
+        n => format!(" In {} a gap closes again, and what follows it is not valid.", count(n, "case")),
+    };
+    let open = open + &closed;
     let most = cascades.iter().reduce(|a, b| if b.1.breaks.len() > a.1.breaks.len() { b } else { a });
     let Some((case, worst)) = most.filter(|_| more > 0) else {
         let at = cascades.first().map(|(_, c)| breaks_at(c)).unwrap_or_default();

@@ -46,6 +46,7 @@ fn shorten(scenario: &ScenarioFindings) -> ScenarioFindings {
     ScenarioFindings {
         name: scenario.name.clone(),
         cases: scenario.cases.iter().map(case).collect(),
+        left_out_in_buff: scenario.left_out_in_buff.clone(),
         map: scenario.map.clone(),
         ..*scenario
     }

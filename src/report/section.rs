@@ -54,14 +54,15 @@ struct Figure {
 
 /// The facts of a scenario.
 pub fn section(train: &Train, scenario: &ScenarioFindings, pictures: &[Picture]) -> Section {
-    let event = words::source(train, scenario).map(|(_, s)| &s.event);
+    let source = words::source(train, scenario).map(|(_, s)| s);
+    let event = source.map(|s| &s.event);
     let cases = &scenario.cases;
     let single = if let [case] = &cases[..] { Some(case) } else { None };
     let factor = cases.iter().filter_map(|c| c.safe_load_factor).reduce(f64::min);
     let watched = cases.iter().any(|c| c.worst.is_some());
     Section {
         heading: scenario.name.clone(),
-        event: event.map(|e| words::event(train, e)).unwrap_or_default(),
+        event: source.map(|s| words::event(train, s)).unwrap_or_default(),
         verdict: words::verdict_of(scenario),
         safe_load: event.filter(|_| watched).map(|e| words::safe_load(train, e, factor)).unwrap_or_default(),
         cascade: cascade::sentence(scenario),

@@ -58,8 +58,8 @@ fn after(case: &CaseFindings) -> String {
 }
 
 /// The event, in one sentence.
-pub fn event(train: &Train, event: &Event) -> String {
-    match event {
+pub fn event(train: &Train, scenario: &Scenario) -> String {
+    match &scenario.event {
         Event::Break { couplers } => match couplers[..] {
             [b] => {
                 let load = train.initial_force_n[b];
@@ -74,7 +74,12 @@ pub fn event(train: &Train, event: &Event) -> String {
                 "Each coupler in turn breaks at t = 0, always from the intact train.".to_owned()
             }
             _ => {
-                format!("Each of {} in turn breaks at t = 0, from the intact train.", count(couplers.len(), "coupler"))
+                let left_out = match scenario.left_out_in_buff.len() {
+                    0 => String::new(),
+                    n => format!("; {n} that carry buff are left out, because nothing parts there"),
+                };
+                let breaking = count(couplers.len(), "coupler");
+                format!("Each of {breaking} in turn breaks at t = 0, from the intact train{left_out}.")
             }
         },
         Event::Pulse { vehicle, force_n, duration_s } => {
@@ -98,13 +103,26 @@ pub fn event(train: &Train, event: &Event) -> String {
         Event::Impact { vehicles, at_head, speed_m_per_s } => {
             let end = if *at_head { "head" } else { "tail" };
             let speed = without_zeros(&digits(*speed_m_per_s, 0.0, 4));
+            let before = match scenario.event.joint(train.vehicles.len()) {
+                Some(joint) if train.initial_force_n.iter().any(|f| *f != 0.0) => {
+                    format!(
+                        "each part carries its own load before, and coupler {}, which joins them, carries none",
+                        joint + 1
+                    )
+                }
+                _ => "no coupler carries a force before".to_owned(),
+            };
             format!(
-                "At t = 0 the {} at the {end} run into the others at {speed} m/s and couple; the others stand, and no coupler \
-                 carries a force before.",
+                "At t = 0 the {} at the {end} run into the others at {speed} m/s and couple; the others stand, and {before}.",
                 count(*vehicles, "vehicle")
             )
         }
     }
+}
+
+/// Whether the load alone is over a coupler's rating.
+fn over_before(c: &CouplerFindings) -> bool {
+    c.initial_force_n > c.rated_draft_n || -c.initial_force_n > c.rated_buff_n
 }
 
 /// Whether a coupler exceeds its rating in draft at one time and in buff at another.
@@ -176,7 +194,7 @@ fn verdict_exceeding(case: &CaseFindings) -> String {
     let head = format!("{} of {which} would exceed {whose} rating {}", case.exceeding, after(case));
     let first = first_to_exceed(case).map_or(String::new(), |c| {
         let when = match c.first_exceeds_s {
-            Some(0.0) if case.kind == "impact" => "at once, as the vehicles meet".to_owned(),
+            Some(0.0) if case.kind == "impact" && !over_before(c) => "at once, as the vehicles meet".to_owned(),
             Some(0.0) => "before anything happens, under the load alone".to_owned(),
             Some(t) => moment(t, case),
             None => "at a time not found".to_owned(),
@@ -215,6 +233,10 @@ pub fn verdict_of(scenario: &ScenarioFindings) -> String {
 
 /// The verdict on a scenario of many cases, in one sentence.
 fn verdict_each(scenario: &ScenarioFindings) -> String {
+    if scenario.cases.is_empty() {
+        let couplers = count(scenario.left_out_in_buff.len(), "coupler");
+        return format!("No break is computed: {couplers} would break in turn, but carry buff, so that nothing parts.");
+    }
     let breaks = count(scenario.cases.len(), "break");
     let harmful = scenario.cases.iter().filter(|c| c.exceeding > 0).count();
     let open = scenario.cases.iter().filter(|c| c.exceeding == 0 && c.undecided > 0).count();

@@ -6,6 +6,8 @@ use crate::consist::{Coupler, Train};
 use crate::figures::{Axis, Color, Figure, Panel, Point, Sample, Shape, Stroke};
 use crate::findings::ScenarioFindings;
 use crate::report::numbers::{Unit, force_unit};
+use crate::report::words;
+use crate::scenario::initial_force_n;
 
 /// Places that a figure has room for; of more couplers several share one.
 const PLACES: usize = 800;
@@ -52,8 +54,8 @@ pub fn envelope(train: &Train, scenario: &ScenarioFindings, name: &str) -> Strin
     let couplers = train.couplers.len();
     let share = couplers_per_place(couplers);
     let ratings = |value: fn(&Coupler) -> f64| train.couplers.iter().map(value).collect::<Vec<_>>();
-    let shows_load = train.extras.steady.is_some() && scenario.kind != "impact";
-    let before = if shows_load { &train.initial_force_n[..] } else { &[] };
+    let source = words::source(train, scenario).filter(|_| train.extras.steady.is_some());
+    let before = source.map_or_else(Vec::new, |(_, source)| initial_force_n(train, &source.event));
     let forces = all.iter().flat_map(|e| [e.draft, e.buff]).flatten().chain(before.iter().copied());
     let reach = Reach::new(forces, &ratings(|c| c.rated_draft_n), &ratings(|c| c.rated_buff_n));
     let unit = force_unit(reach.largest());

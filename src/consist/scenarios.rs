@@ -6,8 +6,10 @@ use std::path::Path;
 
 use super::file::coupler_list;
 use super::keys::SCENARIO;
-use super::tree::{Read, Table, Value};
-use super::{Files, Vehicle, record};
+use super::labels::Labels;
+use super::tree::{Found, Read, Table, Value};
+use super::{Files, record};
+use crate::doubts::Doubt;
 use crate::error::quoted;
 use crate::play::{Drive, Rule};
 use crate::scenario::{Event, Scenario};
@@ -21,12 +23,15 @@ const MOST_SCENARIOS: usize = 1000;
 
 /// The scenarios, or each coupler in turn if there are none.
 pub(super) fn read(
+    found: &Found,
     root: &Table,
-    vehicles: &[Vehicle],
+    labels: &Labels,
     weakest_n: f64,
     path: &Path,
     files: &Files,
 ) -> Read<Vec<Scenario>> {
+    let vehicles = labels.vehicles;
+    let beside = Beside { found, path, files };
     let each = || Event::Break { couplers: (0..vehicles.len() - 1).collect() };
     let tables = root.get("scenario").map_or(Ok(vec![]), |v| v.tables())?;
     if tables.is_empty() {
@@ -42,7 +47,7 @@ pub(super) fn read(
     }
     let (mut scenarios, mut cases) = (vec![], 0);
     for table in &tables {
-        let scenario = scenario(table, vehicles, weakest_n, path, files);
+        let scenario = scenario(table, labels, weakest_n, &beside);
         if let Ok(Unnamed { event: Event::Break { couplers }, .. }) = &scenario {
             cases += couplers.len();
         }
@@ -63,13 +68,14 @@ struct Unnamed<'s> {
     cascade: Rule,
 }
 
-fn scenario<'s>(
-    table: &Table<'s>,
-    vehicles: &[Vehicle],
-    weakest_n: f64,
-    path: &Path,
-    files: &Files,
-) -> Read<Unnamed<'s>> {
+/// Where the files are that a scenario may name, and where their doubts go.
+struct Beside<'f> {
+    found: &'f Found,
+    path: &'f Path,
+    files: &'f Files,
+}
+
+fn scenario<'s>(table: &Table<'s>, labels: &Labels, weakest_n: f64, beside: &Beside) -> Read<Unnamed<'s>> {
     let name = table.get("name").map(|v| v.name().map(|text| (text, v.clone()))).transpose();
     let horizon = table.get("horizon").map(|v| v.quantity()).transpose();
     let cascade = cascade(table);
@@ -77,9 +83,9 @@ fn scenario<'s>(
     let kind = kind.word()?;
     only_of(table, kind);
     let event = match kind {
-        "break" => break_of(table, vehicles.len() - 1),
-        "impact" => impact(table, vehicles.len()),
-        _ => pulse(table, vehicles, weakest_n, path, files),
+        "break" => break_of(table, labels),
+        "impact" => impact(table, labels.vehicles.len()),
+        _ => pulse(table, labels, weakest_n, beside),
     };
     Ok(Unnamed { name: name?, event: event?, horizon_s: horizon?, cascade: cascade? })
 }
@@ -117,21 +123,22 @@ fn with_article(word: &str) -> String {
     format!("{} {word}", if word.starts_with('i') { "an" } else { "a" })
 }
 
-fn break_of(table: &Table, count: usize) -> Read<Event> {
+fn break_of(table: &Table, labels: &Labels) -> Read<Event> {
+    let count = labels.vehicles.len() - 1;
     let right = format!("expected a coupler's number from 1 to {count}, a list of them, or \"each\"");
     let value = table.require("coupler", &right)?;
     let couplers = match value.as_text() {
         Some("each") => (0..count).collect(),
         Some(text) => return Err(value.wrong_word(text, right)),
-        None => coupler_list(&value, count, &right)?,
+        None => coupler_list(&value, labels, &right)?,
     };
     Ok(Event::Break { couplers })
 }
 
-fn pulse(table: &Table, vehicles: &[Vehicle], weakest_n: f64, path: &Path, files: &Files) -> Read<Event> {
-    let vehicle = struck(table, vehicles);
+fn pulse(table: &Table, labels: &Labels, weakest_n: f64, beside: &Beside) -> Read<Event> {
+    let vehicle = struck(table, labels, beside.found);
     if let Some(record) = table.get("record") {
-        return recorded(table, &record, vehicle?, path, files);
+        return recorded(table, &record, vehicle?, beside);
     }
     let force = table
         .require("force", "add force = \"-1.2 MN\", the outside force on that vehicle, forward positive")
@@ -151,7 +158,8 @@ fn pulse(table: &Table, vehicles: &[Vehicle], weakest_n: f64, path: &Path, files
         "rectangle" => return Ok(Event::Pulse { vehicle, force_n, duration_s }),
         "half-sine" => Drive::HalfSine { peak: force_n, duration: duration_s },
         "triangle" => lines(0.5 * duration_s, 0.5 * duration_s),
-        _ => lines(ramps[0], duration_s - ramps[1]),
+        // Where the ramps meet, rounding must not put the end of the rise behind the start of the fall.
+        _ => lines(ramps[0].min(duration_s), (duration_s - ramps[1]).max(ramps[0].min(duration_s))),
     };
     Ok(Event::Shaped { vehicle, shape, force_n, duration_s, drive })
 }
@@ -173,21 +181,24 @@ fn ramps(table: &Table, shape: &str, duration_s: f64) -> Read<[f64; 2]> {
     let rise_s = rise?.unwrap_or_default();
     let needed = needed?;
     let fall_s = fall?.unwrap_or(rise_s);
-    if rise_s + fall_s > duration_s {
+    // Times written in decimals whose sum is the duration can be a few roundings longer as doubles.
+    if rise_s + fall_s > duration_s * (1.0 + 8.0 * f64::EPSILON) {
         return Err(needed.wrong("rise and fall are longer than the pulse", "expected at most the duration together"));
     }
     Ok([rise_s, fall_s])
 }
 
 /// A pulse whose course stands in a file of its own, beside the train file.
-fn recorded(table: &Table, record: &Value, vehicle: usize, path: &Path, files: &Files) -> Read<Event> {
+fn recorded(table: &Table, record: &Value, vehicle: usize, beside: &Beside) -> Read<Event> {
     for key in ["force", "duration", "shape", "rise", "fall"] {
         if let Some(span) = table.key_span(key) {
             return Err(table.note_at(span, format!("{key} beside a record"), "the record gives the force over time"));
         }
     }
-    let file = path.parent().unwrap_or(Path::new("")).join(record.name()?);
-    let points = record::read(&file, files).map_err(|[found, right]| record.wrong(found, right))?;
+    let (file, text) = record.text_beside(beside.path, beside.files)?;
+    let record::Course { points, doubts } =
+        record::parse(&text, &file).map_err(|bad| beside.found.refer(record, &bad))?;
+    doubts.into_iter().for_each(|doubt| beside.found.doubt(doubt));
     let force_n = points.iter().map(|p| p[1]).fold(0.0f64, |a, f| if f.abs() > a.abs() { f } else { a });
     let duration_s = points.last().map_or(0.0, |p| p[0]);
     Ok(Event::Shaped { vehicle, shape: "record", force_n, duration_s, drive: Drive::Lines(points) })
@@ -205,13 +216,28 @@ fn impact(table: &Table, count: usize) -> Read<Event> {
 }
 
 /// The vehicle that a pulse strikes, as an index from 0.
-fn struck(table: &Table, vehicles: &[Vehicle]) -> Read<usize> {
-    let right = format!("expected \"head\", \"tail\" or a vehicle's number from 1 to {}", vehicles.len());
+fn struck(table: &Table, labels: &Labels, found: &Found) -> Read<usize> {
+    let vehicles = labels.vehicles;
+    let right = format!("expected \"head\", \"tail\", a vehicle's number from 1 to {} or its label", vehicles.len());
     let value = table.require("at", &right)?;
     let vehicle = match value.as_text() {
-        Some("head") => 0,
-        Some("tail") => vehicles.len() - 1,
-        Some(text) => return Err(value.wrong_word(text, right)),
+        Some(end @ ("head" | "tail")) => {
+            let vehicle = if end == "head" { 0 } else { vehicles.len() - 1 };
+            if let Some(other) = vehicles.iter().position(|v| v.label == end).filter(|other| *other != vehicle) {
+                let text = format!(
+                    "at = \"{end}\" is the {end} of the train, not vehicle {}, which has that label",
+                    other + 1
+                );
+                found.doubt(Doubt::of_train("label-head-or-tail", text));
+            }
+            vehicle
+        }
+        Some(_) => {
+            let label = value.name()?;
+            let vehicle = labels.vehicle(&value, label)?;
+            labels.note(format!("{} is vehicle {}", quoted(label), vehicle + 1));
+            vehicle
+        }
         None => value.number(vehicles.len(), |n| format!("the train has no vehicle {n}"), &right)? - 1,
     };
     if vehicles[vehicle].held {

@@ -263,7 +263,7 @@ fn coupler(item: &Value, labels: &Labels, right: &str) -> Read<usize> {
     };
     let behind = table?.require("behind", "add behind, the label of the vehicle ahead of the coupler")?;
     let label = behind.name()?;
-    let number = labels.vehicle(&behind, label)? + 1;
+    let number = labels.vehicle(&behind, label, "the coupler's number instead of { behind = ... }")? + 1;
     if number > count {
         let help = "name the vehicle ahead of the coupler";
         return Err(behind.wrong(format!("no coupler is behind {}, the last vehicle", quoted(label)), help));

@@ -69,8 +69,8 @@ impl<'v> Labels<'v> {
         Labels { vehicles, by_label: OnceCell::new(), named: RefCell::default() }
     }
 
-    /// The vehicle that a value names, as an index from 0.
-    pub(super) fn vehicle(&self, value: &Value, label: &str) -> Read<usize> {
+    /// The vehicle that a value names, as an index from 0; `or` is what is right beside a label.
+    pub(super) fn vehicle(&self, value: &Value, label: &str, or: &str) -> Read<usize> {
         let all = self.by_label.get_or_init(|| self.vehicles.iter().enumerate().map(|(i, v)| (&*v.label, i)).collect());
         if let Some(&index) = all.get(label) {
             return Ok(index);
@@ -89,7 +89,7 @@ impl<'v> Labels<'v> {
             self.vehicles.iter().take(COMPARED).map(|v| (distance(label, &v.label), &*v.label)).collect();
         near.sort();
         let near: Vec<String> = near.iter().take(3).map(|(_, name)| quoted(name)).collect();
-        let help = format!("the nearest labels are {}; a vehicle's number is right as well", near.join(", "));
+        let help = format!("the nearest labels are {}; or give {or}", near.join(", "));
         Err(value.wrong(format!("no vehicle has the label {}", quoted(label)), help))
     }
 

@@ -234,7 +234,7 @@ fn struck(table: &Table, labels: &Labels, found: &Found) -> Read<usize> {
         }
         Some(_) => {
             let label = value.name()?;
-            let vehicle = labels.vehicle(&value, label)?;
+            let vehicle = labels.vehicle(&value, label, "\"head\", \"tail\" or a vehicle's number")?;
             labels.note(format!("{} is vehicle {}", quoted(label), vehicle + 1));
             vehicle
         }

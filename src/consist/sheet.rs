@@ -255,7 +255,7 @@ impl<'t> Sheet<'t> {
         }
         let same = |unit: &&str| !own.is_empty() && *unit != own && number.is_some();
         if let Some(unit) = of_column.filter(same) {
-            let found = format!("{} is not in {unit}, the unit of its column", quoted(text));
+            let found = format!("{} has {} after the number, and its column is in {unit}", quoted(text), quoted(own));
             return Err([found, format!("write the number alone, in {unit}, or take the unit out of the heading")]);
         }
         let has_unit = !own.is_empty() || number.is_none();
@@ -417,10 +417,10 @@ fn headings(text: &str, header: &Record, wanted: &[Wanted]) -> Vec<Heading> {
         let units =
             cells.iter().enumerate().map(uncommented).map(|cell| super::heading::only_unit(&cell, want.content));
         let mut fitting = units.enumerate().filter_map(|(i, unit)| Some((i, unit?)));
-        if let (Some((i, unit)), None) = (fitting.next(), fitting.next()) {
-            if matches!(found[i], Heading::Unknown) {
-                found[i] = Heading::Is { wanted: w, synonym: true, unit: Some(unit) };
-            }
+        if let (Some((i, unit)), None) = (fitting.next(), fitting.next())
+            && matches!(found[i], Heading::Unknown)
+        {
+            found[i] = Heading::Is { wanted: w, synonym: true, unit: Some(unit) };
         }
     }
     found

@@ -228,8 +228,11 @@ impl Reader<'_> {
                 rows.behind.push(own);
             }
         }
-        if self.problems.is_empty() {
+        // Every row is there, be it with a value in place of a wrong one.
+        if rows.groups.len() == records.len() {
             self.check(&rows, &seen);
+        }
+        if self.problems.is_empty() {
             self.places(&records, &rows.groups);
             self.doubtful(&records, &rows);
         }
@@ -408,21 +411,21 @@ impl Reader<'_> {
             self.doubts.push(Doubt::of_train("column-not-read", text));
             return;
         }
-        for pair in numbers.windows(2) {
+        if let Some(pair) = numbers.windows(2).find(|pair| pair[1].1 <= pair[0].1) {
+            let title = format!("{} comes after {}: the rows are not in the order of the train", pair[1].1, pair[0].1);
+            let help =
+                "sort the rows by this column, from the head; if it is no place in the train, give it another heading";
+            self.wrong(&records[pair[1].0], place, title, help.into());
+            return;
+        }
+        let gap = |pair: &&[(usize, i64)]| {
             let ((before, a), (here, b)) = (pair[0], pair[1]);
-            let step = groups[before].count as i64;
-            if b <= a {
-                let title = format!("{b} comes after {a}: the rows are not in the order of the train");
-                let help = "sort the rows by this column, from the head; if it is no place in the train, give it another heading";
-                self.wrong(&records[here], place, title, help.into());
-                return;
-            }
-            if here == before + 1 && b != a + 1 && b != a + step {
-                let row = records[here].row;
-                let text = format!("row {row} of {} is numbered {b} after {a}: is a row missing?", self.name);
-                self.doubts.push(Doubt::of_train("row-numbers", text));
-                return;
-            }
+            here == before + 1 && b != a + 1 && b != a + groups[before].count as i64
+        };
+        if let Some(&[(_, a), (here, b)]) = numbers.windows(2).find(gap) {
+            let row = records[here].row;
+            let text = format!("row {row} of {} is numbered {b} after {a}: is a row missing?", self.name);
+            self.doubts.push(Doubt::of_train("row-numbers", text));
         }
     }
 

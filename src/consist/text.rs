@@ -167,7 +167,7 @@ fn decoded(bytes: Vec<u8>) -> Result<String, [String; 2]> {
     // Bytes that Windows-1252 does not use, or uses for control characters, come from other encodings.
     let foreign = |b: &u8| matches!(b, 0x81 | 0x8d | 0x8f | 0x90 | 0x9d | 0..=8 | 14..=31);
     let line = |at: usize| 1 + bytes[..at].iter().filter(|&&b| b == b'\n').count();
-    match bytes.iter().position(|b| foreign(b)) {
+    match bytes.iter().position(foreign) {
         Some(at) => {
             Err(broken(&format!("UTF-8, UTF-16 or Windows-1252: line {} has a byte that none of them has", line(at))))
         }

@@ -121,14 +121,14 @@ fn a_gap_that_closes_in_a_cascade_by_the_closed_form() {
         let train = consist::parse(&text, &dir.path().join("train.toml")).unwrap_or_else(|e| panic!("{e}"));
         let analysis = analyze(&train, &Options::default()).expect("sound");
         let cascade = analysis.scenarios[0].cases[0].cascade.as_ref().expect("asked for");
-        let omega = (2.0 * k / m).sqrt();
-        let broken_s = (1.0 - 2.0 * rating / pull).acos() / omega;
+        let omega = f64::sqrt(2.0 * k / m);
+        let broken_s = f64::acos(1.0 - 2.0 * rating / pull) / omega;
         assert!((cascade.breaks[0].time_s - broken_s).abs() < 1e-9);
         let speed = 0.5 * pull * omega * (omega * broken_s).sin() / k;
         let lasting = until_s - broken_s;
         let opening = rating / k + speed * lasting + 0.5 * pull / m * lasting * lasting;
         let (apart, brake) = (speed + pull / m * lasting, push / m);
-        let closes_s = until_s + (apart + (apart * apart + 2.0 * brake * opening).sqrt()) / brake;
+        let closes_s = until_s + (apart + f64::sqrt(apart * apart + 2.0 * brake * opening)) / brake;
         let found = cascade.gap_closes_s.expect("it closes");
         assert!((found - closes_s).abs() < 1e-8, "{found}, right {closes_s}");
         assert_eq!(cascade.gap_coupler, Some(1));

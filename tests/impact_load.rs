@@ -107,7 +107,7 @@ fn two_vehicles_under_forces_by_the_closed_form() {
         );
         let found = case(&parse(&text));
         let per_mass = 1.0 / m1 + 1.0 / m2;
-        let (omega, steady) = ((k * per_mass).sqrt(), (p1 / m1 - p2 / m2) / per_mass);
+        let (omega, steady) = (f64::sqrt(k * per_mass), (p1 / m1 - p2 / m2) / per_mass);
         let swing = |factor: f64| steady.hypot(factor * k * v / omega);
         let [only] = &found.couplers[..] else { panic!("{found:?}") };
         assert_eq!(only.initial_force_n, 0.0);

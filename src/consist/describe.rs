@@ -21,6 +21,9 @@ pub fn describe(train: &Train) -> String {
     for scenario in &train.scenarios {
         let _ = writeln!(text, "  {}: {}", scenario.name, scenario_line(train, scenario));
     }
+    for named in &train.origin.by_label {
+        let _ = writeln!(text, "by label: {named}");
+    }
     for doubt in doubts(train) {
         let _ = writeln!(text, "warning: {doubt}");
     }
@@ -147,6 +150,11 @@ fn scenario_line(train: &Train, scenario: &Scenario) -> String {
             [b] => {
                 let [ahead, behind] = [&train.vehicles[*b].label, &train.vehicles[*b + 1].label];
                 (format!("coupler {} between {ahead} and {behind} breaks", b + 1), 1)
+            }
+            [some @ .., last] if some.len() < 6 && some.len() + 1 < train.couplers.len() => {
+                let some: Vec<String> = some.iter().map(|b| (b + 1).to_string()).collect();
+                let which = format!("couplers {} and {}", some.join(", "), last + 1);
+                (format!("{which} of {} break, each alone", train.couplers.len()), some.len() + 1)
             }
             many => {
                 let left_out = match scenario.left_out_in_buff.len() {

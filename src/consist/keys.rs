@@ -15,7 +15,14 @@ const fn or_share(of: Dimension, sign: Sign) -> Kind {
 const RATING: Kind = quantity(Dimension::Force, Sign::Positive);
 /// A coupler's or vehicle's number.
 const NUMBER: Kind = Kind::Whole { from: 1, to: MOST_VEHICLES };
-const NUMBERS: Kind = Kind::OneOrMore(&NUMBER);
+const NUMBERS: Kind = Kind::OneOrMore(&Kind::Either(&[NUMBER, Kind::Table(&BEHIND)]));
+
+/// A coupler by the vehicle ahead of it.
+pub(super) static BEHIND: Shape = Shape::new(
+    "{ behind = ... }",
+    "The coupler behind a vehicle.",
+    &[Key::required("behind", Kind::Name, "The label of the vehicle ahead of the coupler.", "coal car 40")],
+);
 
 /// The whole file.
 pub(crate) static TRAIN: Shape = Shape {
@@ -118,7 +125,8 @@ pub(super) static OVERRIDE: Shape = Shape {
             Key::required(
                 "at",
                 NUMBERS,
-                "The couplers' numbers: coupler i is between vehicle i and i+1, counted from 1 at the head.",
+                "The couplers' numbers: coupler i is between vehicle i and i+1, counted from 1 at the head. Or { behind = \"car 40\" }, \
+                 the coupler behind the vehicle with that label.",
                 "[53]",
             ),
             Key::optional("stiffness", quantity(Dimension::Stiffness, Sign::Positive), STIFFNESS, "25 MN/m"),
@@ -272,14 +280,15 @@ pub(super) static SCENARIO: Shape = Shape {
             Key::optional(
                 "coupler",
                 Kind::Either(&[Kind::Word(&["each"]), NUMBERS]),
-                "Of a break: the coupler's number, a list of them in turn, or \"each\".",
+                "Of a break: the coupler's number or { behind = \"car 40\" }, the label of the vehicle ahead of it; a list of them in turn, \
+                 or \"each\".",
                 "53",
             ),
             Key::optional(
                 "at",
-                Kind::Either(&[Kind::Word(&["head", "tail"]), NUMBER]),
-                "Of a pulse, the vehicle that is struck: \"head\", \"tail\" or its number. Of an impact, the end that is struck: \
-                 \"head\" or \"tail\".",
+                Kind::Either(&[Kind::Word(&["head", "tail"]), NUMBER, Kind::Name]),
+                "Of a pulse, the vehicle that is struck: \"head\", \"tail\", its number or its label. Of an impact, the end that is \
+                 struck: \"head\" or \"tail\".",
                 "tail",
             ),
             Key::optional(

@@ -6,8 +6,9 @@ use std::path::Path;
 
 use super::file::coupler_list;
 use super::keys::SCENARIO;
-use super::tree::{Read, Table, Value};
-use super::{Files, Vehicle, record};
+use super::labels::Labels;
+use super::tree::{Found, Read, Table, Value};
+use super::{Files, record};
 use crate::doubts::Doubt;
 use crate::error::quoted;
 use crate::play::{Drive, Rule};
@@ -21,8 +22,9 @@ const MOST_CASES: usize = 1_000_000;
 const MOST_SCENARIOS: usize = 1000;
 
 /// What a scenario is read against.
-pub(super) struct Context<'a> {
-    pub vehicles: &'a [Vehicle],
+pub(super) struct Context<'a, 'v> {
+    pub found: &'a Found,
+    pub labels: &'a Labels<'v>,
     /// Force in each coupler before the event, N; none where it could not be read.
     pub initial_force_n: &'a [f64],
     /// The smallest capacity in draft, N.
@@ -32,7 +34,7 @@ pub(super) struct Context<'a> {
     pub files: &'a Files,
 }
 
-impl Context<'_> {
+impl Context<'_, '_> {
     /// Whether a coupler carries buff: its vehicles stay pressed together when it breaks.
     fn in_buff(&self, coupler: usize) -> bool {
         self.initial_force_n.get(coupler).is_some_and(|force| *force < 0.0)
@@ -40,7 +42,7 @@ impl Context<'_> {
 
     /// Every coupler in turn, and those that are left out because they carry buff.
     fn each(&self, buff_breaks: bool) -> (Event, Vec<usize>) {
-        let all = 0..self.vehicles.len() - 1;
+        let all = 0..self.labels.vehicles.len() - 1;
         let (left_out, couplers) = all.partition(|&i| !buff_breaks && self.in_buff(i));
         (Event::Break { couplers }, left_out)
     }
@@ -72,7 +74,7 @@ pub(super) fn read(root: &Table, context: &Context) -> Read<Vec<Scenario>> {
         }
         scenarios.push(scenario);
     }
-    named(scenarios.into_iter().collect::<Read<_>>()?, context.vehicles.len())
+    named(scenarios.into_iter().collect::<Read<_>>()?, context.labels.vehicles.len())
 }
 
 /// A scenario that may have no name yet.
@@ -94,7 +96,7 @@ fn scenario<'s>(table: &Table<'s>, context: &Context) -> Read<Unnamed<'s>> {
     let event = match kind {
         // With an unreadable flag nothing is said of couplers in buff.
         "break" => break_of(table, context, breaking.as_ref().map_or(true, |(_, in_buff)| *in_buff)),
-        "impact" => impact(table, context.vehicles.len()).map(|event| (event, vec![])),
+        "impact" => impact(table, context.labels.vehicles.len()).map(|event| (event, vec![])),
         _ => pulse(table, context).map(|event| (event, vec![])),
     };
     let (name, horizon_s, (event, left_out_in_buff), (cascade, buff_breaks)) = (name?, horizon?, event?, breaking?);
@@ -149,13 +151,14 @@ fn with_article(word: &str) -> String {
 
 /// The couplers that break, and those of "each" that are left out because they carry buff.
 fn break_of(table: &Table, context: &Context, buff_breaks: bool) -> Read<(Event, Vec<usize>)> {
-    let count = context.vehicles.len() - 1;
+    let labels = context.labels;
+    let count = labels.vehicles.len() - 1;
     let right = format!("expected a coupler's number from 1 to {count}, a list of them, or \"each\"");
     let value = table.require("coupler", &right)?;
     let couplers = match value.as_text() {
         Some("each") => return Ok(context.each(buff_breaks)),
         Some(text) => return Err(value.wrong_word(text, right)),
-        None => coupler_list(&value, count, &right)?,
+        None => coupler_list(&value, labels, &right)?,
     };
     let pressed = |(item, &i): (Value, &usize)| {
         let force = shown(-context.initial_force_n[i], Dimension::Force);
@@ -172,9 +175,9 @@ fn break_of(table: &Table, context: &Context, buff_breaks: bool) -> Read<(Event,
 }
 
 fn pulse(table: &Table, context: &Context) -> Read<Event> {
-    let vehicle = struck(table, context.vehicles);
+    let vehicle = struck(table, context.labels, context.found);
     if let Some(record) = table.get("record") {
-        return recorded(table, &record, vehicle?, context.path, context.files);
+        return recorded(table, &record, vehicle?, context);
     }
     let force = table
         .require("force", "add force = \"-1.2 MN\", the outside force on that vehicle, forward positive")
@@ -194,7 +197,8 @@ fn pulse(table: &Table, context: &Context) -> Read<Event> {
         "rectangle" => return Ok(Event::Pulse { vehicle, force_n, duration_s }),
         "half-sine" => Drive::HalfSine { peak: force_n, duration: duration_s },
         "triangle" => lines(0.5 * duration_s, 0.5 * duration_s),
-        _ => lines(ramps[0], duration_s - ramps[1]),
+        // Where the ramps meet, rounding must not put the end of the rise behind the start of the fall.
+        _ => lines(ramps[0].min(duration_s), (duration_s - ramps[1]).max(ramps[0].min(duration_s))),
     };
     Ok(Event::Shaped { vehicle, shape, force_n, duration_s, drive })
 }
@@ -216,21 +220,24 @@ fn ramps(table: &Table, shape: &str, duration_s: f64) -> Read<[f64; 2]> {
     let rise_s = rise?.unwrap_or_default();
     let needed = needed?;
     let fall_s = fall?.unwrap_or(rise_s);
-    if rise_s + fall_s > duration_s {
+    // Times written in decimals whose sum is the duration can be a few roundings longer as doubles.
+    if rise_s + fall_s > duration_s * (1.0 + 8.0 * f64::EPSILON) {
         return Err(needed.wrong("rise and fall are longer than the pulse", "expected at most the duration together"));
     }
     Ok([rise_s, fall_s])
 }
 
 /// A pulse whose course stands in a file of its own, beside the train file.
-fn recorded(table: &Table, record: &Value, vehicle: usize, path: &Path, files: &Files) -> Read<Event> {
+fn recorded(table: &Table, record: &Value, vehicle: usize, context: &Context) -> Read<Event> {
     for key in ["force", "duration", "shape", "rise", "fall"] {
         if let Some(span) = table.key_span(key) {
             return Err(table.note_at(span, format!("{key} beside a record"), "the record gives the force over time"));
         }
     }
-    let file = path.parent().unwrap_or(Path::new("")).join(record.name()?);
-    let points = record::read(&file, files).map_err(|[found, right]| record.wrong(found, right))?;
+    let (file, text) = record.text_beside(context.path, context.files)?;
+    let record::Course { points, doubts } =
+        record::parse(&text, &file).map_err(|bad| context.found.refer(record, &bad))?;
+    doubts.into_iter().for_each(|doubt| context.found.doubt(doubt));
     let force_n = points.iter().map(|p| p[1]).fold(0.0f64, |a, f| if f.abs() > a.abs() { f } else { a });
     let duration_s = points.last().map_or(0.0, |p| p[0]);
     Ok(Event::Shaped { vehicle, shape: "record", force_n, duration_s, drive: Drive::Lines(points) })
@@ -248,13 +255,28 @@ fn impact(table: &Table, count: usize) -> Read<Event> {
 }
 
 /// The vehicle that a pulse strikes, as an index from 0.
-fn struck(table: &Table, vehicles: &[Vehicle]) -> Read<usize> {
-    let right = format!("expected \"head\", \"tail\" or a vehicle's number from 1 to {}", vehicles.len());
+fn struck(table: &Table, labels: &Labels, found: &Found) -> Read<usize> {
+    let vehicles = labels.vehicles;
+    let right = format!("expected \"head\", \"tail\", a vehicle's number from 1 to {} or its label", vehicles.len());
     let value = table.require("at", &right)?;
     let vehicle = match value.as_text() {
-        Some("head") => 0,
-        Some("tail") => vehicles.len() - 1,
-        Some(text) => return Err(value.wrong_word(text, right)),
+        Some(end @ ("head" | "tail")) => {
+            let vehicle = if end == "head" { 0 } else { vehicles.len() - 1 };
+            if let Some(other) = vehicles.iter().position(|v| v.label == end).filter(|other| *other != vehicle) {
+                let text = format!(
+                    "at = \"{end}\" is the {end} of the train, not vehicle {}, which has that label",
+                    other + 1
+                );
+                found.doubt(Doubt::of_train("label-head-or-tail", text));
+            }
+            vehicle
+        }
+        Some(_) => {
+            let label = value.name()?;
+            let vehicle = labels.vehicle(&value, label, "\"head\", \"tail\" or a vehicle's number")?;
+            labels.note(format!("{} is vehicle {}", quoted(label), vehicle + 1));
+            vehicle
+        }
         None => value.number(vehicles.len(), |n| format!("the train has no vehicle {n}"), &right)? - 1,
     };
     if vehicles[vehicle].held {

@@ -74,8 +74,12 @@ impl Study {
 
 /// Whether a file's text is a study rather than a train.
 pub fn is_study(text: &str) -> bool {
-    let study = |root: toml::Spanned<DeTable>| ["trains", "vary"].iter().any(|k| root.get_ref().contains_key(*k));
-    DeTable::parse(text).is_ok_and(study)
+    DeTable::parse(text).is_ok_and(|root| is_study_root(root.get_ref()))
+}
+
+/// The same of a text that has been parsed.
+pub(crate) fn is_study_root(root: &DeTable) -> bool {
+    ["trains", "vary"].iter().any(|key| root.contains_key(*key))
 }
 
 /// Reads a study file's text; `path` is what messages call it.
@@ -95,7 +99,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Study, InputError> {
 
 fn study(root: &Table) -> Read<Study> {
     let trains = root.require("trains", "add trains = [\"trains/*.toml\"]: files, folders or globs").and_then(|list| {
-        let names: Vec<String> = list.items().map(|v| v.name().map(str::to_owned)).collect::<Read<_>>()?;
+        let names: Vec<String> = list.items().map(|v| v.file_name().map(str::to_owned)).collect::<Read<_>>()?;
         if names.is_empty() { Err(list.wrong("trains is empty", "name a file, a folder or a glob")) } else { Ok(names) }
     });
     let draws = draws(root);
@@ -208,7 +212,8 @@ fn range(table: &Table, from: &Value, key: &Key) -> Read<Spread> {
         return Err(to.wrong("one end is a share and the other is none", "give both in the same way"));
     };
     let share = matches!(ends[0], Amount::Share(_));
-    let at = |i: usize| low + (high - low) * (i as f64 / (steps - 1) as f64);
+    // The last value is the one that was written, without a rounding.
+    let at = |i: usize| if i + 1 == steps { high } else { low + (high - low) * (i as f64 / (steps - 1) as f64) };
     Ok(Spread::Values((0..steps).map(|i| super::spread::written(at(i), dimension, share)).collect()))
 }
 

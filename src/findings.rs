@@ -171,6 +171,9 @@ pub struct CouplerFindings {
     /// The same in draft and in buff alone.
     #[serde(skip)]
     pub(crate) exceeds_in: [Option<bool>; 2],
+    /// Largest F and largest -F, N, of either sign: a coupler that is never in tension still has a largest F.
+    #[serde(skip)]
+    pub(crate) extremes_n: [f64; 2],
     /// The first time it is over its rating, s after the event; `None` if it never is.
     pub first_exceeds_s: Option<f64>,
     /// Over which rating it is then, `"draft"` or `"buff"`.
@@ -431,6 +434,7 @@ fn coupler_findings(
     let (in_draft, in_buff) = (use_of(draft, coupler.rated_draft_n), use_of(buff, coupler.rated_buff_n));
     let (peak_force_n, peak_time_s) = if in_buff > in_draft { buff } else { draft }.unwrap_or((0.0, 0.0));
     let exceeds_in = [&peaks.draft, &peaks.buff].map(|side| side.exceeds());
+    let extremes_n = [&peaks.draft, &peaks.buff].map(|side| side.best.value * scales.force_n);
     let exceeds = match exceeds_in {
         [Some(true), _] | [_, Some(true)] => Some(true),
         [Some(false), Some(false)] => Some(false),
@@ -454,6 +458,7 @@ fn coupler_findings(
         peak_buff_time_s: buff.map(|p| p.1),
         exceeds,
         exceeds_in,
+        extremes_n,
         first_exceeds_s: first.map(|(t, _)| t * scales.time_s),
         first_exceeds_in: first.map(|(_, sense)| sense),
         all_time_bound_n,

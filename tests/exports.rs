@@ -217,8 +217,8 @@ fn what_has_two_meanings_is_refused_once() {
     refused("label,mass [t]\nLok,87,5\nWagen,90,0\n", "error: row 2 has 3 cells, and the header has 2");
     refused("label,mass\na,80\nb,90\n", "error: the column mass has no unit, and \"80\" has none");
     refused(
-        "label,mass [t],rated_load_mN\na,80,1\nb,90,1\n",
-        "has the unit \"mN\", which is not MN, for m is milli and M is mega",
+        "label,mass [t],rated_load_mn\na,80,1\nb,90,1\n",
+        "has the unit \"mn\", which is not MN, for m is milli and M is mega",
     );
     refused("label,mass [t],mass_t\na,80,80\nb,90,90\n", "error: the table has two columns mass");
     refused("label,mass [t]\n\"a,80\nb,90\n", "error: a quotation mark is opened and never closed");
@@ -320,7 +320,6 @@ fn a_record_on_another_clock_is_shifted_and_says_so() {
 #[test]
 fn a_record_s_obstacle_is_named_once() {
     for (csv, what) in [
-        ("time_s,force_mN\n0,0\n1,5\n2,0\n", "has the unit \"mN\", which is not MN, for m is milli and M is mega"),
         ("time_s,force_mn\n0,0\n1,5\n2,0\n", "has the unit \"mn\", which is not MN, for m is milli and M is mega"),
         ("time,force\n0,0\n1,5\n2,0\n", "the column of time has no unit"),
         ("time_s,force_kn\n0,0\n1,x\n2,y\n", "row 3: force does not start with a number: \"x\""),
@@ -333,6 +332,9 @@ fn a_record_s_obstacle_is_named_once() {
         let error = record(csv).expect_err(csv);
         assert_eq!((error.matches("error: ").count(), error.contains(what)), (1, true), "{error}");
     }
+    // The case of a prefix counts: m is milli.
+    let train = record("time_s,force_mN\n0,0\n1,5\n2,0\n").expect("millinewtons");
+    assert!(matches!(train.scenarios[0].event, Event::Shaped { force_n: 0.005, .. }), "{:?}", train.scenarios[0].event);
     let train = record("time_s,force_kn,speed_kmh\n0,0,3\n1,5,3\n2,0,3\n").expect("a third column");
     assert_eq!(codes(&train), ["column-not-read"]);
 }

@@ -27,8 +27,9 @@ pub(super) fn safe_load_factor(
     let factor = |rating: f64, initial: f64, peak: f64| of_side(peak - initial, rating - initial);
     let watched = couplers.iter().flat_map(|c| {
         let initial = if proportional { 0.0 } else { c.initial_force_n };
-        let draft = c.peak_draft_n.and_then(|peak| factor(c.rated_draft_n, initial, peak));
-        let buff = c.peak_buff_n.and_then(|peak| factor(c.rated_buff_n, -initial, -peak));
+        let [draft, buff] = c.extremes_n;
+        let draft = factor(c.rated_draft_n, initial, draft);
+        let buff = factor(c.rated_buff_n, -initial, buff);
         [draft, buff]
     });
     let bounded = left_out.iter().map(|&(index, bound)| {

@@ -239,7 +239,8 @@ fn warnings_say_what_is_likely_not_meant() {
     let long =
         "[[scenario]]\nname = \"p\"\nkind = \"pulse\"\nat = 1\nforce = \"1 N\"\nduration = \"3 s\"\nhorizon = \"2 s\"";
     let told = warned(long);
-    let expected = "p: the pulse outlasts the horizon of 2 s, so what its end does is not seen; a horizon of 5.6291 s covers it";
+    let expected =
+        "p: the pulse outlasts the horizon of 2 s, so what its end does is not seen; a horizon of 5.6291 s covers it";
     assert_eq!(told[0], expected);
     assert!(told.len() == 2 && told[1].starts_with("p: the force does not end within the horizon"), "{told:?}");
     let length = "[[vehicle]]\nmass = \"10 t\"\nlength = \"9 m\"\n[load]\nuniform = \"1 N\"";

@@ -3,6 +3,7 @@
 //! Every method's work is counted before it is done; a price per unit of work, measured once on one machine and the same
 //! for everyone, makes the counts comparable. The choice therefore depends on the scene alone, never on the machine's mood.
 
+use super::watch::Watch;
 use super::{Ask, Method, Solution, SolveError, Work, closed_form, fronts, modal, propagator, search, sums};
 use crate::chain::Scene;
 
@@ -116,7 +117,9 @@ pub fn choose(scene: &Scene, ask: &Ask) -> Result<Plan, SolveError> {
     }
     let cheapest =
         |of: &mut dyn Iterator<Item = &Offer>| of.min_by(|a, b| a.nanoseconds.total_cmp(&b.nanoseconds)).copied();
-    let within = cheapest(&mut offers.iter().filter(|o| o.bound <= ask.tolerance && o.gigabytes <= MOST_GIGABYTES));
+    let within = cheapest(
+        &mut offers.iter().filter(|o| Watch::reported(o.bound) <= ask.tolerance && o.gigabytes <= MOST_GIGABYTES),
+    );
     let best = within.or_else(|| {
         offers.iter().filter(|o| o.gigabytes <= MOST_GIGABYTES).min_by(|a, b| a.bound.total_cmp(&b.bound)).copied()
     });
@@ -202,15 +205,15 @@ pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
                 reason += "; its search among millions of fast swings was given up: the bound is widened, and first exceedances \
                            may come earlier than they are told";
             }
-            (found.peaks, found.work, bound + found.missed)
+            (found.peaks, found.work, Watch::reported(bound) + found.missed)
         }
         (Method::Fronts, _) => {
             let (peaks, work) = fronts::peaks(scene, ask.wanted);
-            (peaks, work, fronts::error_bound(scene))
+            (peaks, work, Watch::reported(fronts::error_bound(scene)))
         }
         _ => {
             let (peaks, work) = propagator::peaks(scene, plan.omega_max, ask.wanted);
-            (peaks, work, propagator::error_bound(scene, plan.omega_max))
+            (peaks, work, Watch::reported(propagator::error_bound(scene, plan.omega_max)))
         }
     };
     Solution {

@@ -84,6 +84,9 @@ fn swing(scene: &Scene, omega: Dd) -> f64 {
 }
 
 /// Bound on |F_i| over all time.
+///
+/// The sum has m + 4 roundings of terms that all have one sign, so `1 + (8 + m) eps` covers them twice over, those of the shares
+/// and of the initial force included; what the modes' own residual adds is counted up to the horizon.
 pub fn all_time_bounds(scene: &Scene, modes: &Modes) -> Vec<f64> {
     let mean = statics::unit_force(&scene.chain, scene.source);
     let bound = |i: usize| {
@@ -91,7 +94,9 @@ pub fn all_time_bounds(scene: &Scene, modes: &Modes) -> Vec<f64> {
         let pulse = scene.initial[i].abs() + (0..modes.omega.len()).map(added).sum::<f64>();
         let step = (scene.initial[i] + scene.force * mean[i]).abs()
             + scene.force.abs() * modes.share.row(i).iter().map(|a| a.abs()).sum::<f64>();
-        if scene.duration.is_finite() { pulse } else { step.max(scene.initial[i].abs()) }
+        let bound = if scene.duration.is_finite() { pulse } else { step.max(scene.initial[i].abs()) };
+        let room = 1.0 + (8.0 + modes.omega.len() as f64) * f64::EPSILON;
+        bound * room + scene.force.abs() * modes.defect[i] * scene.horizon
     };
     (0..scene.initial.len()).map(bound).collect()
 }

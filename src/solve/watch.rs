@@ -198,6 +198,12 @@ impl Watch {
         self.grain
     }
 
+    /// The error bound of what is reported: that of the forces, and an eighth of it for each of two things that the search leaves
+    /// undone, a peak that is larger by less than [`Watch::grain`], and a piece shown to [`Watch::fineness`].
+    pub fn reported(bound: f64) -> f64 {
+        1.25 * bound
+    }
+
     /// From here on a difference of `grain` is not worth more work. Verdicts do not depend on it.
     pub fn ease(&mut self, grain: f64) {
         self.grain = self.grain.max(grain);

@@ -8,6 +8,7 @@ use trainsafe::consist::{self, Train};
 use trainsafe::doubts;
 use trainsafe::error::InputError;
 use trainsafe::findings::{self, CaseFindings, CouplerFindings, Options};
+use trainsafe::fleet::base::Base;
 use trainsafe::fleet::{study, variation};
 use trainsafe::report;
 
@@ -57,7 +58,8 @@ pub fn study_file(bytes: &[u8]) {
         Ok(study) => {
             let last = study.variations().saturating_sub(1);
             for number in [0, last / 2, last] {
-                let varied = variation::vary(&study, number, consist::TEMPLATE, Path::new("train.toml"));
+                let base = Base::of_text(Path::new("train.toml"), consist::TEMPLATE);
+                let varied = variation::vary(&study, number, &base, &variation::Reached::new());
                 assert_eq!(varied.cells.len(), study.inputs.len());
                 assert_eq!(variation::headings(&study).len(), study.inputs.len());
             }

@@ -4,7 +4,7 @@
 use crate::units::Dimension;
 
 /// Which signs a quantity may have.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Sign {
     Positive,
     NonZero,

@@ -19,7 +19,10 @@ pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
         memo_bytes: None,
     };
     if args.dry_run {
-        return fleet::estimate(&request).map_err(|e| failed(&e)).and_then(|estimate| print(&told(&estimate)));
+        return fleet::estimate(&request).map_err(|e| failed(&e)).and_then(|estimate| {
+            estimate.notes.iter().for_each(|note| say(&format!("note: {note}")));
+            print(&told(&estimate))
+        });
     }
     if !args.json {
         let go_on = go_on(args);
@@ -50,6 +53,7 @@ pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
     if !args.json {
         print(&summary(&outcome, &dir, outcome.verdict.is_empty()))?;
     }
+    outcome.notes.iter().for_each(|note| say(&format!("note: {note}")));
     outcome.warnings.iter().for_each(|warning| say(&format!("warning: {warning}")));
     if outcome.scenes.0 > 0 {
         say(&format!(
@@ -93,7 +97,7 @@ fn summary(outcome: &Outcome, dir: &Path, is_share: bool) -> String {
 }
 
 fn told(estimate: &Estimate) -> String {
-    let Estimate { trains, variations, cases, seconds: [least, most], threads } = *estimate;
+    let Estimate { trains, variations, cases, seconds: [least, most], threads, .. } = *estimate;
     let (unit, length) = match most {
         s if s < 90.0 => ("s", 1.0),
         s if s < 5400.0 => ("min", 60.0),

@@ -4,14 +4,16 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::path::Path;
 
+use toml::de::DeTable;
+
 use super::extras::{Extras, LIMITS, Limits, SENSES, Steady};
-use super::keys::{BEHIND, COUPLER};
+use super::keys::{BEHIND, COUPLER, TRAIN};
 use super::labels::{Labels, numbered};
 use super::loads::{self, OwnLoad};
 use super::scenarios;
 use super::table::Rows;
 use super::tree::{Found, Read, Table, Value};
-use super::{Coupler, Files, MOST_VEHICLES, Origin, Train};
+use super::{Coupler, EachCoupler, Files, MOST_VEHICLES, Origin, Train};
 use crate::error::{Problem, printable, quoted};
 use crate::play::Rule;
 use crate::scenario::{self, Scenario};
@@ -21,7 +23,15 @@ use crate::units::Amount;
 ///
 /// A value that was wrong is replaced by some right one so that the rest is still looked at. The train is good only if no
 /// problem has been noted. `rows` are those of the table that the file's `vehicles` names.
-pub(super) fn train(found: &Found, root: &Table, rows: Option<Rows>, path: &Path, files: &Files) -> Read<Train> {
+/// `each` gives each coupler a `[coupler]` of its own.
+pub(super) fn train(
+    found: &Found,
+    root: &Table,
+    rows: Option<Rows>,
+    each: Option<EachCoupler>,
+    path: &Path,
+    files: &Files,
+) -> Read<Train> {
     let name = root.get("name").map_or_else(|| Ok(stem(path)), |v| v.name().map(str::to_owned));
     let base = base_coupler(root).unwrap_or(PLACEHOLDER);
     let (groups, behind) = match rows {
@@ -34,14 +44,18 @@ pub(super) fn train(found: &Found, root: &Table, rows: Option<Rows>, path: &Path
     let own: Vec<OwnLoad> = groups.iter().flat_map(|g| std::iter::repeat_n(g.load, g.count)).collect();
     let vehicles = numbered(&groups);
     let labels = Labels::new(&vehicles);
-    let mut ratings = vec![base; vehicles.len() - 1];
-    rate_by_table(&mut ratings, &base, &groups, &behind);
+    let bases = match each {
+        Some(each) => each(vehicles.len() - 1).iter().map(|text| drawn_coupler(found, text)).collect::<Read<_>>()?,
+        None => vec![base; vehicles.len() - 1],
+    };
+    let mut ratings = bases.clone();
+    rate_by_table(&mut ratings, &bases, &groups, &behind);
     if let Some(table) = root.get("vehicles") {
         for (i, rating) in ratings.iter().enumerate() {
             in_order(rating.limits, &table, &format!("the table's coupler {}: ", i + 1))?;
         }
     }
-    let ratings = couplers(root, &base, ratings, &labels);
+    let ratings = couplers(root, &bases, ratings, &labels);
     let couplers: Vec<Coupler> = ratings.iter().map(Ratings::coupler).collect();
     let weakest_n = couplers.iter().map(|c| c.rated_draft_n).fold(f64::INFINITY, f64::min);
     let load = loads::read(root, &vehicles, &couplers, &own, weakest_n);
@@ -225,18 +239,25 @@ fn base_coupler(root: &Table) -> Read<Ratings> {
     })
 }
 
-/// What a table of vehicles says of the couplers behind them.
-fn rate_by_table(ratings: &mut [Ratings], base: &Ratings, groups: &[Group], behind: &[OwnKeys]) {
-    let own = groups.iter().zip(behind).flat_map(|(group, own)| std::iter::repeat_n(own, group.count));
-    ratings.iter_mut().zip(own).for_each(|(coupler, own)| own.apply(base, coupler));
+/// The `[coupler]` that a study gives one coupler.
+fn drawn_coupler(found: &Found, text: &str) -> Read<Ratings> {
+    let wrong = |e: toml::de::Error| found.note(Problem::of_file(format!("not TOML: {}", e.message()), ""));
+    let root = DeTable::parse(text).map_err(wrong)?;
+    base_coupler(&Table::root(found, root.get_ref(), &TRAIN))
 }
 
-fn couplers(root: &Table, base: &Ratings, mut ratings: Vec<Ratings>, labels: &Labels) -> Vec<Ratings> {
+/// What a table of vehicles says of the couplers behind them.
+fn rate_by_table(ratings: &mut [Ratings], bases: &[Ratings], groups: &[Group], behind: &[OwnKeys]) {
+    let own = groups.iter().zip(behind).flat_map(|(group, own)| std::iter::repeat_n(own, group.count));
+    ratings.iter_mut().zip(bases).zip(own).for_each(|((coupler, base), own)| own.apply(base, coupler));
+}
+
+fn couplers(root: &Table, bases: &[Ratings], mut ratings: Vec<Ratings>, labels: &Labels) -> Vec<Ratings> {
     let overrides = root.get("coupler_override").and_then(|v| v.tables().ok());
     let mut seen = HashMap::new();
     for table in overrides.into_iter().flatten() {
         // A problem in it has been noted: the other overrides can be read all the same.
-        let _ = apply_override(&table, base, &mut ratings, labels, &mut seen);
+        let _ = apply_override(&table, bases, &mut ratings, labels, &mut seen);
     }
     ratings
 }
@@ -246,7 +267,7 @@ type Seen = HashMap<(usize, &'static str), Range<usize>>;
 
 fn apply_override(
     table: &Table,
-    base: &Ratings,
+    bases: &[Ratings],
     ratings: &mut [Ratings],
     labels: &Labels,
     seen: &mut Seen,
@@ -267,7 +288,7 @@ fn apply_override(
                 return Err(table.note_because(span, title, "keep one of the two", earlier, "overridden here before"));
             }
         }
-        own.apply(base, &mut ratings[i]);
+        own.apply(&bases[i], &mut ratings[i]);
         if let Some(value) = table.get("limits") {
             in_order(ratings[i].limits, &value, &format!("coupler {}: ", i + 1))?;
         }

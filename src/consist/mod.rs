@@ -39,7 +39,7 @@ pub use text::{Files, Source};
 pub const TEMPLATE: &str = include_str!("template.toml");
 
 /// More vehicles than this are refused.
-const MOST_VEHICLES: usize = 1_000_000;
+pub(crate) const MOST_VEHICLES: usize = 1_000_000;
 
 /// A vehicle: a rigid mass between couplers.
 #[derive(Clone, Debug, PartialEq)]
@@ -139,6 +139,20 @@ pub fn parse(text: &str, path: &Path) -> Result<Train, InputError> {
 /// # Errors
 /// As for [`parse`].
 pub fn parse_with(text: &str, path: &Path, files: &Files) -> Result<Train, InputError> {
+    parse_drawn(text, path, files, None)
+}
+
+/// Texts of `[coupler]`, one for each coupler, for a train with so many couplers.
+pub(crate) type EachCoupler<'a> = &'a dyn Fn(usize) -> Vec<String>;
+
+/// The same with a `[coupler]` for each coupler, where there are any, in the place of the file's one. What a table of vehicles or
+/// a `[[coupler_override]]` says of a coupler holds over its own `[coupler]` as it does over the common one.
+pub(crate) fn parse_drawn(
+    text: &str,
+    path: &Path,
+    files: &Files,
+    each: Option<EachCoupler>,
+) -> Result<Train, InputError> {
     if text.trim().is_empty() {
         let help = "`trainsafe new` prints one to start from";
         return Err(InputError::of_file(path, "the train file is empty", help));
@@ -155,7 +169,7 @@ pub fn parse_with(text: &str, path: &Path, files: &Files) -> Result<Train, Input
         Some(Err(reported)) => Err(reported),
         None => Ok(None),
     };
-    let train = rows.and_then(|rows| file::train(&found, &root, rows, path, files));
+    let train = rows.and_then(|rows| file::train(&found, &root, rows, each, path, files));
     let (problems, doubts) = found.into_parts();
     match train {
         Ok(train) if problems.is_empty() => {

@@ -340,9 +340,9 @@ impl<'s> Value<'s> {
         }
     }
 
-    /// A quantity of this kind, in SI units or a share in %.
-    pub(crate) fn amount_of(&self, dimension: Dimension, sign: Sign) -> Read<Amount> {
-        self.read_amount(dimension, sign, true)
+    /// A quantity of this kind, in SI units or, with `share`, in %.
+    pub(crate) fn amount_of(&self, dimension: Dimension, sign: Sign, share: bool) -> Read<Amount> {
+        self.read_amount(dimension, sign, share)
     }
 
     fn read_amount(&self, dimension: Dimension, sign: Sign, share: bool) -> Read<Amount> {

@@ -3,6 +3,7 @@
 use minijinja::Error;
 use serde::Serialize;
 
+use super::doubts;
 use super::parts::Run;
 use super::statistics::{clopper_pearson, rank_correlation};
 use super::summary::{Case, Places, Summary, TrainSummary};
@@ -21,6 +22,7 @@ const COUPLERS: usize = 20;
 struct Report {
     title: String,
     verdict: Vec<String>,
+    notes: Vec<String>,
     figure: Option<&'static str>,
     caption: String,
     tables: Vec<Table>,
@@ -53,10 +55,12 @@ pub fn caption(summary: &Summary) -> String {
 pub fn markdown(run: &Run, summary: &Summary, figure: Option<&'static str>) -> Result<String, Error> {
     let probabilities = run.variations.map(|_| probabilities(run, summary));
     let inputs = run.variations.and_then(|_| correlations(run, summary));
-    let tables = [probabilities, inputs, worst(summary), breaks(summary), overloaded(summary), errors(summary)];
+    let doubts = doubtful(summary);
+    let tables = [probabilities, inputs, worst(summary), breaks(summary), overloaded(summary), doubts, errors(summary)];
     let report = Report {
         title: format!("Fleet of {}", count(run.trains, "train")),
         verdict: verdict(run, summary),
+        notes: run.notes.clone(),
         figure,
         caption: caption(summary),
         tables: tables.into_iter().flatten().collect(),
@@ -76,6 +80,20 @@ pub fn verdict(run: &Run, summary: &Summary) -> Vec<String> {
         count(summary.cases, "case"),
         if summary.harmful == 1 { "does" } else { "do" },
     )];
+    if let Some(doubts) = doubts::sentence(summary) {
+        // Part of the first sentence, so that no fleet is called safe whose loads were forgotten.
+        text[0].pop();
+        text[0] += &format!("; {doubts}");
+    }
+    if let ([train], true) = (summary.trains.as_slice(), run.drawn) {
+        let shares = Shares::of(run, summary, train);
+        let draws = if shares.computed == shares.draws {
+            count(shares.draws, "draw")
+        } else {
+            format!("{} draws, {} of which could be computed", shares.draws, shares.computed)
+        };
+        text.push(format!("Probability of an exceedance: {} ({} of {draws}).", shares.estimate(), shares.harmful));
+    }
     match summary.undecided_trains() {
         0 => {}
         n => text.push(format!("For {n} more it is not decided: a rating lies within the error bound of a peak.")),
@@ -92,13 +110,41 @@ fn units(summary: &Summary) -> &'static str {
     if summary.safe.len() > summary.trains.len() { "variations" } else { "trains" }
 }
 
-/// Each train's share of variations with an exceedance, for draws with its confidence interval.
+/// How many of a train's variations exceed.
+struct Shares {
+    draws: usize,
+    computed: usize,
+    harmful: usize,
+    /// Not decided, or not computed.
+    open: usize,
+}
+
+impl Shares {
+    fn of(run: &Run, summary: &Summary, train: &TrainSummary) -> Shares {
+        let draws = run.variations.unwrap_or(train.variations);
+        let failed = summary.failed_variations.get(&train.file).copied().unwrap_or(0);
+        let harmful = train.unsafe_variations;
+        let open = (train.undecided_variations + failed).min(draws - harmful);
+        Shares { draws, computed: draws - failed.min(draws), harmful, open }
+    }
+
+    /// The share, or between what it lies.
+    fn estimate(&self) -> String {
+        let share = |k: usize| digits(k as f64 / self.draws as f64, 0.0, 4);
+        match self.open {
+            0 => share(self.harmful),
+            open => format!("{} to {}", share(self.harmful), share(self.harmful + open)),
+        }
+    }
+}
+
+/// The share of each train's variations with an exceedance, for draws with its confidence interval.
 fn probabilities(run: &Run, summary: &Summary) -> Table {
     let row = |train: &TrainSummary| {
-        let (n, k, open) = (train.variations, train.unsafe_variations, train.undecided_variations);
-        let share = |k: usize| digits(k as f64 / n as f64, 0.0, 4);
-        let estimate = if open == 0 { share(k) } else { format!("{} to {}", share(k), share(k + open)) };
-        let mut row = vec![train.name.clone(), n.to_string(), k.to_string(), estimate];
+        let shares = Shares::of(run, summary, train);
+        let Shares { draws: n, computed, harmful: k, open } = shares;
+        let rests_on = if computed == n { n.to_string() } else { format!("{computed} of {n}") };
+        let mut row = vec![train.name.clone(), rests_on, k.to_string(), shares.estimate()];
         if run.drawn {
             let (low, high) = (clopper_pearson(k, n, 0.05).0, clopper_pearson(k + open, n, 0.05).1);
             row.push(format!("{} to {}", digits(low, 0.0, 4), digits(high, 0.0, 4)));
@@ -117,9 +163,11 @@ fn probabilities(run: &Run, summary: &Summary) -> Table {
                     .to_owned(),
             );
         }
-        text.push(
-            "Draws that make no train, such as a negative strength, are left out and listed in errors.csv.".to_owned(),
-        );
+        if !summary.failed_variations.is_empty() {
+            let failed = "Draws that could not be computed are listed in errors.csv. The probability lies between what it is if \
+                          none of them exceeds and if all do.";
+            text.push(failed.to_owned());
+        }
     }
     let mut trains: Vec<&TrainSummary> = summary.trains.iter().collect();
     let share = |t: &TrainSummary| t.unsafe_variations as f64 / t.variations as f64;
@@ -222,6 +270,26 @@ fn places(summary: &Summary, counts: &Places, text: &mut Vec<String>) -> Vec<(St
     found.sort_by_key(|(_, [_, harmful])| std::cmp::Reverse(*harmful));
     more(text, found.len(), COUPLERS, "couplers");
     found.into_iter().take(COUPLERS).map(|(coupler, c)| (coupler.to_string(), *c)).collect()
+}
+
+/// The doubts about each train.
+fn doubtful(summary: &Summary) -> Option<Table> {
+    let rows = doubt_rows(summary);
+    let mut text =
+        vec!["What is probably not meant; trainsafe check and trainsafe analyze explain it for each train.".to_owned()];
+    more(&mut text, rows.len(), LISTED, "doubts");
+    let head = vec!["train", "file", "doubt", "cases with it"];
+    let some = !rows.is_empty();
+    let rows = rows.into_iter().take(LISTED).collect();
+    some.then_some(Table { title: "Doubts", text, head, rows })
+}
+
+/// A row for each train and kind of doubt: name, file, kind, cases with it.
+pub fn doubt_rows(summary: &Summary) -> Vec<Vec<String>> {
+    let row = |train: &TrainSummary, code: &String, cases: usize| {
+        vec![train.name.clone(), train.file.clone(), code.clone(), format!("{cases} of {}", train.cases[0])]
+    };
+    summary.trains.iter().flat_map(|t| t.doubts.iter().map(move |(code, cases)| row(t, code, *cases))).collect()
 }
 
 fn errors(summary: &Summary) -> Option<Table> {

@@ -1,20 +1,21 @@
-//! What a fleet run is given: paths into train files and, where there is one, a study; and a fingerprint of it all.
+//! What a fleet run is given: train files and, where there is one, a study; and a fingerprint of it all.
 
-use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 
 use super::FleetError;
+use super::base::Base;
+use super::find::{Found, is_study_file};
+use super::rows;
 use super::study::{self, Study};
-use super::variation::{self, Varied};
-use crate::consist::{self, Files, Train};
-use crate::error::{InputError, printable_path};
-use crate::findings::{Options, cases};
-
-/// Keys that can change how many cases a train has, or whether its other keys are right.
-const COUNTING: [&str; 6] = ["count", "held", "coupler", "at", "kind", "vehicles"];
+use super::survey::{self, Survey};
+use super::variation::{self, Reached, Varied};
+use crate::consist::{self, Files};
+use crate::error::printable_path;
+use crate::findings::Options;
 
 /// The train files and the study, as they were found at the start.
 pub struct Inputs {
@@ -22,47 +23,75 @@ pub struct Inputs {
     pub files: Vec<PathBuf>,
     /// What is varied.
     pub study: Option<Study>,
-    /// Content of each file and of the table that it refers to.
-    digests: Vec<[u8; 32]>,
+    /// What was passed over among the paths, as sentences.
+    pub passed_over: Vec<String>,
+    /// What is known of each file.
+    surveys: Vec<Survey>,
     /// Text of the study file.
     study_text: String,
+    /// The train file that was asked for last: the variations of a train follow each other.
+    latest: Mutex<Option<(usize, Arc<Base>)>>,
 }
 
 impl Inputs {
-    /// Finds the train files, or reads the study file and finds its trains.
+    /// Finds the train files, or reads the study file and finds its trains; and looks at each train.
     ///
     /// # Errors
-    /// A study file that is wrong, a path that does not exist, a folder or a glob without a train file.
+    /// A study file that is wrong, a path that does not exist, a folder or a glob without a train file, a study with an input that
+    /// changes nothing in any of its trains.
     pub fn find(paths: &[PathBuf]) -> Result<Inputs, FleetError> {
         let (mut study, mut study_text) = (None, String::new());
-        let mut wanted = paths.to_vec();
-        for path in paths.iter().filter(|p| p.is_file()) {
-            // What cannot be read is a bad train, and told as such later.
-            let Ok(text) = Files::default().main(path) else { continue };
-            if study::is_study(&text) {
-                if paths.len() > 1 {
-                    let title = format!("{} is a study, which names its own trains", printable_path(path));
-                    return Err(FleetError::Usage(format!("{title}: give it alone")));
-                }
-                let read = study::parse(&text, path)?;
-                let folder = path.parent().unwrap_or(Path::new(""));
-                wanted = read.trains.iter().map(|t| folder.join(t)).collect();
-                (study, study_text) = (Some(read), text.to_string());
+        let mut found = Found::default();
+        if let Some(path) = paths.iter().find(|path| is_study_file(path)) {
+            if paths.len() > 1 {
+                let title = format!("{} is a study, which names its own trains", printable_path(path));
+                return Err(FleetError::Usage(format!("{title}: give it alone")));
+            }
+            let text = Files::default().main(path)?;
+            let read = study::parse(&text, path)?;
+            let folder = path.parent().unwrap_or(Path::new(""));
+            for trains in &read.trains {
+                found.add(&folder.join(trains), Some(path))?;
+            }
+            (study, study_text) = (Some(read), text.to_string());
+        } else {
+            for path in paths {
+                found.add(path, None)?;
             }
         }
-        let mut files = Vec::new();
-        for path in &wanted {
-            expand(path, &mut files)?;
+        let Found { files, notes: passed_over, .. } = found;
+        let surveys: Vec<Survey> = files.par_iter().map(|file| Survey::of(file, study.as_ref())).collect();
+        let mut without = surveys.iter().filter_map(|survey| survey.without_effect.as_ref());
+        if let Some(first) = without.next()
+            && without.count() + 1 == files.len()
+        {
+            let others = if files.len() == 1 { "" } else { ", and each of the other trains has such a key" };
+            return Err(FleetError::Usage(format!("{first}{others}")));
         }
-        let mut seen = std::collections::HashSet::new();
-        files.retain(|file| seen.insert(file.clone()));
-        let digests = files.par_iter().map(|file| digest(&base(file).0)).collect();
-        Ok(Inputs { files, study, digests, study_text })
+        Ok(Inputs { files, study, passed_over, surveys, study_text, latest: Mutex::default() })
     }
 
     /// Variations of each train.
     pub fn variations(&self) -> usize {
         self.study.as_ref().map_or(1, Study::variations)
+    }
+
+    /// What there is to say of the study's inputs, as sentences: what they do not reach, and draws that are not as they were drawn.
+    pub fn notes(&self) -> Vec<String> {
+        let inputs = self.study.iter().flat_map(|study| &study.inputs);
+        let traces = inputs.filter_map(|input| {
+            let share = input.spread.impossible();
+            let text = format!(
+                "{:.1e} of the distribution of {} is below zero, where it cannot be: its lowest {:.1e} is drawn as one value \
+                 above zero",
+                share,
+                input.key,
+                2.0 * share
+            );
+            // What is less is not met in any number of draws that a study can have.
+            (share > 1e-14).then_some(text)
+        });
+        traces.chain(self.surveys.iter().flat_map(|survey| survey.notes.clone())).collect()
     }
 
     /// A fingerprint of everything that the results depend on, in hexadecimal.
@@ -73,12 +102,16 @@ impl Inputs {
             all.update(bytes);
         };
         add(env!("CARGO_PKG_VERSION").as_bytes());
+        add(rows::columns().as_bytes());
         add(&options.tolerance.to_le_bytes());
         add(options.method.map_or("", |m| m.name()).as_bytes());
         add(self.study_text.as_bytes());
-        for (file, digest) in self.files.iter().zip(&self.digests) {
+        for (file, survey) in self.files.iter().zip(&self.surveys) {
             add(file.as_os_str().as_encoded_bytes());
-            add(digest);
+            for source in &survey.sources {
+                add(source.path.as_os_str().as_encoded_bytes());
+                add(&source.sha256);
+            }
         }
         all.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
     }
@@ -86,104 +119,58 @@ impl Inputs {
     /// A train file's variation, both counted from 0.
     ///
     /// # Errors
-    /// [`FleetError::Changed`] if the file is no longer what it was at the start.
+    /// [`FleetError::Changed`] if a file that it is read from is no longer what it was at the start.
     pub fn load(&self, file: usize, variation: usize) -> Result<Varied, FleetError> {
-        let path = &self.files[file];
-        let (files, train) = base(path);
-        if digest(&files) != self.digests[file] {
-            return Err(FleetError::Changed(path.clone()));
+        let survey = &self.surveys[file];
+        if let Some(why) = &survey.without_effect {
+            let inputs = self.study.as_ref().map_or(0, |study| study.inputs.len());
+            return Ok(Varied { cells: vec![String::new(); inputs], train: Err(why.clone()) });
         }
-        let varied = match (&self.study, files.main(path)) {
-            (Some(study), Ok(text)) => variation::vary(study, variation, &text, path),
-            (None, Ok(_)) => Varied { cells: vec![], train: train.map_err(|e| e.brief()) },
-            (study, Err(e)) => {
-                let inputs = study.as_ref().map_or(0, |s| s.inputs.len());
-                Varied { cells: vec![String::new(); inputs], train: Err(e.brief()) }
+        let base = self.base(file);
+        let varied = match &self.study {
+            Some(study) => {
+                let own: Reached;
+                let reached = match &survey.reached {
+                    Some(reached) => reached,
+                    None => {
+                        own = survey::reach(study, variation, &base).reached;
+                        &own
+                    }
+                };
+                variation::vary(study, variation, &base, reached)
+            }
+            None => {
+                let text = base.text.as_ref().map_err(Clone::clone);
+                let train = text.and_then(|text| consist::parse_with(text, &base.path, &base.files));
+                Varied { cells: vec![], train: train.map_err(|e| e.brief()) }
             }
         };
-        Ok(varied)
-    }
-
-    /// How many cases each variation of each train has, in order; a train that cannot be read has one.
-    ///
-    /// # Errors
-    /// As for [`Inputs::load`].
-    pub fn case_counts(&self) -> Result<Vec<u32>, FleetError> {
-        let variations = self.variations();
-        let fixed = self.study.as_ref().is_none_or(|s| !s.inputs.iter().any(|i| COUNTING.contains(&i.key.leaf)));
-        let one = |file: usize, variation: usize| {
-            let varied = self.load(file, variation)?;
-            Ok(varied.train.map_or(1, |train| case_count(&train)))
-        };
-        if fixed {
-            let base = |file| consist::read(file).map_or(1, |train| case_count(&train));
-            let counts: Vec<u32> = self.files.par_iter().map(|file| base(file)).collect();
-            return Ok(counts.into_iter().flat_map(|count| std::iter::repeat_n(count, variations)).collect());
-        }
-        let units = self.files.len() * variations;
-        (0..units).into_par_iter().map(|unit| one(unit / variations, unit % variations)).collect()
-    }
-}
-
-fn case_count(train: &Train) -> u32 {
-    let count: usize = train.scenarios.iter().map(|s| cases(&s.event).len()).sum();
-    // A train file has at most a million breaks, and at most a thousand scenarios.
-    u32::try_from(count).unwrap_or(u32::MAX)
-}
-
-/// The train files that a path stands for: itself, those in a folder and below, those that a glob matches; each sorted.
-///
-/// # Errors
-/// A path that stands for none.
-fn expand(path: &Path, files: &mut Vec<PathBuf>) -> Result<(), FleetError> {
-    let none = |why: &str| Err(FleetError::Usage(format!("{} {why}", printable_path(path))));
-    let before = files.len();
-    if path.is_dir() {
-        in_folder(path, files)?;
-        return if files.len() == before { none("has no train file (*.toml) in it or below") } else { Ok(()) };
-    }
-    let text = path.to_string_lossy();
-    if path.exists() {
-        files.push(path.to_owned());
-        return Ok(());
-    }
-    if !text.contains(['*', '?', '[']) {
-        return none("does not exist");
-    }
-    let matches = glob::glob(&text).map_err(|e| FleetError::Usage(format!("{text} is no glob: {}", e.msg)))?;
-    files.extend(matches.flatten().filter(|found| found.is_file()));
-    if files.len() == before { none("matches no file") } else { Ok(()) }
-}
-
-fn in_folder(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), FleetError> {
-    let unreadable = |e| FleetError::Usage(format!("the folder {} cannot be read: {e}", printable_path(folder)));
-    let mut entries = fs::read_dir(folder).map_err(unreadable)?.flatten().map(|e| e.path()).collect::<Vec<_>>();
-    entries.sort();
-    for entry in entries {
-        // A link to a folder above would lead round for ever.
-        if entry.is_dir() && !entry.is_symlink() {
-            in_folder(&entry, files)?;
-        } else if entry.extension().is_some_and(|e| e == "toml") && entry.is_file() {
-            files.push(entry);
+        match base.files.list().into_iter().find(|source| !survey.sources.contains(source)) {
+            Some(source) => Err(FleetError::Changed(source.path)),
+            None => Ok(varied),
         }
     }
-    Ok(())
-}
 
-/// Content of every file that a train was read from.
-fn digest(files: &Files) -> [u8; 32] {
-    let mut all = Sha256::new();
-    for source in files.list() {
-        all.update(source.path.as_os_str().as_encoded_bytes());
-        all.update([0]);
-        all.update(source.sha256);
+    /// How many cases a variation of a train has.
+    pub fn cases(&self, file: usize, variation: usize) -> u32 {
+        self.surveys[file].count(variation)
     }
-    all.finalize().into()
-}
 
-/// The train as its file has it, and the files that it was read from.
-fn base(path: &Path) -> (Files, Result<Train, InputError>) {
-    let files = Files::default();
-    let train = files.main(path).and_then(|text| consist::parse_with(&text, path, &files));
-    (files, train)
+    /// Whether a train fails as a whole, whatever the variation.
+    pub fn fails_as_a_whole(&self, file: usize) -> bool {
+        self.surveys[file].without_effect.is_some()
+    }
+
+    /// A train file, read once for variations that follow each other.
+    fn base(&self, file: usize) -> Arc<Base> {
+        let latest = || self.latest.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, base)) = latest().as_ref().filter(|(number, _)| *number == file) {
+            return base.clone();
+        }
+        let base = Arc::new(Base::read(&self.files[file]));
+        if self.variations() > 1 {
+            *latest() = Some((file, base.clone()));
+        }
+        base
+    }
 }

@@ -4,7 +4,7 @@ use std::fmt;
 
 use crate::consist::keys::TRAIN;
 use crate::error::quoted;
-use crate::keys::{Kind, Shape};
+use crate::keys::{Kind, Shape, Sign};
 use crate::units::{Dimension, one_of};
 
 /// A key of a train file that is no table.
@@ -18,7 +18,18 @@ pub struct Key {
     pub inner: Vec<&'static str>,
     /// The key in it.
     pub leaf: &'static str,
-    dimension: Option<Dimension>,
+    measure: Option<Measure>,
+}
+
+/// What a quantity is, and what it can be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Measure {
+    /// What it measures.
+    pub of: Dimension,
+    /// The signs that it can have.
+    pub sign: Sign,
+    /// It may be a share.
+    pub share: bool,
 }
 
 /// What is wrong with a path, and what would be right.
@@ -40,11 +51,14 @@ fn tables() -> impl Iterator<Item = (&'static str, bool, &'static Shape)> {
 }
 
 /// A key that is no table: the tables that it is in, its name, and what it measures.
-type Leaf = (Vec<&'static str>, &'static str, Option<Dimension>);
+type Leaf = (Vec<&'static str>, &'static str, Option<Measure>);
 
 /// A table's keys that are no tables, each with the tables within it that it is in.
 fn leaves(shape: &'static Shape) -> impl Iterator<Item = Leaf> {
-    let dimension = |kind| if let Kind::Quantity { of, .. } = kind { Some(of) } else { None };
+    let measure = |kind| match kind {
+        Kind::Quantity { of, sign, share } => Some(Measure { of, sign, share }),
+        _ => None,
+    };
     let within = |name, (mut inner, leaf, of): Leaf| {
         inner.insert(0, name);
         (inner, leaf, of)
@@ -52,7 +66,7 @@ fn leaves(shape: &'static Shape) -> impl Iterator<Item = Leaf> {
     shape.keys.iter().flat_map(move |key| match key.kind {
         Kind::Table(shape) => leaves(shape).map(|leaf| within(key.name, leaf)).collect(),
         Kind::Tables(_) => Vec::new(),
-        kind => vec![(Vec::new(), key.name, dimension(kind))],
+        kind => vec![(Vec::new(), key.name, measure(kind))],
     })
 }
 
@@ -76,8 +90,8 @@ impl Key {
         };
         let Some((front, rest)) = text.split_once('.') else {
             let known = leaves(&TRAIN).find(|(inner, leaf, _)| inner.is_empty() && *leaf == text);
-            let (inner, leaf, dimension) = known.ok_or_else(unknown)?;
-            return Ok(Key { table: None, index: None, inner, leaf, dimension });
+            let (inner, leaf, measure) = known.ok_or_else(unknown)?;
+            return Ok(Key { table: None, index: None, inner, leaf, measure });
         };
         let (name, index) = match front.split_once('[') {
             None => (front, None),
@@ -86,7 +100,7 @@ impl Key {
             }
         };
         let (table, many, shape) = tables().find(|(known, ..)| *known == name).ok_or_else(unknown)?;
-        let (inner, leaf, dimension) = leaves(shape).find(|known| path(known) == rest).ok_or_else(|| {
+        let (inner, leaf, measure) = leaves(shape).find(|known| path(known) == rest).ok_or_else(|| {
             let right = format!("expected {}", one_of(leaves(shape).map(|leaf| path(&leaf))));
             bad(format!("[{table}] has no key {} to vary", quoted(rest)), right)
         })?;
@@ -98,7 +112,7 @@ impl Key {
                 Err(bad(format!("a train file has several [[{table}]]"), help))
             }
             (false, Some(_)) => Err(bad(format!("a train file has one [{table}]"), format!("write {table}.{rest}"))),
-            _ => Ok(Key { table: Some(table), index, inner, leaf, dimension }),
+            _ => Ok(Key { table: Some(table), index, inner, leaf, measure }),
         }
     }
 
@@ -113,12 +127,22 @@ impl Key {
 
     /// What it measures; `None` for a key without a unit.
     pub fn dimension(&self) -> Option<Dimension> {
-        self.dimension
+        self.measure.map(|measure| measure.of)
+    }
+
+    /// The same with what it can be.
+    pub(super) fn measure(&self) -> Option<Measure> {
+        self.measure
     }
 
     /// Whether every coupler can have its own value.
     pub fn of_every_coupler(&self) -> bool {
-        self.table == Some("coupler") && self.inner.is_empty()
+        self.table == Some("coupler")
+    }
+
+    /// Whether every vehicle of a group can have its own value.
+    pub fn of_every_vehicle(&self) -> bool {
+        self.table == Some("vehicle") && self.measure.is_some()
     }
 
     /// Puts a value there.
@@ -128,6 +152,7 @@ impl Key {
     pub fn put<'t>(&self, train: &'t mut toml::Table, value: toml::Value) -> Result<(), String> {
         let empty = || toml::Value::Table(toml::Table::new());
         let table = self.table.unwrap_or_default();
+        let tabled = train.get("vehicles").is_some() && table == "vehicle";
         let at = match (self.table, self.index) {
             (None, _) => Some(train),
             (Some(_), None) => train.entry(table).or_insert_with(empty).as_table_mut(),
@@ -138,29 +163,17 @@ impl Key {
         let within =
             |table: &'t mut toml::Table, inner: &&str| table.entry(*inner).or_insert_with(empty).as_table_mut();
         let at = at.and_then(|table| self.inner.iter().try_fold(table, within));
-        let missing = || format!("the train file has no {table}[{}] (counted from 0)", self.index.unwrap_or(0));
+        let missing = || {
+            let index = self.index.unwrap_or(0);
+            let rows = if tabled {
+                ": its vehicles are rows of a table, which keep their own values; to vary them, write them as [[vehicle]]"
+            } else {
+                ""
+            };
+            format!("the train file has no {table}[{index}] (counted from 0){rows}")
+        };
         at.ok_or_else(missing)?.insert(self.leaf.to_owned(), value);
         Ok(())
-    }
-
-    /// Gives each coupler its own value, but for those that the train file already overrides; the values that were put.
-    pub fn put_each(&self, train: &mut toml::Table, values: Vec<toml::Value>) -> Vec<toml::Value> {
-        let overrides = train.entry("coupler_override").or_insert_with(|| toml::Value::Array(vec![]));
-        let Some(overrides) = overrides.as_array_mut() else { return Vec::new() };
-        let of_this_key =
-            overrides.iter().filter_map(|o| o.as_table().filter(|t| t.contains_key(self.leaf))?.get("at"));
-        let numbers = |at: &toml::Value| match at {
-            toml::Value::Array(list) => list.iter().filter_map(toml::Value::as_integer).collect(),
-            one => one.as_integer().into_iter().collect::<Vec<_>>(),
-        };
-        let taken: std::collections::HashSet<i64> = of_this_key.flat_map(numbers).collect();
-        let mut put = Vec::new();
-        for (value, number) in values.into_iter().zip(1i64..).filter(|(_, number)| !taken.contains(number)) {
-            let entries = [("at".to_owned(), toml::Value::Integer(number)), (self.leaf.to_owned(), value.clone())];
-            overrides.push(toml::Value::Table(entries.into_iter().collect()));
-            put.push(value);
-        }
-        put
     }
 }
 

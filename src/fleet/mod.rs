@@ -8,7 +8,10 @@
 //! or not at all, so a run may be killed at any moment, and another may do what is missing; the parts in order are the
 //! result. Only the rows of chunks under way are in memory.
 
+pub mod base;
+mod doubts;
 mod estimate;
+mod find;
 mod fleet_md;
 mod inputs;
 mod join;
@@ -28,6 +31,7 @@ mod statistics;
 pub mod study;
 pub(crate) mod study_keys;
 mod summary;
+mod survey;
 pub mod variation;
 
 use std::io::Write;
@@ -44,7 +48,7 @@ use crate::report::files::WriteError;
 use crate::solve::memo::Memo;
 use inputs::Inputs;
 use parts::Run;
-use plan::Plan;
+use plan::{Plan, Words};
 use progress::Progress;
 use reports::Reports;
 use summary::Summary;
@@ -61,7 +65,7 @@ pub enum FleetError {
     /// What was asked makes no sense here.
     #[error("{0}")]
     Usage(String),
-    /// A train file, or its table, is no longer what it was when the run started.
+    /// A train file, or a file that it names, is no longer what it was when the run started.
     #[error("{} has changed since the run started: what is done belongs to the old one", printable_path(.0))]
     Changed(PathBuf),
     /// A result could not be written.
@@ -113,12 +117,14 @@ pub struct Outcome {
     pub exceeding: usize,
     /// What else there is to say, as sentences.
     pub warnings: Vec<String>,
+    /// What is no reason for a warning, as sentences.
+    pub notes: Vec<String>,
     /// Scenes found already solved, and scenes solved.
     pub scenes: (u64, u64),
 }
 
 /// What a run would take.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Estimate {
     /// Train files.
     pub trains: usize,
@@ -130,6 +136,8 @@ pub struct Estimate {
     pub seconds: [f64; 2],
     /// How many those are.
     pub threads: usize,
+    /// What else there is to say, as sentences.
+    pub notes: Vec<String>,
 }
 
 /// Runs what the request asks for and writes the results into a folder, made if need be.
@@ -140,20 +148,24 @@ pub fn run(request: &Request, dir: &Path) -> Result<Outcome, FleetError> {
     outputs::can_write(&request.formats)?;
     let inputs = Inputs::find(&request.paths)?;
     let memo = Memo::new(request.memo_bytes.unwrap_or(REMEMBERED));
-    let plan = Plan::new(&inputs, &request.options, &memo)?;
+    let plan = Plan::new(&inputs, &request.options, &memo);
     let description = description(&inputs, &plan, &request.options);
     let _lock = lock::hold(dir, request.shard.is_some())?;
     if start(request, dir, &description)? {
         let failed = compute(request, dir, &plan)?;
         if request.shard.is_some() {
-            return Ok(Outcome { failed, computed: 1, scenes: memo.counts(), ..Outcome::default() });
+            let warnings = doubts::lines_of_share(&plan.doubts());
+            let notes = [inputs.passed_over.clone(), description.notes].concat();
+            let outcome = Outcome { failed, computed: 1, scenes: memo.counts(), warnings, notes, ..Outcome::default() };
+            return Ok(outcome);
         }
     }
     let reports = |summary: &Summary| match request.reports {
         0 => Ok(Reports::default()),
         most => reports::write(dir, &inputs, &request.options, summary, most),
     };
-    let outcome = finish(dir, &description, &request.formats, &reports)?;
+    let mut outcome = finish(dir, &description, &request.formats, &reports, &plan.doubts())?;
+    outcome.notes.splice(..0, inputs.passed_over.clone());
     Ok(Outcome { scenes: memo.counts(), ..outcome })
 }
 
@@ -167,7 +179,11 @@ pub fn merge(dir: &Path, formats: &[Format]) -> Result<Outcome, FleetError> {
     parts::read(dir)?.ok_or_else(none)?;
     let _lock = lock::hold(dir, false)?;
     let run = parts::read(dir)?.ok_or_else(none)?;
-    finish(dir, &run, formats, &|_| Ok(Reports::default()))
+    if run.trainsafe != env!("CARGO_PKG_VERSION") || run.columns != rows::columns() {
+        let why = format!("{} holds a run of another version of trainsafe", printable_path(dir));
+        return Err(FleetError::Usage(format!("{why}: merge it with that version, or run it again with this one")));
+    }
+    finish(dir, &run, formats, &|_| Ok(Reports::default()), &Words::new())
 }
 
 /// Whether a folder holds a run, finished or not.
@@ -183,13 +199,14 @@ pub fn estimate(request: &Request) -> Result<Estimate, FleetError> {
     outputs::can_write(&request.formats)?;
     let inputs = Inputs::find(&request.paths)?;
     let memo = Memo::new(REMEMBERED);
-    let plan = Plan::new(&inputs, &request.options, &memo)?;
+    let plan = Plan::new(&inputs, &request.options, &memo);
     Ok(Estimate {
         trains: inputs.files.len(),
         variations: inputs.variations(),
         cases: plan.cases(),
         seconds: estimate::seconds(&plan)?,
         threads: rayon::current_num_threads(),
+        notes: [inputs.passed_over.clone(), shown(inputs.notes())].concat(),
     })
 }
 
@@ -211,7 +228,7 @@ pub fn estimate(request: &Request) -> Result<Estimate, FleetError> {
 pub fn stream(request: &Request, out: &mut dyn Write) -> Result<Outcome, FleetError> {
     let inputs = Inputs::find(&request.paths)?;
     let memo = Memo::new(request.memo_bytes.unwrap_or(REMEMBERED));
-    let plan = Plan::new(&inputs, &request.options, &memo)?;
+    let plan = Plan::new(&inputs, &request.options, &memo);
     let run = description(&inputs, &plan, &request.options);
     let mut summary = Summary::new(run.inputs.len());
     let progress = Progress::new(plan.cases());
@@ -228,7 +245,8 @@ pub fn stream(request: &Request, out: &mut dyn Write) -> Result<Outcome, FleetEr
     }
     summary.close();
     progress.finish();
-    Ok(Outcome { scenes: memo.counts(), ..outcome(&run, &summary, None) })
+    let notes = [inputs.passed_over.clone(), run.notes.clone()].concat();
+    Ok(Outcome { scenes: memo.counts(), notes, ..outcome(&run, &summary, None, &plan.doubts()) })
 }
 
 fn description(inputs: &Inputs, plan: &Plan, options: &Options) -> Run {
@@ -243,8 +261,21 @@ fn description(inputs: &Inputs, plan: &Plan, options: &Options) -> Run {
         inputs: study.map(variation::headings).unwrap_or_default(),
         cases: plan.cases(),
         chunk_cases: plan.chunk_cases,
+        notes: shown(inputs.notes()),
+        columns: rows::columns(),
         complete: false,
     }
+}
+
+/// As many notes as anybody reads.
+fn shown(mut notes: Vec<String>) -> Vec<String> {
+    const SHOWN: usize = 20;
+    if notes.len() > SHOWN {
+        let more = notes.len() - SHOWN;
+        notes.truncate(SHOWN);
+        notes.push(format!("and {more} more of this kind"));
+    }
+    notes
 }
 
 /// Looks at what the folder holds; whether something is left to compute.
@@ -303,6 +334,7 @@ fn finish(
     run: &Run,
     formats: &[Format],
     reports: &dyn Fn(&Summary) -> Result<Reports, FleetError>,
+    words: &Words,
 ) -> Result<Outcome, FleetError> {
     let known = parts::read(dir)?.is_some_and(|found| found.complete);
     let summary = if known { join::summarise(dir, run)? } else { join::join(dir, run)? };
@@ -313,10 +345,12 @@ fn finish(
         parts::describe(dir, &Run { complete: true, ..run.clone() })?;
     }
     parts::remove(dir);
-    Ok(Outcome { warnings: reports.missing, ..outcome(run, &summary, report) })
+    let mut outcome = outcome(run, &summary, report, words);
+    outcome.warnings.extend(reports.missing);
+    Ok(outcome)
 }
 
-fn outcome(run: &Run, summary: &Summary, report: Option<PathBuf>) -> Outcome {
+fn outcome(run: &Run, summary: &Summary, report: Option<PathBuf>, words: &Words) -> Outcome {
     let open: usize = summary.trains.iter().map(|t| t.undecided_variations).sum();
     Outcome {
         verdict: fleet_md::verdict(run, summary),
@@ -324,7 +358,19 @@ fn outcome(run: &Run, summary: &Summary, report: Option<PathBuf>) -> Outcome {
         computed: summary.trains.len(),
         failed: summary.failed,
         exceeding: summary.harmful + open,
-        warnings: vec![],
+        warnings: if summary.trains.is_empty() { failures(summary) } else { doubts::lines(summary, words) },
+        notes: run.notes.clone(),
         scenes: (0, 0),
     }
+}
+
+/// Why no train has a result.
+fn failures(summary: &Summary) -> Vec<String> {
+    const SHOWN: usize = 3;
+    let error = |[file, what, error]: &[String; 3]| match what.as_str() {
+        "" if error.starts_with(file) => error.clone(),
+        "" => format!("{file}: {error}"),
+        what => format!("{file}, {what}: {error}"),
+    };
+    summary.errors.iter().take(SHOWN).map(error).collect()
 }

@@ -43,6 +43,7 @@ struct Page {
     notes: Vec<String>,
     kept: usize,
     detailed: usize,
+    doubts: Vec<Vec<String>>,
     errors: Vec<Vec<String>>,
     style: String,
     script: &'static str,
@@ -129,7 +130,8 @@ fn templates() -> Result<Environment<'static>, Error> {
 impl Page {
     fn new(run: &Run, summary: &Summary, figure: Option<&str>, listed: usize, detailed: usize) -> Page {
         let all = summary.trains.len();
-        let mut notes = vec![];
+        let doubtful = summary.trains.iter().filter(|train| !train.doubts.is_empty()).count();
+        let mut notes: Vec<String> = run.notes.iter().map(|note| clean(note) + ".").collect();
         if listed < all {
             notes.push(format!("The {listed} worst of {all} trains; fleet.csv has all."));
         }
@@ -139,13 +141,18 @@ impl Page {
         }
         Page {
             title: format!("Fleet of {}", count(run.trains, "train")),
-            state: state(summary.harmful, summary.undecided_trains()),
+            state: state(summary.harmful, summary.undecided_trains() + doubtful),
             verdict: fleet_md::verdict(run, summary),
             figure: figure.map(|svg| inline(svg, "Distribution of safe load factors")),
             caption: fleet_md::caption(summary),
             notes,
             kept: KEPT,
             detailed,
+            doubts: fleet_md::doubt_rows(summary)
+                .into_iter()
+                .take(DETAILED)
+                .map(|row| row.iter().map(|cell| clean(cell)).collect())
+                .collect(),
             errors: summary.errors.iter().map(|e| e.iter().map(|cell| clean(cell)).collect()).collect(),
             style: css() + concat!(include_str!("../report/page.css"), include_str!("page/style.css")),
             script: include_str!("page/sort.js"),

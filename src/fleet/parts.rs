@@ -36,6 +36,12 @@ pub struct Run {
     pub cases: u64,
     /// Cases in each chunk but the last.
     pub chunk_cases: u64,
+    /// What there is to say of the study's inputs, as sentences.
+    #[serde(default)]
+    pub notes: Vec<String>,
+    /// The columns of its rows, but for a study's inputs; empty in a run of an earlier version.
+    #[serde(default)]
+    pub columns: String,
     /// All rows are in `fleet.csv`.
     pub complete: bool,
 }

@@ -1,12 +1,15 @@
 //! The work as numbered chunks of cases, the same for every thread, shard and attempt.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
 
 use super::FleetError;
 use super::inputs::Inputs;
 use super::rows::{self, Chunk};
 use super::variation::Varied;
 use crate::consist::Train;
+use crate::doubts::{Doubt, doubts};
 use crate::findings::{self, Options, cases};
 use crate::solve::Wanted;
 use crate::solve::memo::Memo;
@@ -27,7 +30,11 @@ pub struct Plan<'a> {
     ends: Vec<u64>,
     /// Cases in each chunk but the last.
     pub chunk_cases: u64,
+    doubts: Mutex<Words>,
 }
+
+/// Doubts by train file and code, each of a variation from 0.
+pub type Words = BTreeMap<(String, String), (usize, Doubt)>;
 
 /// A share of the chunks: number `index` (from 0) of `count`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,20 +54,19 @@ impl Shard {
 
 impl<'a> Plan<'a> {
     /// Counts the cases.
-    ///
-    /// # Errors
-    /// As for [`Inputs::case_counts`].
-    pub fn new(inputs: &'a Inputs, options: &'a Options, memo: &'a Memo) -> Result<Plan<'a>, FleetError> {
-        let running = |total: &mut u64, count: u32| {
-            *total += u64::from(count);
-            Some(*total)
-        };
-        let ends: Vec<u64> = inputs.case_counts()?.into_iter().scan(0, running).collect();
+    pub fn new(inputs: &'a Inputs, options: &'a Options, memo: &'a Memo) -> Plan<'a> {
+        let variations = inputs.variations();
+        let mut total = 0;
+        let ends = (0..inputs.files.len() * variations).map(|unit| {
+            total += u64::from(inputs.cases(unit / variations, unit % variations));
+            total
+        });
+        let ends: Vec<u64> = ends.collect();
         let total = ends.last().copied().unwrap_or(0);
         let chunk_cases = (total / CHUNKS).clamp(FEWEST_CASES, MOST_CASES);
         // A row tells of the worst coupler, and counts the others.
         let options = Options { wanted: Wanted::Worst, ..options.clone() };
-        Ok(Plan { inputs, options, memo, ends, chunk_cases })
+        Plan { inputs, options, memo, ends, chunk_cases, doubts: Mutex::default() }
     }
 
     /// All cases.
@@ -117,15 +123,33 @@ impl<'a> Plan<'a> {
         Ok(rows)
     }
 
+    /// Keeps the words of doubts, of each kind those of a train's first variation that has it.
+    fn keep(&self, file: &str, variation: usize, doubts: &[Doubt]) {
+        let mut kept = self.doubts.lock().unwrap_or_else(PoisonError::into_inner);
+        for doubt in doubts {
+            let first = kept.entry((file.to_owned(), doubt.code.to_owned())).or_insert((variation, doubt.clone()));
+            if variation < first.0 {
+                *first = (variation, doubt.clone());
+            }
+        }
+    }
+
+    /// The words of the doubts that were met, by train and kind.
+    pub fn doubts(self) -> Words {
+        self.doubts.into_inner().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Some cases of a unit.
     fn unit(&self, unit: usize, range: Range<usize>, rows: &mut Chunk) -> Result<(), FleetError> {
         let variations = self.inputs.variations();
         let (file, variation) = (unit / variations, unit % variations);
         let varied = self.load(unit)?;
-        let place = rows::Place {
+        let is_varied = self.inputs.study.is_some() && !self.inputs.fails_as_a_whole(file);
+        let mut place = rows::Place {
             file: self.inputs.files[file].display().to_string(),
-            variation: self.inputs.study.as_ref().map(|_| variation + 1),
+            variation: is_varied.then_some(variation + 1),
             inputs: varied.cells,
+            doubts: vec![],
         };
         let train = match varied.train {
             Ok(train) => train,
@@ -137,6 +161,16 @@ impl<'a> Plan<'a> {
                 return Ok(());
             }
         };
+        if all_cases(&train).next().is_none() {
+            rows.fail(
+                &place,
+                None,
+                "no case is left: every coupler carries buff, and none of those can be broken apart",
+            );
+            return Ok(());
+        }
+        place.doubts = doubts(&train);
+        self.keep(&rows::file_cell(&self.inputs.files[file]), variation, &place.doubts);
         for (scenario, broken) in all_cases(&train).skip(range.start).take(range.len()) {
             match findings::case_findings(&train, scenario, broken, &self.options, self.memo) {
                 Ok(case) => rows.add(&place, &train, scenario, &case),

@@ -1,6 +1,7 @@
 //! Rows of `fleet.csv` and `errors.csv`.
 
 use crate::consist::Train;
+use crate::doubts::Doubt;
 use crate::findings::CaseFindings;
 use crate::report::cells::{number, optional, text};
 use crate::scenario::Scenario;
@@ -9,7 +10,7 @@ use crate::scenario::Scenario;
 pub const FRONT: [&str; 4] = ["file", "train", "vehicles", "variation"];
 
 /// Columns after those of a study's inputs, named as in `couplers.csv` and `result.json`.
-pub const BACK: [&str; 21] = [
+pub const BACK: [&str; 22] = [
     "scenario",
     "kind",
     "broken_coupler",
@@ -31,13 +32,15 @@ pub const BACK: [&str; 21] = [
     "horizon_s",
     "method",
     "rod_exceeding",
+    "doubts",
 ];
 
 /// Columns of `errors.csv`.
 pub const ERRORS: [&str; 5] = ["file", "variation", "scenario", "broken_coupler", "error"];
 
 /// Columns of text, here and in `errors.csv`.
-pub const TEXTS: [&str; 8] = ["file", "train", "scenario", "kind", "between_front", "between_rear", "method", "error"];
+pub const TEXTS: [&str; 9] =
+    ["file", "train", "scenario", "kind", "between_front", "between_rear", "method", "error", "doubts"];
 
 /// Columns of whole numbers.
 #[cfg(feature = "parquet")]
@@ -72,6 +75,8 @@ pub struct Place {
     pub variation: Option<usize>,
     /// Cells of the study's inputs.
     pub inputs: Vec<String>,
+    /// The doubts about the variation.
+    pub doubts: Vec<Doubt>,
 }
 
 impl Chunk {
@@ -84,7 +89,7 @@ impl Chunk {
     pub fn add(&mut self, place: &Place, train: &Train, scenario: &Scenario, case: &CaseFindings) {
         let front = [text(&place.file), text(&train.name), train.vehicles.len().to_string(), whole(place.variation)];
         let inputs = place.inputs.iter().map(|cell| text_or_number(cell));
-        line(&mut self.rows, front.into_iter().chain(inputs).chain(back(scenario, case)));
+        line(&mut self.rows, front.into_iter().chain(inputs).chain(back(scenario, case, &place.doubts)));
     }
 
     /// A train or a case that could not be computed.
@@ -96,12 +101,17 @@ impl Chunk {
     }
 }
 
+/// Every column but a study's inputs, as one text: a run with others cannot be gone on with.
+pub fn columns() -> String {
+    FRONT.iter().chain(&BACK).chain(&ERRORS).copied().collect::<Vec<_>>().join(" ")
+}
+
 /// A train file as the rows name it.
 pub fn file_cell(file: &std::path::Path) -> String {
     text(&file.display().to_string())
 }
 
-fn back(scenario: &Scenario, case: &CaseFindings) -> [String; BACK.len()] {
+fn back(scenario: &Scenario, case: &CaseFindings, doubts: &[Doubt]) -> [String; BACK.len()] {
     let worst = case.worst.as_ref();
     let value = |of: fn(&crate::findings::CouplerFindings) -> f64| optional(worst.map(of));
     // Not always the worst one: a weaker wave may have met another coupler before.
@@ -129,7 +139,19 @@ fn back(scenario: &Scenario, case: &CaseFindings) -> [String; BACK.len()] {
         number(case.horizon_s),
         case.method.to_owned(),
         whole(case.rod.as_ref().map(|rod| rod.exceeding)),
+        codes(scenario, doubts),
     ]
+}
+
+/// The kinds of the doubts about a train and one of its scenarios, each once.
+fn codes(scenario: &Scenario, doubts: &[Doubt]) -> String {
+    let mut codes: Vec<&str> = vec![];
+    for doubt in doubts.iter().filter(|d| d.scenario.as_ref().is_none_or(|name| *name == scenario.name)) {
+        if !codes.contains(&doubt.code) {
+            codes.push(doubt.code);
+        }
+    }
+    codes.join(" ")
 }
 
 fn whole(number: Option<usize>) -> String {

@@ -1,8 +1,15 @@
 //! Values that an input can take: a list, or a distribution.
 
-use statrs::function::erf::erfc_inv;
+use statrs::function::erf::{erfc, erfc_inv};
 
 use crate::units::{self, Amount, Dimension};
+
+/// The largest probability that a distribution may have where its key cannot be, such as a strength below zero: a millionth,
+/// less than the 95 % interval of ten thousand draws can show by a factor of 300.
+pub const TRACE: f64 = 1e-6;
+
+/// Values of a list that are looked at beforehand, at most.
+const PROBES: usize = 20;
 
 /// What a varied key ranges over.
 #[derive(Clone, Debug)]
@@ -17,6 +24,8 @@ pub enum Spread {
         dimension: Dimension,
         /// Its parameters are shares, and so are its draws.
         share: bool,
+        /// A draw cannot be below zero.
+        not_negative: bool,
     },
 }
 
@@ -104,7 +113,38 @@ impl Law {
     }
 }
 
+impl Law {
+    /// The probability of a value below 0.
+    pub fn below_zero(&self) -> f64 {
+        match *self {
+            Law::Uniform { low, high } => (-low / (high - low)).clamp(0.0, 1.0),
+            Law::Normal { mean, sd } => 0.5 * erfc(mean / (sd * std::f64::consts::SQRT_2)),
+            Law::LogNormal { .. } => 0.0,
+            Law::Weibull { location, scale, shape } => {
+                if location < 0.0 {
+                    -(-(-location / scale).powf(shape)).exp_m1()
+                } else {
+                    0.0
+                }
+            }
+            Law::Triangular { low, mode, high } => match (low < 0.0, mode < 0.0) {
+                (false, _) => 0.0,
+                (true, false) => low * low / ((high - low) * (mode - low)),
+                (true, true) => 1.0 - high.max(0.0).powi(2) / ((high - low) * (high - mode)),
+            },
+        }
+    }
+}
+
 impl Spread {
+    /// The probability of a draw that its key cannot take; 0 for a list, whose values are looked at one by one.
+    pub fn impossible(&self) -> f64 {
+        match self {
+            Spread::Law { law, not_negative: true, .. } => law.below_zero(),
+            _ => 0.0,
+        }
+    }
+
     /// How many values there are in a list.
     pub fn count(&self) -> usize {
         match self {
@@ -117,8 +157,33 @@ impl Spread {
     pub fn at(&self, p: f64) -> toml::Value {
         match self {
             Spread::Values(list) => list[((p * list.len() as f64) as usize).min(list.len() - 1)].clone(),
-            Spread::Law { law, dimension, share } => written(law.quantile(p), *dimension, *share),
+            Spread::Law { law, dimension, share, .. } => {
+                // The lowest draws of a distribution with a trace below zero are all the same possible one.
+                let least = 2.0 * self.impossible();
+                written(law.quantile(p.max(least)), *dimension, *share)
+            }
         }
+    }
+
+    /// Values of the list or the distribution from end to end, and others near its middle, for a look at what the key changes.
+    pub fn probes(&self, dimension: Option<Dimension>) -> Vec<toml::Value> {
+        let mut probes = match self {
+            Spread::Values(list) if list.len() > PROBES => {
+                (0..PROBES).map(|i| list[i * (list.len() - 1) / (PROBES - 1)].clone()).collect()
+            }
+            Spread::Values(list) => list.clone(),
+            Spread::Law { .. } => [0.001, 0.5, 0.999].map(|p| self.at(p)).to_vec(),
+        };
+        let Some(dimension) = dimension else { return probes };
+        let middle = self.at(0.5);
+        let parsed = middle.as_str().and_then(|text| units::parse(text, dimension, true).ok());
+        let others = |x: f64| if x == 0.0 { [1.0, 2.0] } else { [0.9 * x, 1.1 * x] };
+        match parsed {
+            Some(Amount::Si(x)) => probes.extend(others(x).map(|x| written(x, dimension, false))),
+            Some(Amount::Share(x)) => probes.extend(others(x).map(|x| written(x, dimension, true))),
+            None => {}
+        }
+        probes
     }
 
     /// The unit that [`shown`] gives its values, where all have the same.

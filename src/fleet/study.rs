@@ -11,7 +11,7 @@
 //! distribution = "normal"
 //! mean = "1.5 MN"
 //! sd = "0.1 MN"
-//! per = "coupler"                   # "train" if absent
+//! per = "coupler"                   # or "vehicle"; "train" if absent
 //!
 //! [[vary]]
 //! key = "load.uniform"
@@ -22,14 +22,14 @@ use std::path::Path;
 
 use toml::de::{DeTable, DeValue};
 
-use super::key::Key;
-use super::spread::{Law, Spread};
+use super::key::{Key, Measure};
+use super::spread::{Law, Spread, TRACE};
 use super::study_keys::{LARGEST_SEED, MOST_STEPS, MOST_VARIATIONS, STUDY, VARY};
 use crate::consist;
 use crate::consist::tree::{Found, Read, Table, Value};
 use crate::error::InputError;
 use crate::keys::Sign;
-use crate::units::{Amount, Dimension};
+use crate::units::Amount;
 
 /// What a study file says.
 #[derive(Clone, Debug)]
@@ -60,8 +60,19 @@ pub struct Input {
     pub key: Key,
     /// Over what.
     pub spread: Spread,
-    /// Every coupler has its own draw.
-    pub per_coupler: bool,
+    /// What has a draw of its own.
+    pub per: Per,
+}
+
+/// What has a draw of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Per {
+    /// The train.
+    Train,
+    /// Each coupler that has no value of its own.
+    Coupler,
+    /// Each vehicle of a group.
+    Vehicle,
 }
 
 impl Study {
@@ -148,16 +159,7 @@ fn draws(root: &Table) -> Read<Option<Draws>> {
 fn input(table: &Table, drawn: bool) -> Read<Input> {
     let value = table.require("key", "add key = \"coupler.stiffness\", or another key of the train file")?;
     let key = Key::parse(value.name()?).map_err(|bad| value.wrong(bad.title, bad.help))?;
-    let per = table.get("per").map(|v| Ok((v.word()?, v))).transpose()?;
-    let per_coupler = match per {
-        Some(("coupler", v)) if !key.of_every_coupler() => {
-            return Err(v.wrong(format!("{key} is no key of every coupler"), "only keys of [coupler] have per"));
-        }
-        Some(("coupler", v)) if !drawn => {
-            return Err(v.wrong("every coupler has its own value only in draws", "add samples = 10000"));
-        }
-        other => other.is_some_and(|(word, _)| word == "coupler"),
-    };
+    let per = table.get("per").map_or(Ok(Per::Train), |v| per(&v, &key, drawn))?;
     let ways = ["values", "from", "distribution"].map(|key| table.get(key));
     let spread = match ways {
         [Some(list), None, None] => values(&list, &key),
@@ -171,13 +173,32 @@ fn input(table: &Table, drawn: bool) -> Read<Input> {
         }
         _ => Err(table.wrong("it is varied in two ways", "keep one of values, from and to, and distribution")),
     };
-    Ok(Input { key, spread: spread?, per_coupler })
+    Ok(Input { key, spread: spread?, per })
+}
+
+fn per(value: &Value, key: &Key, drawn: bool) -> Read<Per> {
+    let (per, fits, right) = match value.word()? {
+        "coupler" => (Per::Coupler, key.of_every_coupler(), "only keys of [coupler] have per = \"coupler\""),
+        "vehicle" => {
+            let right = "only quantities of a [[vehicle]] have per = \"vehicle\", such as vehicle[1].mass";
+            (Per::Vehicle, key.of_every_vehicle(), right)
+        }
+        _ => return Ok(Per::Train),
+    };
+    let word = value.word()?;
+    if !fits {
+        return Err(value.wrong(format!("{key} is no key of every {word}"), right));
+    }
+    if !drawn {
+        return Err(value.wrong(format!("every {word} has its own value only in draws"), "add samples = 10000"));
+    }
+    Ok(per)
 }
 
 fn values(list: &Value, key: &Key) -> Read<Spread> {
     let one = |item: Value| -> Read<toml::Value> {
-        if let Some(dimension) = key.dimension() {
-            item.amount_of(dimension, Sign::Any)?;
+        if let Some(Measure { of, sign, share }) = key.measure() {
+            item.amount_of(of, sign, share)?;
         }
         plain(item.raw())
             .ok_or_else(|| item.wrong("this is no value of a train file's key", "expected a string or a number"))
@@ -206,8 +227,8 @@ fn range(table: &Table, from: &Value, key: &Key) -> Read<Spread> {
         steps => steps,
     };
     let to = table.require("to", "add to, the last value")?;
-    let dimension = dimension(key, from)?;
-    let ends = [from.amount_of(dimension, Sign::Any)?, to.amount_of(dimension, Sign::Any)?];
+    let Measure { of: dimension, sign, share } = measure(key, from)?;
+    let ends = [from.amount_of(dimension, sign, share)?, to.amount_of(dimension, sign, share)?];
     let ([Amount::Si(low), Amount::Si(high)] | [Amount::Share(low), Amount::Share(high)]) = ends else {
         return Err(to.wrong("one end is a share and the other is none", "give both in the same way"));
     };
@@ -217,18 +238,19 @@ fn range(table: &Table, from: &Value, key: &Key) -> Read<Spread> {
     Ok(Spread::Values((0..steps).map(|i| super::spread::written(at(i), dimension, share)).collect()))
 }
 
-fn dimension(key: &Key, at: &Value) -> Read<Dimension> {
-    key.dimension()
+fn measure(key: &Key, at: &Value) -> Read<Measure> {
+    key.measure()
         .ok_or_else(|| at.wrong(format!("{key} has no unit, so no range and no distribution"), "list its values"))
 }
 
 fn law(table: &Table, name: &Value, key: &Key) -> Read<Spread> {
-    let dimension = dimension(key, name)?;
+    let Measure { of: dimension, sign: possible, share: takes_share } = measure(key, name)?;
+    let not_negative = matches!(possible, Sign::Positive | Sign::NotNegative);
     let word = name.word()?;
     let mut share = None;
     let mut quantity = |key: &'static str, sign: Sign| -> Read<f64> {
         let value = table.require(key, &format!("a {word} distribution has {}", parameters(word)))?;
-        let (amount, is_share) = match value.amount_of(dimension, sign)? {
+        let (amount, is_share) = match value.amount_of(dimension, sign, takes_share)? {
             Amount::Si(x) => (x, false),
             Amount::Share(x) => (x, true),
         };
@@ -259,7 +281,16 @@ fn law(table: &Table, name: &Value, key: &Key) -> Read<Spread> {
         );
     }
     only(table, word);
-    Ok(Spread::Law { law, dimension, share: share.unwrap_or(false) })
+    let spread = Spread::Law { law, dimension, share: share.unwrap_or(false), not_negative };
+    let impossible = spread.impossible();
+    if impossible > TRACE {
+        let what = if possible == Sign::Positive { "zero or below" } else { "below zero" };
+        let title = format!("{:.3} % of this distribution is {what}, where no {} can be", 100.0 * impossible, key.leaf);
+        return Err(
+            name.wrong(title, "use one that stays above zero: lognormal, weibull, or triangular with low above zero")
+        );
+    }
+    Ok(spread)
 }
 
 fn parameters(word: &str) -> String {

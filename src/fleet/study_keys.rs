@@ -98,8 +98,9 @@ pub(super) static VARY: Shape = Shape {
             Key::optional("location", PARAMETER, "Smallest value of a Weibull distribution; zero if absent.", "0.5 MN"),
             Key::optional(
                 "per",
-                Kind::Word(&["train", "coupler"]),
-                "Whether every coupler has a draw of its own; keys of [coupler] only, with samples.",
+                Kind::Word(&["train", "coupler", "vehicle"]),
+                "What has a draw of its own, with samples: the train; each coupler, of a key of [coupler]; each vehicle of the \
+                 group, of a quantity of a [[vehicle]].",
                 "coupler",
             )
             .or("train"),

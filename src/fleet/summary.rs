@@ -29,10 +29,13 @@ pub struct Summary {
     pub columns: Vec<Vec<f64>>,
     /// Rows of `errors.csv`.
     pub failed: usize,
+    /// Variations of each train, by its file, of which something could not be computed.
+    pub failed_variations: BTreeMap<String, usize>,
     /// The first of them: file, what was to be run, error.
     pub errors: Vec<[String; 3]>,
     inputs: usize,
     unit: Option<Unit>,
+    last_failed: [String; 2],
 }
 
 /// Counts of cases by place along the train: all, and those in which some coupler exceeds.
@@ -75,6 +78,8 @@ pub struct TrainSummary {
     pub worst: Vec<Case>,
     /// Smallest safe load factor; infinite where nothing bounds it.
     pub safe: f64,
+    /// Cases with each kind of doubt.
+    pub doubts: BTreeMap<String, usize>,
 }
 
 /// A case, as its row tells it.
@@ -121,6 +126,7 @@ struct Unit {
     vehicles: String,
     worst: Vec<Case>,
     safe: f64,
+    doubts: BTreeMap<String, usize>,
 }
 
 impl Summary {
@@ -142,6 +148,11 @@ impl Summary {
     /// Takes in a row of `errors.csv`.
     pub fn error(&mut self, row: &csv::StringRecord) {
         self.failed += 1;
+        let variation = [0, 1].map(|i| row.get(i).unwrap_or_default().to_owned());
+        if variation != self.last_failed {
+            *self.failed_variations.entry(variation[0].clone()).or_default() += 1;
+            self.last_failed = variation;
+        }
         if self.errors.len() < SHOWN {
             let cell = |i: usize| row.get(i).unwrap_or_default();
             let variation = if cell(1).is_empty() { String::new() } else { format!("variation {}", cell(1)) };
@@ -160,6 +171,7 @@ impl Summary {
         };
         let is_new = self.unit.as_ref().is_none_or(|u| u.file != cell(0) || u.variation != cell(3));
         let exceeds = back("exceeding") != "0";
+        let doubts = back("doubts");
         let undecided = back("undecided") != "0";
         let utilisation: f64 = back("utilisation").parse().unwrap_or(0.0);
         let safe = back("safe_load_factor").parse().unwrap_or(f64::INFINITY);
@@ -189,13 +201,17 @@ impl Summary {
             let inputs = (0..self.inputs).map(|i| cell(FRONT.len() + i).parse().unwrap_or(f64::NAN)).collect();
             let [file, name, vehicles, variation] = [0, 1, 2, 3].map(|i| cell(i).to_owned());
             let (cases, worst) = ([0, 0], Vec::new());
-            let safe = f64::INFINITY;
-            self.unit = Some(Unit { file, name, vehicles, variation, inputs, cases, undecided: false, worst, safe });
+            let (safe, doubts) = (f64::INFINITY, BTreeMap::new());
+            let undecided = false;
+            self.unit = Some(Unit { file, name, vehicles, variation, inputs, cases, undecided, worst, safe, doubts });
         }
         if let Some(unit) = &mut self.unit {
             unit.cases = [unit.cases[0] + 1, unit.cases[1] + usize::from(exceeds)];
             unit.undecided |= undecided;
             unit.safe = unit.safe.min(safe);
+            for code in doubts.split_whitespace() {
+                *unit.doubts.entry(code.to_owned()).or_default() += 1;
+            }
             keep(&mut unit.worst, case);
         }
     }
@@ -244,6 +260,7 @@ impl TrainSummary {
             cases: unit.cases,
             worst: unit.worst,
             safe: unit.safe,
+            doubts: unit.doubts,
         }
     }
 
@@ -254,6 +271,9 @@ impl TrainSummary {
         self.undecided_variations += other.undecided_variations;
         self.cases = [self.cases[0] + other.cases[0], self.cases[1] + other.cases[1]];
         self.safe = self.safe.min(other.safe);
+        for (code, cases) in other.doubts {
+            *self.doubts.entry(code).or_default() += cases;
+        }
         other.worst.into_iter().for_each(|case| keep(&mut self.worst, case));
     }
 }

@@ -1,14 +1,14 @@
 //! The variations of a train: what each sample of a study puts into its file.
 
-use std::path::Path;
+use std::collections::BTreeMap;
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
+use super::base::Base;
 use super::spread::{number, shown};
-use super::study::{Draws, Input, Study};
+use super::study::{Draws, Input, Per, Study};
 use crate::consist::{self, Train};
-use crate::error::InputError;
 
 /// A variation of a train, with its inputs as cells of a table; or what is wrong with it.
 pub struct Varied {
@@ -18,67 +18,142 @@ pub struct Varied {
     pub train: Result<Train, String>,
 }
 
+/// The couplers that take each input, by the input's number; an input that is not there reaches all.
+pub type Reached = BTreeMap<usize, Vec<bool>>;
+
 /// The headings of the inputs' columns.
 pub fn headings(study: &Study) -> Vec<String> {
     let heading = |input: &Input| {
         let unit = input.spread.unit(input.key.dimension()).map_or(String::new(), |u| format!(" [{u}]"));
-        let smallest = if input.per_coupler { ", smallest" } else { "" };
+        let smallest = if input.per == Per::Train { "" } else { ", smallest" };
         format!("{}{unit}{smallest}", input.key)
     };
     study.inputs.iter().map(heading).collect()
 }
 
-/// A variation, counted from 0, of the train file with this text.
-pub fn vary(study: &Study, variation: usize, text: &str, path: &Path) -> Varied {
-    let base = text.parse::<toml::Table>();
-    let Ok(mut table) = base else {
-        return Varied { cells: vec![String::new(); study.inputs.len()], train: read(text, path) };
+/// A variation, counted from 0, of a train file. A cell shows what was put into the train: of several values the smallest that a
+/// coupler or vehicle took.
+pub fn vary(study: &Study, variation: usize, base: &Base, reached: &Reached) -> Varied {
+    let (train, puts) = varied(study, base, &|k, count| values(study, variation, k, count));
+    let cell = |(k, input): (usize, &Input)| {
+        let takes = |i: usize| reached.get(&k).is_none_or(|takes| takes.get(i) != Some(&false));
+        let taken = puts[k].iter().enumerate().filter(|(i, _)| takes(*i)).map(|(_, value)| value);
+        smallest(input, taken)
     };
-    let couplers = match study.inputs.iter().any(|input| input.per_coupler) {
-        true => match consist::parse(text, path) {
-            Ok(train) => train.couplers.len(),
-            Err(e) => return Varied { cells: vec![String::new(); study.inputs.len()], train: Err(e.brief()) },
-        },
-        false => 0,
-    };
-    let mut cells = Vec::new();
-    let mut missing = Ok(());
-    for (k, input) in study.inputs.iter().enumerate() {
-        let values = values(study, variation, k, couplers);
-        if input.per_coupler {
-            cells.push(cell(input, &input.key.put_each(&mut table, values)));
-            continue;
-        }
-        cells.push(cell(input, &values));
-        if let Some(value) = values.into_iter().next() {
-            missing = missing.and(input.key.put(&mut table, value));
-        }
-    }
-    let train = missing.and_then(|()| {
-        // A table that was read can be written.
-        let text = toml::to_string(&table).map_err(|e| e.to_string())?;
-        // Its places are not those of the file, so they are not told.
-        consist::parse(&text, path).map_err(|e| e.titles())
-    });
-    Varied { cells, train }
+    Varied { cells: study.inputs.iter().enumerate().map(cell).collect(), train }
 }
 
-fn read(text: &str, path: &Path) -> Result<Train, String> {
-    consist::parse(text, path).map_err(|e: InputError| e.brief())
+/// The same variation with another value of one input, for every coupler or vehicle that takes it.
+pub fn probe(study: &Study, variation: usize, base: &Base, input: usize, value: &toml::Value) -> Result<Train, String> {
+    let draw = |k: usize, count| match k == input {
+        true => vec![value.clone(); count],
+        false => values(study, variation, k, count),
+    };
+    varied(study, base, &draw).0
+}
+
+/// A train with values put into its file, and those values by input. `draw` gives so many values of an input, which is asked for
+/// by its number.
+fn varied(
+    study: &Study,
+    base: &Base,
+    draw: &dyn Fn(usize, usize) -> Vec<toml::Value>,
+) -> (Result<Train, String>, Vec<Vec<toml::Value>>) {
+    let mut puts = vec![Vec::new(); study.inputs.len()];
+    let text = match &base.text {
+        Ok(text) => text,
+        Err(e) => return (Err(e.brief()), puts),
+    };
+    let Some(mut tree) = base.tree.clone() else {
+        let train = consist::parse_with(text, &base.path, &base.files);
+        return (train.map_err(|e| e.brief()), puts);
+    };
+    let of = |per: Per| study.inputs.iter().enumerate().filter(move |(_, input)| input.per == per);
+    for (k, input) in of(Per::Train).chain(of(Per::Coupler)) {
+        // The first coupler's value stands for the others' until these are known.
+        puts[k] = draw(k, 1);
+        if let Err(missing) = input.key.put(&mut tree, puts[k][0].clone()) {
+            return (Err(missing), puts);
+        }
+    }
+    if let Err(missing) = put_in_vehicles(of(Per::Vehicle), &mut tree, draw, &mut puts) {
+        return (Err(missing), puts);
+    }
+    let drawn = std::cell::RefCell::new(&mut puts);
+    let each = |couplers: usize| {
+        let mut drawn = drawn.borrow_mut();
+        for (k, _) in of(Per::Coupler) {
+            drawn[k] = draw(k, couplers);
+        }
+        let own = |i: usize| own_coupler(&tree, of(Per::Coupler).map(|(k, input)| (input, &drawn[k][i])));
+        (0..couplers).map(own).collect()
+    };
+    let each: Option<consist::EachCoupler> = if of(Per::Coupler).next().is_some() { Some(&each) } else { None };
+    // A table that was read can be written.
+    let train = toml::to_string(&tree).map_err(|e| e.to_string()).and_then(|text| {
+        // Its places are not those of the file, so they are not told.
+        consist::parse_drawn(&text, &base.path, &base.files, each).map_err(|e| e.titles())
+    });
+    (train, puts)
+}
+
+/// The text of a coupler's own `[coupler]`.
+fn own_coupler<'i>(tree: &toml::Table, own: impl Iterator<Item = (&'i Input, &'i toml::Value)>) -> String {
+    let common = tree.get("coupler").cloned().map(|coupler| ("coupler".to_owned(), coupler));
+    let mut tree: toml::Table = common.into_iter().collect();
+    for (input, value) in own {
+        // The same has been put into the whole train.
+        let _ = input.key.put(&mut tree, value.clone());
+    }
+    toml::to_string(&tree).unwrap_or_default()
+}
+
+/// Gives each vehicle of a group its own value: the group is written out, a table for each of its vehicles.
+fn put_in_vehicles<'i>(
+    inputs: impl Iterator<Item = (usize, &'i Input)>,
+    tree: &mut toml::Table,
+    draw: &dyn Fn(usize, usize) -> Vec<toml::Value>,
+    puts: &mut [Vec<toml::Value>],
+) -> Result<(), String> {
+    let mut by_group: BTreeMap<usize, Vec<(usize, &Input)>> = BTreeMap::new();
+    for (k, input) in inputs {
+        by_group.entry(input.key.index.unwrap_or(0)).or_default().push((k, input));
+    }
+    // From the last, so that the numbers of those before it stay.
+    for (index, inputs) in by_group.into_iter().rev() {
+        let group = tree.get("vehicle").and_then(|v| v.as_array()?.get(index)?.as_table());
+        let count = group.and_then(|group| group.get("count")).and_then(toml::Value::as_integer).unwrap_or(1);
+        // The reader refuses what is no number of vehicles.
+        let count = usize::try_from(count).ok().filter(|n| (1..=consist::MOST_VEHICLES).contains(n)).unwrap_or(1);
+        for &(k, input) in &inputs {
+            puts[k] = draw(k, count);
+            input.key.put(tree, puts[k][0].clone())?;
+        }
+        let Some(groups) = tree.get_mut("vehicle").and_then(toml::Value::as_array_mut) else { continue };
+        let Some(group) = groups[index].as_table().filter(|_| count > 1).cloned() else { continue };
+        let one = |i: usize| {
+            let mut vehicle = group.clone();
+            vehicle.remove("count");
+            vehicle.extend(inputs.iter().map(|&(k, input)| (input.key.leaf.to_owned(), puts[k][i].clone())));
+            toml::Value::Table(vehicle)
+        };
+        groups.splice(index..=index, (0..count).map(one));
+    }
+    Ok(())
 }
 
 /// The value, or of several the smallest.
-fn cell(input: &Input, values: &[toml::Value]) -> String {
+fn smallest<'v>(input: &Input, values: impl Iterator<Item = &'v toml::Value>) -> String {
     let dimension = input.key.dimension();
     let smaller = |a: &&toml::Value, b: &&toml::Value| {
         let [a, b] = [a, b].map(|v| number(v, dimension).unwrap_or(f64::INFINITY));
         a.total_cmp(&b)
     };
-    values.iter().min_by(smaller).map_or(String::new(), |value| shown(value, dimension))
+    values.min_by(smaller).map_or(String::new(), |value| shown(value, dimension))
 }
 
-/// The values of an input in a variation: one, or one for each coupler.
-fn values(study: &Study, variation: usize, k: usize, couplers: usize) -> Vec<toml::Value> {
+/// So many values of an input in a variation; one unless each coupler or vehicle has its own.
+fn values(study: &Study, variation: usize, k: usize, count: usize) -> Vec<toml::Value> {
     let input = &study.inputs[k];
     let Some(draws) = study.draws else {
         // The last input changes fastest.
@@ -87,7 +162,6 @@ fn values(study: &Study, variation: usize, k: usize, couplers: usize) -> Vec<tom
         let index = variation / faster % count;
         return vec![input.spread.at((index as f64 + 0.5) / count as f64)];
     };
-    let count = if input.per_coupler { couplers } else { 1 };
     let mut random = generator(draws.seed, k);
     random.set_stream(variation as u64);
     (0..count)

@@ -1,0 +1,198 @@
+//! A look at each train before a run: the files that it is read from, its cases, and what the study's inputs change in it.
+
+use std::path::Path;
+
+use rayon::prelude::*;
+
+use super::base::Base;
+use super::key::Key;
+use super::study::{Input, Per, Study};
+use super::variation::{Reached, probe, vary};
+use crate::consist::{self, Source, Train};
+use crate::error::printable_path;
+use crate::findings::cases;
+
+/// What is known of a train file before the run.
+pub struct Survey {
+    /// Every file that some variation is read from, in the order of their paths.
+    pub sources: Vec<Source>,
+    /// Cases of each variation, or of all of them alike.
+    counts: Vec<u32>,
+    /// The couplers that take what is drawn for each of them; `None` where that differs from variation to variation.
+    pub reached: Option<Reached>,
+    /// An input of the study that changes nothing in this train, and why.
+    pub without_effect: Option<String>,
+    /// Inputs that reach some couplers or vehicles and not others, as sentences.
+    pub notes: Vec<String>,
+}
+
+impl Survey {
+    /// Looks at a train file.
+    pub fn of(path: &Path, study: Option<&Study>) -> Survey {
+        let base = Base::read(path);
+        let mut survey = Survey {
+            sources: vec![],
+            counts: vec![1],
+            reached: Some(Reached::new()),
+            without_effect: None,
+            notes: vec![],
+        };
+        match study {
+            None => {
+                let text = base.text.as_ref().ok();
+                let train = text.and_then(|text| consist::parse_with(text, path, &base.files).ok());
+                survey.counts = vec![train.map_or(1, |train| case_count(&train))];
+            }
+            Some(study) => survey.look(study, &base),
+        }
+        survey.sources = base.files.list();
+        survey.sources.sort_by(|a, b| a.path.cmp(&b.path));
+        survey
+    }
+
+    /// How many cases a variation has, from 0; a train that cannot be read has one, and one without effect has one in all.
+    pub fn count(&self, variation: usize) -> u32 {
+        match (&self.without_effect, self.counts.as_slice()) {
+            (Some(_), _) => u32::from(variation == 0),
+            (None, [all]) => *all,
+            (None, counts) => counts[variation],
+        }
+    }
+
+    fn look(&mut self, study: &Study, base: &Base) {
+        let train = |variation: usize| vary(study, variation, base, &Reached::new()).train.ok();
+        let variations = 0..study.variations();
+        let found = if study.inputs.iter().all(|input| keeps_cases(&input.key)) {
+            let found = variations.into_iter().find_map(|variation| Some((variation, train(variation)?)));
+            self.counts = vec![found.as_ref().map_or(1, |(_, train)| case_count(train))];
+            found.map(|(variation, _)| variation)
+        } else {
+            let count = |variation: usize| train(variation).as_ref().map(case_count);
+            let counts: Vec<Option<u32>> = variations.into_par_iter().map(count).collect();
+            self.counts = counts.iter().map(|count| count.unwrap_or(1)).collect();
+            counts.iter().position(Option::is_some)
+        };
+        self.without_effect = study.inputs.iter().find_map(|input| missing(input, base));
+        let Some(variation) = found.filter(|_| self.without_effect.is_none()) else { return };
+        let reach = reach(study, variation, base);
+        self.without_effect = reach.without_effect;
+        self.notes = reach.notes;
+        self.reached = study.inputs.iter().all(|input| keeps_couplers(&input.key)).then_some(reach.reached);
+    }
+}
+
+/// A table of the train file that an input names and that is not there.
+fn missing(input: &Input, base: &Base) -> Option<String> {
+    let why = input.key.put(&mut base.tree.clone()?, toml::Value::Boolean(true)).err()?;
+    Some(format!("{} reaches nothing in {}: {why}", input.key, printable_path(&base.path)))
+}
+
+/// What a study's inputs change in a train.
+#[derive(Default)]
+pub struct Reach {
+    /// The couplers that take what is drawn for each of them.
+    pub reached: Reached,
+    without_effect: Option<String>,
+    notes: Vec<String>,
+}
+
+/// Changes each input of a variation by itself, and compares the trains.
+pub fn reach(study: &Study, variation: usize, base: &Base) -> Reach {
+    let mut reach = Reach::default();
+    let file = printable_path(&base.path);
+    for (k, input) in study.inputs.iter().enumerate() {
+        let probes = input.spread.probes(input.key.dimension());
+        if probes.iter().all(|value| *value == probes[0]) {
+            continue;
+        }
+        let mut trains = probes.iter().filter_map(|value| probe(study, variation, base, k, value).ok().map(effective));
+        let Some(first) = trains.next() else { continue };
+        let mut alike = 1;
+        let Some(other) = trains.by_ref().inspect(|_| alike += 1).find(|other| *other != first) else {
+            if alike > 1 {
+                let why = why_none(&input.key);
+                reach.without_effect.get_or_insert(format!("{} reaches {} {file}: {}", input.key, why.0, why.1));
+            }
+            continue;
+        };
+        let (what, changed) = match input.key.table {
+            Some("coupler") => ("couplers", changed_couplers(&first, &other)),
+            Some("load") => ("vehicles", changed_vehicles(&first, &other)),
+            _ => continue,
+        };
+        let count = changed.iter().filter(|changed| **changed).count();
+        if count > 0 && count < changed.len() {
+            let some = format!("{} reaches {count} of {} {what} of {file}", input.key, changed.len());
+            reach.notes.push(format!("{some}: the others have a value of their own, and keep it"));
+        }
+        if input.per == Per::Coupler && count > 0 {
+            reach.reached.insert(k, changed);
+        }
+    }
+    reach
+}
+
+/// The train as far as it has a part in any result: not where it was read from, nor the mass of what is held.
+fn effective(mut train: Train) -> Train {
+    train.origin = consist::Origin::default();
+    train.vehicles.iter_mut().filter(|v| v.held).for_each(|v| v.mass_kg = 1.0);
+    train
+}
+
+/// Whether each coupler differs.
+fn changed_couplers(a: &Train, b: &Train) -> Vec<bool> {
+    let differs = |i: usize| {
+        a.couplers[i] != b.couplers.get(i).copied().unwrap_or(a.couplers[i])
+            || a.extras.dashpot_n_s_per_m.get(i) != b.extras.dashpot_n_s_per_m.get(i)
+            || a.extras.limits.get(i) != b.extras.limits.get(i)
+    };
+    (0..a.couplers.len()).map(differs).collect()
+}
+
+/// Whether the force from outside differs, of each vehicle that is not held.
+fn changed_vehicles(a: &Train, b: &Train) -> Vec<bool> {
+    let (Some(x), Some(y)) = (&a.extras.steady, &b.extras.steady) else { return vec![] };
+    let free = a.vehicles.iter().zip(x.outside_n.iter().zip(&y.outside_n)).filter(|(v, _)| !v.held);
+    free.map(|(_, (x, y))| x != y).collect()
+}
+
+/// What a key without effect does not reach, and why.
+fn why_none(key: &Key) -> (&'static str, &'static str) {
+    match (key.table, key.leaf) {
+        (Some("coupler"), _) => (
+            "no coupler of",
+            "each has a value of its own, from the table of vehicles or a [[coupler_override]], and keeps it",
+        ),
+        (Some("load"), _) => ("no vehicle of", "each has a value of its own, and keeps it"),
+        (Some("vehicle"), "mass") => ("no vehicle of", "it is held, and the mass of a held vehicle plays no part"),
+        _ => ("nothing in", "none of its values changes the train"),
+    }
+}
+
+/// Whether no value of a key changes how many cases a train has, or which files it is read from. The couplers that `"each"` breaks
+/// depend on the sign of the load.
+fn keeps_cases(key: &Key) -> bool {
+    match key.table {
+        None => key.leaf != "vehicles",
+        Some("coupler" | "coupler_override") => !["stiffness", "at"].contains(&key.leaf),
+        Some("vehicle") => ["label", "length"].contains(&key.leaf),
+        Some("scenario") => ["name", "horizon", "force", "duration", "rise", "fall", "speed"].contains(&key.leaf),
+        _ => false,
+    }
+}
+
+/// Whether no value of a key changes which couplers have values of their own.
+fn keeps_couplers(key: &Key) -> bool {
+    match key.table {
+        None => key.leaf != "vehicles",
+        Some("coupler_override") => key.leaf != "at",
+        Some("vehicle") => key.leaf != "count",
+        _ => true,
+    }
+}
+
+fn case_count(train: &Train) -> u32 {
+    let count: usize = train.scenarios.iter().map(|s| cases(&s.event).len()).sum();
+    // A train without a case is told as such. A train file has at most a million breaks, and at most a thousand scenarios.
+    u32::try_from(count.max(1)).unwrap_or(u32::MAX)
+}

@@ -46,7 +46,11 @@ impl Found {
             return none("does not exist");
         }
         let matches = glob::glob(&text).map_err(|e| FleetError::Usage(format!("{text} is no glob: {}", e.msg)))?;
-        match self.trains(matches.flatten().filter(|found| found.is_file()).collect(), study) {
+        let matches: Vec<PathBuf> = matches.flatten().filter(|found| found.is_file()).collect();
+        if matches.is_empty() {
+            return none("matches no file");
+        }
+        match self.trains(matches, study) {
             0 => none(&format!("matches no train file{}", self.hint())),
             _ => Ok(()),
         }

@@ -285,7 +285,10 @@ fn law(table: &Table, name: &Value, key: &Key) -> Read<Spread> {
     let impossible = spread.impossible();
     if impossible > TRACE {
         let what = if possible == Sign::Positive { "zero or below" } else { "below zero" };
-        let title = format!("{:.3} % of this distribution is {what}, where no {} can be", 100.0 * impossible, key.leaf);
+        let percent = 100.0 * impossible;
+        // Three digits, however small it is.
+        let decimals = (2.0 - percent.log10().floor()).max(0.0) as usize;
+        let title = format!("{percent:.decimals$} % of this distribution is {what}, where no {} can be", key.leaf);
         return Err(
             name.wrong(title, "use one that stays above zero: lognormal, weibull, or triangular with low above zero")
         );

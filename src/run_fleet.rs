@@ -54,7 +54,8 @@ pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
         print(&summary(&outcome, &dir, outcome.verdict.is_empty()))?;
     }
     outcome.notes.iter().for_each(|note| say(&format!("note: {note}")));
-    outcome.warnings.iter().for_each(|warning| say(&format!("warning: {warning}")));
+    let kind = if outcome.computed == 0 { "error" } else { "warning" };
+    outcome.warnings.iter().for_each(|warning| say(&format!("{kind}: {warning}")));
     if outcome.scenes.0 > 0 {
         say(&format!(
             "{} of trains solved, {} more {} the same as one of them",

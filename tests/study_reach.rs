@@ -221,7 +221,7 @@ fn a_train_without_a_case_is_told() {
     let folder = folder(&[("train.toml", &train)]);
     let output = fleet(folder.path(), &["train.toml", "--out", "out"]);
     let expected =
-        "warning: train.toml: no case is left: every coupler carries buff, and none of those can be broken apart\n";
+        "error: train.toml: no case is left: every coupler carries buff, and none of those can be broken apart\n";
     assert_eq!((output.status.code(), complaint(&output)), (Some(2), expected.to_owned()));
 }
 
@@ -258,8 +258,8 @@ fn a_study_in_a_folder_is_left_out_and_said_to_be_one() {
 fn a_path_of_another_kind_says_what_it_is() {
     let result = "{\"train\": \"x\", \"couplers\": 3, \"scenarios\": []}";
     let folder = folder(&[("consist.csv", "label,mass [t]\nloco,196\ncar,120\n"), ("result.json", result)]);
-    let consist = "warning: consist.csv: this is a table of vehicles, and no train file\n";
-    let json = "warning: result.json: this is the result of an analysis (result.json), and no train file\n";
+    let consist = "error: consist.csv: this is a table of vehicles, and no train file\n";
+    let json = "error: result.json: this is the result of an analysis (result.json), and no train file\n";
     for (path, expected) in [("consist.csv", consist), ("result.json", json)] {
         let output = fleet(folder.path(), &[path, "--out", "out"]);
         assert_eq!((output.status.code(), complaint(&output)), (Some(2), expected.to_owned()));

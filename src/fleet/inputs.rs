@@ -9,6 +9,7 @@ use sha2::{Digest, Sha256};
 use super::FleetError;
 use super::base::Base;
 use super::find::{Found, is_study_file};
+use super::plan::Words;
 use super::rows;
 use super::study::{self, Study};
 use super::survey::{self, Survey};
@@ -92,6 +93,15 @@ impl Inputs {
             (share > 1e-14).then_some(text)
         });
         traces.chain(self.surveys.iter().flat_map(|survey| survey.notes.clone())).collect()
+    }
+
+    /// Words for the doubts about the first variation of each train.
+    pub fn words(&self) -> Words {
+        let words = |(file, survey): (&PathBuf, &Survey)| {
+            let file = rows::file_cell(file);
+            survey.doubts.clone().into_iter().rev().map(move |d| ((file.clone(), d.code.to_owned()), (0, d)))
+        };
+        self.files.iter().zip(&self.surveys).flat_map(words).collect()
     }
 
     /// A fingerprint of everything that the results depend on, in hexadecimal.

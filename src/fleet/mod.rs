@@ -164,7 +164,10 @@ pub fn run(request: &Request, dir: &Path) -> Result<Outcome, FleetError> {
         0 => Ok(Reports::default()),
         most => reports::write(dir, &inputs, &request.options, summary, most),
     };
-    let mut outcome = finish(dir, &description, &request.formats, &reports, &plan.doubts())?;
+    // What was computed before has no words any more.
+    let mut words = inputs.words();
+    words.extend(plan.doubts());
+    let mut outcome = finish(dir, &description, &request.formats, &reports, &words)?;
     outcome.notes.splice(..0, inputs.passed_over.clone());
     Ok(Outcome { scenes: memo.counts(), ..outcome })
 }

@@ -9,6 +9,7 @@ use super::key::Key;
 use super::study::{Input, Per, Study};
 use super::variation::{Reached, probe, vary};
 use crate::consist::{self, Source, Train};
+use crate::doubts::{Doubt, doubts};
 use crate::error::printable_path;
 use crate::findings::cases;
 
@@ -24,6 +25,8 @@ pub struct Survey {
     pub without_effect: Option<String>,
     /// Inputs that reach some couplers or vehicles and not others, as sentences.
     pub notes: Vec<String>,
+    /// The doubts about its first variation that can be read.
+    pub doubts: Vec<Doubt>,
 }
 
 impl Survey {
@@ -36,17 +39,22 @@ impl Survey {
             reached: Some(Reached::new()),
             without_effect: None,
             notes: vec![],
+            doubts: vec![],
         };
         match study {
             None => {
                 let text = base.text.as_ref().ok();
-                let train = text.and_then(|text| consist::parse_with(text, path, &base.files).ok());
-                survey.counts = vec![train.map_or(1, |train| case_count(&train))];
+                if let Some(train) = text.and_then(|text| consist::parse_with(text, path, &base.files).ok()) {
+                    survey.counts = vec![case_count(&train)];
+                    survey.doubts = doubts(&train);
+                }
             }
             Some(study) => survey.look(study, &base),
         }
         survey.sources = base.files.list();
-        survey.sources.sort_by(|a, b| a.path.cmp(&b.path));
+        survey.sources.sort_by(|a, b| a.path.cmp(&b.path).then(a.sha256.cmp(&b.sha256)));
+        // Variations that are read at the same time may each have opened a file.
+        survey.sources.dedup();
         survey
     }
 
@@ -74,6 +82,7 @@ impl Survey {
         };
         self.without_effect = study.inputs.iter().find_map(|input| missing(input, base));
         let Some(variation) = found.filter(|_| self.without_effect.is_none()) else { return };
+        self.doubts = train(variation).map_or(vec![], |train| doubts(&train));
         let reach = reach(study, variation, base);
         self.without_effect = reach.without_effect;
         self.notes = reach.notes;

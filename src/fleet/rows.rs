@@ -1,6 +1,7 @@
 //! Rows of `fleet.csv` and `errors.csv`.
 
 use crate::consist::Train;
+use crate::doubts::Doubt;
 use crate::findings::CaseFindings;
 use crate::report::cells::{number, optional, text};
 use crate::scenario::Scenario;
@@ -9,7 +10,7 @@ use crate::scenario::Scenario;
 pub const FRONT: [&str; 4] = ["file", "train", "vehicles", "variation"];
 
 /// Columns after those of a study's inputs, named as in `couplers.csv` and `result.json`.
-pub const BACK: [&str; 21] = [
+pub const BACK: [&str; 22] = [
     "scenario",
     "kind",
     "broken_coupler",
@@ -31,13 +32,15 @@ pub const BACK: [&str; 21] = [
     "horizon_s",
     "method",
     "rod_exceeding",
+    "doubts",
 ];
 
 /// Columns of `errors.csv`.
 pub const ERRORS: [&str; 5] = ["file", "variation", "scenario", "broken_coupler", "error"];
 
 /// Columns of text, here and in `errors.csv`.
-pub const TEXTS: [&str; 8] = ["file", "train", "scenario", "kind", "between_front", "between_rear", "method", "error"];
+pub const TEXTS: [&str; 9] =
+    ["file", "train", "scenario", "kind", "between_front", "between_rear", "method", "doubts", "error"];
 
 /// Columns of whole numbers.
 #[cfg(feature = "parquet")]
@@ -72,6 +75,19 @@ pub struct Place {
     pub variation: Option<usize>,
     /// Cells of the study's inputs.
     pub inputs: Vec<String>,
+    /// What is doubtful about the train and its scenarios.
+    pub doubts: Vec<Doubt>,
+}
+
+impl Place {
+    /// The codes of the doubts about the train and one of its scenarios, each once.
+    fn codes(&self, scenario: &Scenario) -> String {
+        let about = |d: &&Doubt| d.scenario.as_ref().is_none_or(|name| *name == scenario.name);
+        let mut codes: Vec<&str> = self.doubts.iter().filter(about).map(|d| d.code).collect();
+        codes.sort_unstable();
+        codes.dedup();
+        codes.join(" ")
+    }
 }
 
 impl Chunk {
@@ -84,7 +100,7 @@ impl Chunk {
     pub fn add(&mut self, place: &Place, train: &Train, scenario: &Scenario, case: &CaseFindings) {
         let front = [text(&place.file), text(&train.name), train.vehicles.len().to_string(), whole(place.variation)];
         let inputs = place.inputs.iter().map(|cell| text_or_number(cell));
-        line(&mut self.rows, front.into_iter().chain(inputs).chain(back(scenario, case)));
+        line(&mut self.rows, front.into_iter().chain(inputs).chain(back(scenario, case, place.codes(scenario))));
     }
 
     /// A train or a case that could not be computed.
@@ -101,7 +117,7 @@ pub fn file_cell(file: &std::path::Path) -> String {
     text(&file.display().to_string())
 }
 
-fn back(scenario: &Scenario, case: &CaseFindings) -> [String; BACK.len()] {
+fn back(scenario: &Scenario, case: &CaseFindings, doubts: String) -> [String; BACK.len()] {
     let worst = case.worst.as_ref();
     let value = |of: fn(&crate::findings::CouplerFindings) -> f64| optional(worst.map(of));
     // Not always the worst one: a weaker wave may have met another coupler before.
@@ -129,6 +145,7 @@ fn back(scenario: &Scenario, case: &CaseFindings) -> [String; BACK.len()] {
         number(case.horizon_s),
         case.method.to_owned(),
         whole(case.rod.as_ref().map(|rod| rod.exceeding)),
+        doubts,
     ]
 }
 

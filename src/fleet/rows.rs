@@ -10,7 +10,7 @@ use crate::scenario::Scenario;
 pub const FRONT: [&str; 4] = ["file", "train", "vehicles", "variation"];
 
 /// Columns after those of a study's inputs, named as in `couplers.csv` and `result.json`.
-pub const BACK: [&str; 22] = [
+pub const BACK: [&str; 32] = [
     "scenario",
     "kind",
     "broken_coupler",
@@ -27,6 +27,16 @@ pub const BACK: [&str; 22] = [
     "first_exceeds_s",
     "exceeding",
     "undecided",
+    "first_passage_s",
+    "exceeding_first_passage",
+    "first_passage_worst_coupler",
+    "first_passage_utilisation",
+    "first_passage_peak_force_n",
+    "first_passage_peak_draft_n",
+    "first_passage_peak_draft_time_s",
+    "first_passage_peak_buff_n",
+    "first_passage_peak_buff_time_s",
+    "first_passage_exceeds",
     "safe_load_factor",
     "error_bound_n",
     "horizon_s",
@@ -44,7 +54,7 @@ pub const TEXTS: [&str; 9] =
 
 /// Columns of whole numbers.
 #[cfg(feature = "parquet")]
-pub const WHOLE: [&str; 8] = [
+pub const WHOLE: [&str; 10] = [
     "vehicles",
     "variation",
     "broken_coupler",
@@ -52,6 +62,8 @@ pub const WHOLE: [&str; 8] = [
     "first_coupler",
     "exceeding",
     "undecided",
+    "exceeding_first_passage",
+    "first_passage_worst_coupler",
     "rod_exceeding",
 ];
 
@@ -118,7 +130,7 @@ pub fn file_cell(file: &std::path::Path) -> String {
 }
 
 fn back(scenario: &Scenario, case: &CaseFindings, doubts: String) -> [String; BACK.len()] {
-    let worst = case.worst.as_ref();
+    let (worst, passage) = (case.worst.as_ref(), case.worst_first_passage.as_ref());
     let value = |of: fn(&crate::findings::CouplerFindings) -> f64| optional(worst.map(of));
     // Not always the worst one: a weaker wave may have met another coupler before.
     let times = case.couplers.iter().filter_map(|c| Some((c.first_exceeds_s?, c.coupler)));
@@ -140,6 +152,16 @@ fn back(scenario: &Scenario, case: &CaseFindings, doubts: String) -> [String; BA
         optional(first.map(|(time_s, _)| time_s)),
         case.exceeding.to_string(),
         case.undecided.to_string(),
+        number(case.first_passage_s),
+        case.exceeding_first_passage.to_string(),
+        whole(passage.map(|w| w.coupler)),
+        optional(passage.map(|w| w.utilisation)),
+        optional(passage.map(|w| w.peak_force_n)),
+        optional(passage.and_then(|w| w.peak_draft_n)),
+        optional(passage.and_then(|w| w.peak_draft_time_s)),
+        optional(passage.and_then(|w| w.peak_buff_n)),
+        optional(passage.and_then(|w| w.peak_buff_time_s)),
+        passage.and_then(|w| w.exceeds).map(|e| e.to_string()).unwrap_or_default(),
         optional(case.safe_load_factor),
         number(case.error_bound_n),
         number(case.horizon_s),

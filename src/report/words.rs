@@ -106,7 +106,7 @@ pub fn event(train: &Train, scenario: &Scenario) -> String {
             let before = match scenario.event.joint(train.vehicles.len()) {
                 Some(joint) if train.initial_force_n.iter().any(|f| *f != 0.0) => {
                     format!(
-                        "each part carries its own load before, and coupler {}, which joins them, carries none",
+                        "before it each part carries its own load, while coupler {}, which joins them, carries none",
                         joint + 1
                     )
                 }

@@ -238,12 +238,12 @@ fn the_json_has_the_contract_s_fields_in_order() {
     assert_eq!(
         keys(case),
         "broken_coupler method method_reason horizon_s error_bound_n tolerance_n run_time_s exceeding undecided \
-         safe_load_factor worst couplers left_out"
+         safe_load_factor first_passage_s exceeding_first_passage worst_first_passage worst couplers left_out"
     );
     assert_eq!(
         keys(&case["couplers"][0]),
         "coupler between rated_draft_n rated_buff_n initial_force_n peak_force_n peak_time_s utilisation peak_draft_n \
-         peak_draft_time_s peak_buff_n peak_buff_time_s exceeds first_exceeds_s first_exceeds_in"
+         peak_draft_time_s peak_buff_n peak_buff_time_s exceeds first_exceeds_s first_exceeds_in first_passage"
     );
     assert_eq!(case["couplers"].as_array().map(Vec::len), Some(103));
     let worst = &analysis.scenarios[0].cases[0].worst;

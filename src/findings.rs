@@ -28,7 +28,8 @@ use rayon::prelude::*;
 use safe_factor::safe_load_factor;
 use serde::Serialize;
 
-use crate::consist::Train;
+use crate::consist::{Source, Train};
+use crate::doubts::{Doubt, doubts};
 use crate::play::Rule;
 use crate::rod::Rod;
 use crate::scenario::{self, Event, Part, Scales, Scenario};
@@ -75,6 +76,16 @@ impl Default for Options {
 /// All scenarios of one train.
 #[derive(Clone, Debug, Serialize)]
 pub struct Analysis {
+    /// Version of this form of results.
+    pub schema_version: u32,
+    /// The program that found them.
+    pub program: Program,
+    /// Every file that the train was read from.
+    pub inputs: Vec<InputFile>,
+    /// How the analysis was done.
+    pub options: OptionFindings,
+    /// What is probably not meant, of the train and of the scenarios that were run.
+    pub doubts: Vec<Doubt>,
     /// The train's name.
     pub train: String,
     /// Number of vehicles.
@@ -83,6 +94,33 @@ pub struct Analysis {
     pub couplers: usize,
     /// One entry per scenario that was run, in the file's order.
     pub scenarios: Vec<ScenarioFindings>,
+}
+
+/// A program and its version.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Program {
+    /// Its name.
+    pub name: &'static str,
+    /// Its version.
+    pub version: &'static str,
+}
+
+/// A file that was read.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct InputFile {
+    /// Its path, as it was given.
+    pub path: String,
+    /// SHA-256 of its bytes, in hexadecimal.
+    pub sha256: String,
+}
+
+/// The options that decide the numbers.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct OptionFindings {
+    /// The error each force may have, as a share of the largest rating.
+    pub tolerance: f64,
+    /// The method that was asked for; `None`: the program chose.
+    pub method: Option<&'static str>,
 }
 
 /// One scenario: a single event, or each coupler of a list in turn.
@@ -266,9 +304,27 @@ pub enum AnalyzeError {
 /// ```
 pub fn analyze(train: &Train, options: &Options) -> Result<Analysis, AnalyzeError> {
     let memo = Memo::new(REMEMBERED);
-    let scenarios = chosen(train, options)?.into_iter().map(|s| scenario_findings(train, s, options, &memo));
+    let chosen = chosen(train, options)?;
+    let about = |d: &Doubt| d.scenario.as_ref().is_none_or(|name| chosen.iter().any(|s| s.name == *name));
+    let doubts = doubts(train).into_iter().filter(about).collect();
+    let file = |source: &Source| InputFile {
+        path: source.path.display().to_string(),
+        sha256: source.sha256.iter().map(|byte| format!("{byte:02x}")).collect(),
+    };
+    let inputs = train.origin.sources.iter().map(file).collect();
+    let scenarios = chosen.into_iter().map(|s| scenario_findings(train, s, options, &memo));
     let (vehicles, couplers) = (train.vehicles.len(), train.couplers.len());
-    Ok(Analysis { train: train.name.clone(), vehicles, couplers, scenarios: scenarios.collect::<Result<_, _>>()? })
+    Ok(Analysis {
+        schema_version: 2,
+        program: Program { name: env!("CARGO_PKG_NAME"), version: env!("CARGO_PKG_VERSION") },
+        inputs,
+        options: OptionFindings { tolerance: options.tolerance, method: options.method.map(Method::name) },
+        doubts,
+        train: train.name.clone(),
+        vehicles,
+        couplers,
+        scenarios: scenarios.collect::<Result<_, _>>()?,
+    })
 }
 
 /// The scenarios to run.

@@ -57,7 +57,13 @@ pub fn study_file(bytes: &[u8]) {
         Ok(study) => {
             let last = study.variations().saturating_sub(1);
             for number in [0, last / 2, last] {
-                let varied = variation::vary(&study, number, consist::TEMPLATE, Path::new("train.toml"));
+                let varied = variation::vary(
+                    &study,
+                    number,
+                    consist::TEMPLATE,
+                    Path::new("train.toml"),
+                    &consist::Files::default(),
+                );
                 assert_eq!(varied.cells.len(), study.inputs.len());
                 assert_eq!(variation::headings(&study).len(), study.inputs.len());
             }

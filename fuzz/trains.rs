@@ -177,8 +177,11 @@ impl Random {
             writeln!(out, "damping = \"{:e} N*s/m\"", (stiffness * mass).sqrt() * factor(d) * 0.1)?;
         }
         if self.coupler.limits.iter().any(Option::is_some) {
+            let mut rising: Vec<f64> = self.coupler.limits.into_iter().flatten().map(|l| rating * factor(l)).collect();
+            rising.sort_by(f64::total_cmp);
             let given = ["fatigue", "proof", "ultimate"].into_iter().zip(self.coupler.limits);
-            let given = given.filter_map(|(name, l)| Some(format!("{name} = \"{:e} N\"", rating * factor(l?))));
+            let given = given.filter_map(|(name, l)| l.map(|_| name)).zip(rising);
+            let given = given.map(|(name, n)| format!("{name} = \"{n:e} N\""));
             writeln!(out, "limits = {{ {} }}", given.collect::<Vec<_>>().join(", "))?;
         }
         let groups = self.groups();

@@ -69,6 +69,16 @@ impl Problem {
         Problem { title: title.into(), help, place: Some(place), other: None }
     }
 
+    /// The same with words before its title.
+    pub(crate) fn after(self, words: &str) -> Self {
+        Problem { title: format!("{words}{}", self.title), ..self }
+    }
+
+    /// Where in the text it starts, if it has a place.
+    pub(crate) fn start(&self) -> Option<usize> {
+        self.place.as_ref().map(|place| place.start)
+    }
+
     /// The same with another place that bears on it.
     pub(crate) fn and(self, place: Range<usize>, label: &'static str) -> Self {
         Problem { other: Some((place, label)), ..self }
@@ -94,18 +104,26 @@ impl Problems {
     pub(crate) fn is_empty(&self) -> bool {
         self.kept.is_empty()
     }
+
+    /// Adds those of another list, each changed by `change`.
+    pub(crate) fn append(&mut self, others: Problems, change: impl Fn(Problem) -> Problem) {
+        others.kept.into_iter().for_each(|problem| self.note(change(problem)));
+        self.beyond += others.beyond;
+    }
 }
 
 impl Place {
     /// Keeps the line where the span starts, up to a limit; what the span has beyond that is not marked.
     fn new(text: &str, span: &Range<usize>, label: Option<&'static str>) -> Self {
         let (start, end) = (floor(text, span.start), floor(text, span.end));
-        let line_start = text[..start].rfind('\n').map_or(0, |i| i + 1);
-        let line_end = start + text[start..].find('\n').unwrap_or(text.len() - start);
+        // A place between the two characters of one line end belongs to the line that they end.
+        let start = if text[..start].ends_with('\r') && text[start..].starts_with('\n') { start - 1 } else { start };
+        let line_start = text[..start].rfind(['\n', '\r']).map_or(0, |i| i + 1);
+        let line_end = start + text[start..].find(['\n', '\r']).unwrap_or(text.len() - start);
         let line = text[line_start..floor(text, line_end.min(line_start + LINE))].trim_end_matches('\r');
         let mark = |at: usize| shown(&line[..(at - line_start).min(line.len())]).len();
         Place {
-            line_number: 1 + text[..line_start].bytes().filter(|&b| b == b'\n').count(),
+            line_number: 1 + line_ends(&text[..line_start]),
             column: 1 + text[line_start..start].chars().count(),
             in_view: start <= line_start + line.len(),
             line: shown(line),
@@ -113,6 +131,12 @@ impl Place {
             label,
         }
     }
+}
+
+/// How many lines a text ends: by LF, by CR and LF, or by CR alone.
+fn line_ends(text: &str) -> usize {
+    let bytes = text.as_bytes();
+    (0..bytes.len()).filter(|&i| bytes[i] == b'\n' || bytes[i] == b'\r' && bytes.get(i + 1) != Some(&b'\n')).count()
 }
 
 /// A line of a file with a sign in place of what a terminal obeys; the renderer does so with the control characters of ASCII.
@@ -157,6 +181,11 @@ impl InputError {
         let place = self.shown.first().and_then(|s| s.places.first());
         let place = place.map_or(String::new(), |p| format!(":{}:{}", p.line_number, p.column));
         format!("{}{place}: {}", self.path, self.titles())
+    }
+
+    /// What would be right instead of the first problem.
+    pub(crate) fn help(&self) -> String {
+        self.shown.first().and_then(|first| first.help.clone()).unwrap_or_default()
     }
 
     /// The first problem without its place, and how many more there are, on one line.

@@ -3,12 +3,15 @@
 mod cascade;
 mod estimate;
 mod field;
+mod first_passage;
 mod general;
 mod history;
 mod limits;
 mod map;
 mod safe_factor;
+mod safe_speed;
 
+use std::collections::HashMap;
 use std::time::Instant;
 
 pub use cascade::{CascadeBreak, CascadeFindings};
@@ -16,15 +19,17 @@ pub(crate) use estimate::case_estimate_s;
 pub use estimate::{estimate_s, memory_bytes};
 pub(crate) use field::larger;
 pub use field::{Field, Of, field};
+pub use first_passage::FirstPassage;
 use general::Solved;
 pub use history::{history, rod_history};
-pub use limits::LimitFindings;
+pub use limits::{LimitFindings, LimitInSense};
 pub use map::{MapFindings, MapPoint};
 use rayon::prelude::*;
 use safe_factor::safe_load_factor;
 use serde::Serialize;
 
 use crate::consist::Train;
+use crate::play::Rule;
 use crate::rod::Rod;
 use crate::scenario::{self, Event, Part, Scales, Scenario};
 use crate::solve::memo::Memo;
@@ -89,6 +94,8 @@ pub struct ScenarioFindings {
     pub kind: &'static str,
     /// One per broken coupler, or one for a pulse or an impact.
     pub cases: Vec<CaseFindings>,
+    /// Couplers, counted from 1, that would break in turn but carry buff, so that nothing parts: they have no case.
+    pub left_out_in_buff: Vec<usize>,
     /// What it looks like around the event, where asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map: Option<MapFindings>,
@@ -121,6 +128,12 @@ pub struct CaseFindings {
     /// Largest factor on the load (break), the force (pulse) or the speed (impact) at which no coupler exceeds; `None` where
     /// none bounds it.
     pub safe_load_factor: Option<f64>,
+    /// End of the first passage, s: the wave has run to the far end of the longest part and back once.
+    pub first_passage_s: f64,
+    /// Couplers that exceed their rating in the first passage.
+    pub exceeding_first_passage: usize,
+    /// The coupler with the largest utilisation in the first passage, with its forces there.
+    pub worst_first_passage: Option<CouplerFindings>,
     /// The coupler with the largest utilisation; `None` where no coupler is left.
     pub worst: Option<CouplerFindings>,
     /// Every coupler but the broken one, from the head.
@@ -164,10 +177,18 @@ pub struct CouplerFindings {
     pub peak_buff_time_s: Option<f64>,
     /// Over its rating in either sign; `None`: not decided, the rating lies within the error bound of the peak.
     pub exceeds: Option<bool>,
+    /// The same in draft and in buff alone.
+    #[serde(skip)]
+    pub(crate) exceeds_in: [Option<bool>; 2],
+    /// Largest F and largest -F, N, of either sign: a coupler that is never in tension still has a largest F.
+    #[serde(skip)]
+    pub(crate) extremes_n: [f64; 2],
     /// The first time it is over its rating, s after the event; `None` if it never is.
     pub first_exceeds_s: Option<f64>,
     /// Over which rating it is then, `"draft"` or `"buff"`.
     pub first_exceeds_in: Option<&'static str>,
+    /// The same over the first passage.
+    pub first_passage: Option<FirstPassage>,
     /// Bound on |force| over all time, N, where asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub all_time_bound_n: Option<f64>,
@@ -271,11 +292,15 @@ pub(crate) fn cases(event: &Event) -> Vec<Option<usize>> {
     }
 }
 
+/// The largest rating of any coupler in either sense.
+fn largest_rating_n(train: &Train) -> f64 {
+    train.couplers.iter().map(|c| c.rated_draft_n.max(c.rated_buff_n)).fold(0.0, f64::max)
+}
+
 /// What the options ask of the solvers, in their units.
 fn ask(train: &Train, options: &Options) -> Ask {
-    let rating = train.couplers.iter().map(|c| c.rated_draft_n.max(c.rated_buff_n)).fold(0.0, f64::max);
     Ask {
-        tolerance: options.tolerance * rating / Scales::of(train).force_n,
+        tolerance: options.tolerance * largest_rating_n(train) / Scales::of(train).force_n,
         method: options.method,
         verdict_only: options.verdict_only,
         all_time_bound: options.all_time_bound,
@@ -296,7 +321,8 @@ fn scenario_findings(
         .map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
     let map = if options.map { map::find(train, scenario, options, memo) } else { Ok(None) };
     let map = map.map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
-    Ok(ScenarioFindings { name: scenario.name.clone(), kind: scenario.event.kind(), cases, map })
+    let left_out_in_buff = scenario.left_out_in_buff.iter().map(|i| i + 1).collect();
+    Ok(ScenarioFindings { name: scenario.name.clone(), kind: scenario.event.kind(), cases, left_out_in_buff, map })
 }
 
 /// One case of a train: what the event, or the break of one coupler, does to every coupler.
@@ -310,20 +336,59 @@ pub(crate) fn case_findings(
     let start = Instant::now();
     let horizon_s = scenario::horizon_s(train, scenario, broken);
     let tolerance_n = ask(train, options).tolerance * Scales::of(train).force_n;
-    let (solved, rod) = if scenario::beyond_steps(&train.extras.dashpot_n_s_per_m, &scenario.event) {
-        (general::solved(train, scenario, broken, horizon_s, options)?, None)
-    } else {
-        let parts = scenario::parts(train, &scenario.event, broken, horizon_s);
-        let rod = if train.extras.damping_ratio > 0.0 { None } else { rod_findings(&parts) };
-        // After a break the coupler of the largest utilisation is the one that bounds the load; it need not be under a pulse.
-        let wanted = if broken.is_some() { options.wanted } else { Wanted::Everything };
-        let options = Options { wanted, ..options.clone() };
-        (solved_by_parts(train, &parts, &options, memo)?, rod)
+    let beyond_steps = scenario::beyond_steps(&train.extras.dashpot_n_s_per_m, &scenario.event);
+    let parts = |train: &Train, until_s: f64| scenario::parts(train, &scenario.event, broken, until_s);
+    let solve_until = |train: &Train, until_s: f64, options: &Options| match beyond_steps {
+        true => general::solved(train, scenario, broken, until_s, options),
+        false => solved_by_parts(train, &parts(train, until_s), options, memo),
     };
+    let solve = |train: &Train, options: &Options| solve_until(train, horizon_s, options);
+    let rod =
+        if beyond_steps || train.extras.damping_ratio > 0.0 { None } else { rod_findings(&parts(train, horizon_s)) };
+    // After a break the coupler of the largest utilisation is the one that bounds the load; it need not be under a pulse.
+    let wanted = if broken.is_some() { options.wanted } else { Wanted::Everything };
+    let solved = solve(train, &Options { wanted, ..options.clone() })?;
     let Solved { method, reason, error_bound_n, mut couplers, worst, left_out } = solved;
+    let safe_load_factor = match scenario::unbalanced_n(train, &scenario.event).iter().all(|f| *f == 0.0) {
+        true => safe_load_factor(train, &scenario.event, &couplers, &left_out),
+        false => Some(safe_speed::find(&scenario::play(train, scenario, broken, horizon_s, Rule::Keep))?),
+    };
     let cascade = cascade::find(train, scenario, broken, horizon_s)?;
-    limits::find(train, &mut couplers, error_bound_n);
+    limits::find(train, &mut couplers, error_bound_n, |rated| {
+        // The tolerance is a share of the largest rating, and stays what it is.
+        let tolerance = options.tolerance * largest_rating_n(train) / largest_rating_n(rated);
+        let wanted = Wanted::Everything;
+        Ok(solve(rated, &Options { tolerance, wanted, verdict_only: false, ..options.clone() })?.couplers)
+    })?;
+    let first_passage_s = first_passage::end_s(train, scenario, broken, horizon_s);
+    let all_in_it = match wanted {
+        // Extremes of other couplers than the worst are not exact then, and first exceedances may be late.
+        Wanted::Worst => {
+            couplers.iter().all(|c| c.exceeds == Some(false))
+                && worst.is_none_or(|i| couplers[i].peak_time_s <= first_passage_s)
+        }
+        Wanted::Everything => couplers.iter().all(|c| first_passage::has_all(c, first_passage_s)),
+    };
+    let shorter = match all_in_it || first_passage_s >= horizon_s {
+        true => None,
+        false => {
+            let options = Options { wanted, ..options.clone() };
+            let shorter = solve_until(train, first_passage_s, &options)?;
+            Some((shorter.couplers, shorter.worst))
+        }
+    };
+    let (within, worst_within) = shorter.unwrap_or_else(|| (couplers.clone(), worst));
+    let passages: HashMap<usize, FirstPassage> = within.iter().map(|c| (c.coupler, FirstPassage::of(c))).collect();
+    for c in &mut couplers {
+        c.first_passage = passages.get(&c.coupler).cloned();
+    }
+    let exceeding_first_passage = within.iter().filter(|c| c.exceeds == Some(true)).count();
+    let worst_first_passage = worst_within
+        .map(|i| CouplerFindings { first_passage: passages.get(&within[i].coupler).cloned(), ..within[i].clone() });
     Ok(CaseFindings {
+        first_passage_s,
+        exceeding_first_passage,
+        worst_first_passage,
         kind: scenario.event.kind(),
         broken_coupler: broken.map(|b| b + 1),
         method,
@@ -334,7 +399,7 @@ pub(crate) fn case_findings(
         run_time_s: start.elapsed().as_secs_f64(),
         exceeding: couplers.iter().filter(|c| c.exceeds == Some(true)).count(),
         undecided: couplers.iter().filter(|c| c.exceeds.is_none()).count(),
-        safe_load_factor: safe_load_factor(train, &scenario.event, &couplers, &left_out),
+        safe_load_factor,
         worst: worst.map(|i| couplers[i].clone()),
         couplers,
         left_out: left_out.len(),
@@ -408,10 +473,16 @@ fn coupler_findings(
     let (draft, buff) = (extreme(&peaks.draft, 1.0), extreme(&peaks.buff, -1.0));
     let use_of = |peak: Option<(f64, f64)>, rating: f64| peak.map_or(0.0, |(f, _)| f.abs() / rating);
     let (in_draft, in_buff) = (use_of(draft, coupler.rated_draft_n), use_of(buff, coupler.rated_buff_n));
-    let (peak_force_n, peak_time_s) = if in_buff > in_draft { buff } else { draft }.unwrap_or((0.0, 0.0));
-    let exceeds = match (peaks.draft.exceeds(), peaks.buff.exceeds()) {
-        (Some(true), _) | (_, Some(true)) => Some(true),
-        (Some(false), Some(false)) => Some(false),
+    // Of equal ones the earliest; what differs by rounding is equal.
+    let equal = (in_buff - in_draft).abs() <= 1e-12 * in_buff;
+    let buff_first = buff.zip(draft).is_some_and(|(b, d)| b.1 < d.1);
+    let from_buff = if equal { buff_first } else { in_buff > in_draft };
+    let (peak_force_n, peak_time_s) = if from_buff { buff } else { draft }.unwrap_or((0.0, 0.0));
+    let exceeds_in = [&peaks.draft, &peaks.buff].map(|side| side.exceeds());
+    let extremes_n = [&peaks.draft, &peaks.buff].map(|side| side.best.value * scales.force_n);
+    let exceeds = match exceeds_in {
+        [Some(true), _] | [_, Some(true)] => Some(true),
+        [Some(false), Some(false)] => Some(false),
         _ => None,
     };
     let firsts = [(peaks.draft.first_over, "draft"), (peaks.buff.first_over, "buff")];
@@ -431,8 +502,11 @@ fn coupler_findings(
         peak_buff_n: buff.map(|p| p.0),
         peak_buff_time_s: buff.map(|p| p.1),
         exceeds,
+        exceeds_in,
+        extremes_n,
         first_exceeds_s: first.map(|(t, _)| t * scales.time_s),
         first_exceeds_in: first.map(|(_, sense)| sense),
+        first_passage: None,
         all_time_bound_n,
         limits: None,
     }

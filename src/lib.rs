@@ -13,6 +13,9 @@
 //! that the paper's chain has not: dashpots, speeds, forces of any shape, couplers that break one after the other.
 //! [`schema`] makes of the reader's tables of keys a JSON Schema for editors.
 //!
+//! Features, both on by default: `cli` builds the program, `accuracy` the module of that name. `parquet` lets a fleet write
+//! `fleet.parquet`.
+//!
 //! ```
 //! let train = trainsafe::consist::read("trains/paper-figure-4.toml".as_ref())?;
 //! let analysis = trainsafe::analyze(&train, &trainsafe::Options::default())?;
@@ -26,11 +29,14 @@
 //! ```
 #![doc = include_str!("equations.md")]
 
+#[cfg(feature = "accuracy")]
 pub mod accuracy;
 pub mod chain;
 pub mod consist;
 pub mod doubts;
 pub mod error;
+#[cfg_attr(not(feature = "accuracy"), allow(dead_code))]
+mod figures;
 pub mod findings;
 pub mod fleet;
 mod keys;

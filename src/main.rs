@@ -15,10 +15,9 @@ use std::time::{Duration, Instant};
 
 use clap::Parser;
 use trainsafe::accuracy::{self, AccuracyError};
-use trainsafe::doubts::doubts;
+use trainsafe::doubts::{doubts, idle_options};
 use trainsafe::error::printable_path;
 use trainsafe::report::Format;
-use trainsafe::scenario::Event;
 use trainsafe::solve::Method;
 use trainsafe::{Analysis, Options, Train, consist, findings, report, schema};
 
@@ -63,14 +62,7 @@ fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
         ..options(&args.solver)
     };
     let seconds = findings::estimate_s(&train, &options).map_err(|e| complain(&args.train, &e))?;
-    if args.map {
-        let impacts = train.scenarios.iter().filter(|s| matches!(s.event, Event::Impact { .. }));
-        for scenario in impacts.filter(|s| args.scenario.as_ref().is_none_or(|name| *name == s.name)) {
-            let why =
-                "forces in an impact are in proportion to its speed, so its safe factor says all that a map would";
-            say(&format!("note: {} has no map: {why}", scenario.name));
-        }
-    }
+    idle_options(&train, &options).iter().for_each(|note| say(&format!("note: {note}")));
     doubts(&train).iter().for_each(|warning| say(&format!("warning: {warning}")));
     let bytes = findings::memory_bytes(&train, &options).unwrap_or_default();
     let memory = if bytes > LARGE { format!(" and {:.1} GB of memory", bytes as f64 / 1e9) } else { String::new() };

@@ -6,26 +6,38 @@ use crate::chain::Scene;
 /// A scene with all that the paper's chain has not.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Play {
-    /// Chain, steady forces, ratings and horizon; its own force and duration play no part.
+    /// Chain, forces at t = 0, ratings and horizon; its own force and duration play no part.
     pub scene: Scene,
     /// Force from outside on the scene's source, on top of the steady ones.
     pub drive: Drive,
     /// Dashpots beside the springs: a coupler's force is `F + dashpot (v_i - v_{i+1})`; none is negative.
     pub dashpot: Vec<f64>,
+    /// Spring forces at t = 0 beyond the steady ones: the scene's `initial` less the forces that keep balance with the steady forces
+    /// from outside. All 0 where the motion starts from the steady state.
+    pub start: Vec<f64>,
     /// Speeds of the masses at t = 0 against the steady motion, forward positive; a held mass keeps its own.
     pub velocity: Vec<f64>,
     /// Springs that break at t = 0.
     pub broken: Vec<usize>,
     /// What breaks later.
     pub rule: Rule,
+    /// The force at which each spring breaks under the rule, in tension and in compression; empty where that is its rating.
+    pub break_at: Vec<[f64; 2]>,
 }
 
-/// Which springs break when they pass their rating.
+impl Play {
+    /// A spring's force in the steady state under the steady forces from outside.
+    pub fn steady(&self, spring: usize) -> f64 {
+        self.scene.initial[spring] - self.start[spring]
+    }
+}
+
+/// Which springs break when they pass the force that breaks them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rule {
     /// None.
     Keep,
-    /// Those in tension; one that passes its rating in compression is kept.
+    /// Those in tension; one that passes that force in compression is kept.
     InDraft,
     /// All.
     InBoth,
@@ -121,6 +133,47 @@ impl Drive {
         }
     }
 
+    /// When it is first other than 0, or begins to rise to it; infinite for no force at all.
+    pub fn begins(&self) -> f64 {
+        match self {
+            Drive::HalfSine { .. } => 0.0,
+            Drive::Lines(points) => match points.iter().position(|p| p[1] != 0.0) {
+                None => f64::INFINITY,
+                Some(first) => points[first.saturating_sub(1)][0],
+            },
+        }
+    }
+
+    /// When its magnitude is first the largest.
+    pub fn peaks(&self) -> f64 {
+        match self {
+            Drive::HalfSine { duration, .. } => 0.5 * duration,
+            Drive::Lines(points) => {
+                let largest = points.iter().map(|p| p[1].abs()).fold(0.0, f64::max);
+                points.iter().find(|p| p[1].abs() == largest).map_or(0.0, |p| p[0])
+            }
+        }
+    }
+
+    /// The force from which it drops to 0 at its end.
+    pub fn ends_at(&self) -> f64 {
+        match self {
+            Drive::HalfSine { .. } => 0.0,
+            Drive::Lines(points) => points.last().map_or(0.0, |p| p[1]),
+        }
+    }
+
+    /// The last instant at which it changes: its end, or where it becomes 0 for good before that. 0 without a force.
+    pub fn last_change(&self) -> f64 {
+        match self {
+            Drive::HalfSine { duration, .. } => *duration,
+            Drive::Lines(points) => match points.iter().rposition(|p| p[1] != 0.0) {
+                None => 0.0,
+                Some(last) => points.get(last + 1).unwrap_or(&points[last])[0],
+            },
+        }
+    }
+
     /// Its value; at a jump, that after it.
     pub fn value(&self, t: f64) -> f64 {
         let stretch = self.stretches(f64::MAX).into_iter().find(|s| s.from <= t && t < s.to);
@@ -175,6 +228,11 @@ mod tests {
         assert_eq!([0.5, 1.5, 3.0, 4.0, 4.5, 6.0].map(|t| drive.value(t)), [0.0, 1.5, 3.0, 1.0, 0.5, 0.0]);
         assert_eq!(drive.measures()[..2], [3.0, 6.0]);
         assert_eq!(Drive::none().stretches(2.0).len(), 1);
+        let change = |tail: &[[f64; 2]]| Drive::Lines([&[[0.0, 0.0], [1.0, 3.0]], tail].concat()).last_change();
+        assert_eq!([change(&[]), change(&[[2.0, 0.0], [9.0, 0.0]]), change(&[[2.0, 3.0]])], [1.0, 2.0, 2.0]);
+        assert_eq!(Drive::none().last_change(), 0.0);
+        assert_eq!([drive.begins(), drive.peaks(), drive.ends_at()], [1.0, 2.0, 0.0]);
+        assert_eq!(Drive::none().begins(), f64::INFINITY);
     }
 
     /// The series of a half sine about one instant gives its value at another, to the rounding of 20 terms.

@@ -6,7 +6,7 @@ use crate::chain::{Chain, Scene};
 use crate::consist::Train;
 use crate::play::{Drive, Rule};
 
-pub use plays::{beyond_steps, initial_force_n, play};
+pub use plays::{beyond_steps, break_loads, initial_force_n, play, unbalanced_n};
 
 /// One named event to run, with how long to watch.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,10 +15,14 @@ pub struct Scenario {
     pub name: String,
     /// What happens at t = 0.
     pub event: Event,
-    /// How long forces are followed, s; `None`: four one-way wave transits of the longest part.
+    /// How long forces are followed, s; `None`: to the last change of the forces from outside and four one-way wave transits of the
+    /// longest part beyond it.
     pub horizon_s: Option<f64>,
     /// What breaks after the event: nothing, unless the file says `cascade = true`.
     pub cascade: Rule,
+    /// Couplers, from 0, that would break in turn but carry buff, so that their vehicles stay pressed together: they are not
+    /// among those of the event.
+    pub left_out_in_buff: Vec<usize>,
 }
 
 /// The event at t = 0.
@@ -69,6 +73,15 @@ impl Event {
             Event::Break { .. } => "break",
             Event::Pulse { .. } | Event::Shaped { .. } => "pulse",
             Event::Impact { .. } => "impact",
+        }
+    }
+
+    /// Of an impact, the coupler that joins the two parts, as an index from 0, in a train of so many vehicles.
+    pub fn joint(&self, count: usize) -> Option<usize> {
+        match *self {
+            Event::Impact { vehicles, at_head: true, .. } => Some(vehicles - 1),
+            Event::Impact { vehicles, at_head: false, .. } => Some(count - vehicles - 1),
+            _ => None,
         }
     }
 }
@@ -159,17 +172,30 @@ fn chain_of(train: &Train, from: usize, to: usize, scales: &Scales) -> Chain {
     }
 }
 
-/// The horizon of a scenario's case, s: the file's, or four one-way wave transits of the longest part.
-pub fn horizon_s(train: &Train, scenario: &Scenario, broken: Option<usize>) -> f64 {
+/// When an outside force of the event changes for the last time, s: 0 for breaks and impacts.
+pub fn last_change_s(event: &Event) -> f64 {
+    match event {
+        Event::Break { .. } | Event::Impact { .. } => 0.0,
+        Event::Pulse { duration_s, .. } => *duration_s,
+        Event::Shaped { drive, .. } => drive.last_change(),
+    }
+}
+
+/// One-way transit of a wave through the longest part that a case leaves, s.
+pub fn longest_transit_s(train: &Train, broken: Option<usize>) -> f64 {
     let scales = Scales::of(train);
     let last = train.vehicles.len() - 1;
     let transit = |from: usize, to: usize| scales.time_s * chain_of(train, from, to, &scales).transit();
-    scenario.horizon_s.unwrap_or_else(|| {
-        4.0 * match broken {
-            None => transit(0, last),
-            Some(b) => transit(0, b).max(transit(b + 1, last)),
-        }
-    })
+    match broken {
+        None => transit(0, last),
+        Some(b) => transit(0, b).max(transit(b + 1, last)),
+    }
+}
+
+/// The horizon of a scenario's case, s: the file's, or the last change of the forces from outside and four one-way wave transits
+/// of the longest part.
+pub fn horizon_s(train: &Train, scenario: &Scenario, broken: Option<usize>) -> f64 {
+    scenario.horizon_s.unwrap_or_else(|| last_change_s(&scenario.event) + 4.0 * longest_transit_s(train, broken))
 }
 
 /// Shortest horizon of a scenario's cases, s.

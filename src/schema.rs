@@ -9,7 +9,7 @@ use serde_json::{Map, Value, json};
 use crate::consist::keys::TRAIN;
 use crate::fleet::study_keys::STUDY;
 use crate::keys::{Key, Kind, LONGEST_NAME, Shape, Sign, Variant};
-use crate::units::Dimension;
+use crate::units::{self, Dimension};
 
 /// The schema of a train file.
 pub fn train() -> Value {
@@ -77,7 +77,7 @@ fn rule(shape: &Shape, key: &str, variant: &Variant) -> Value {
 
 fn property(shape: &Shape, key: &Key) -> Value {
     let mut words = vec![key.about.to_owned()];
-    words.extend(units(key.kind));
+    words.extend(units_of(key.kind));
     if !key.default.is_empty() {
         words.push(format!("{} if absent.", key.default));
     }
@@ -99,7 +99,7 @@ fn literal(text: &str) -> Value {
 }
 
 /// The units that a value has, as a sentence.
-fn units(kind: Kind) -> Option<String> {
+fn units_of(kind: Kind) -> Option<String> {
     match kind {
         Kind::Quantity { of, share, .. } => {
             Some(format!("A {of} in {}{}.", of.choices(), if share { ", or a share in %" } else { "" }))
@@ -112,12 +112,10 @@ fn units(kind: Kind) -> Option<String> {
 fn value(kind: Kind) -> Value {
     match kind {
         Kind::Quantity { of, sign, share } => {
-            string(&quantity(sign, of.units().chain((share && of != Dimension::Grade).then_some("%"))))
+            let share = (share && of != Dimension::Grade).then(units::per_cent_pattern);
+            string(&quantity(sign, std::iter::once(of.pattern()).chain(share)))
         }
-        Kind::AnyQuantity(sign) => {
-            let units = Dimension::ALL.into_iter().flat_map(Dimension::units);
-            string(&quantity(sign, units))
-        }
+        Kind::AnyQuantity(sign) => string(&quantity(sign, Dimension::ALL.into_iter().map(Dimension::pattern))),
         Kind::Positive => json!({ "type": "number", "exclusiveMinimum": 0 }),
         Kind::Ratio => json!({ "type": "number", "minimum": 0, "exclusiveMaximum": 1 }),
         Kind::Whole { from, to } => json!({ "type": "integer", "minimum": from, "maximum": to }),
@@ -147,8 +145,8 @@ fn string(pattern: &str) -> Value {
     json!({ "type": "string", "pattern": pattern })
 }
 
-/// A regular expression of a number with one of these units.
-fn quantity<'u>(sign: Sign, units: impl Iterator<Item = &'u str>) -> String {
+/// A regular expression of a number with a unit of one of these patterns.
+fn quantity(sign: Sign, units: impl Iterator<Item = String>) -> String {
     let any = "([0-9]+\\.?[0-9]*|\\.[0-9]+)";
     let nonzero = "([0-9]*[1-9][0-9]*\\.?[0-9]*|[0-9]*\\.[0-9]*[1-9][0-9]*)";
     let number = match sign {
@@ -158,6 +156,6 @@ fn quantity<'u>(sign: Sign, units: impl Iterator<Item = &'u str>) -> String {
         Sign::NotNegative => format!("(\\+?{any}|-(0+\\.?0*|\\.0+))"),
         Sign::Any => format!("[+-]?{any}"),
     };
-    let units: Vec<String> = units.map(|unit| unit.replace('*', "\\*")).collect();
+    let units: Vec<String> = units.collect();
     format!("^\\s*{number}([eE][+-]?[0-9]+)?\\s*({})\\s*$", units.join("|"))
 }

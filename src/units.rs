@@ -1,10 +1,17 @@
 //! Quantities as people write them (`"30 MN/m"`) into SI.
 //!
+//! `spellings` has the units and how they may be written. A text that means two units is refused, with the choices.
+//!
 //! Metric units only move the decimal point, and that is done in the text, before the one rounding to a double: `"0.6 MN"`
 //! and `"600 kN"` are the same double. The others have exact integer factors (1 lb = 45 359 237e-8 kg,
 //! 1 lbf = 44 482 216 152 605e-13 N, 1 in = 254e-4 m, all by definition) and cost one rounding more, per inch two.
 
+mod refusal;
+mod spellings;
+
 use std::fmt;
+
+use refusal::{bad, no_number, with_units, wrong_unit};
 
 /// Smallest magnitude that is taken, in SI units.
 ///
@@ -55,60 +62,6 @@ pub struct BadQuantity {
     pub right: String,
 }
 
-/// `value in SI = number * 10^exponent * factor / divisor`.
-struct Unit {
-    symbol: &'static str,
-    exponent: i32,
-    factor: f64,
-    divisor: f64,
-}
-
-const fn metric(symbol: &'static str, exponent: i32) -> Unit {
-    Unit { symbol, exponent, factor: 1.0, divisor: 1.0 }
-}
-
-const fn divided(symbol: &'static str, factor: f64, exponent: i32, divisor: f64) -> Unit {
-    Unit { symbol, exponent, factor, divisor }
-}
-
-const fn exact(symbol: &'static str, factor: f64, exponent: i32) -> Unit {
-    Unit { symbol, exponent, factor, divisor: 1.0 }
-}
-
-const POUND: f64 = 45_359_237.0;
-const POUND_FORCE: f64 = 44_482_216_152_605.0;
-
-const MASSES: &[Unit] = &[
-    metric("kg", 0),
-    metric("t", 3),
-    exact("lb", POUND, -8),
-    exact("klb", POUND, -5),
-    exact("ton_us", 2.0 * POUND, -5),
-];
-const FORCES: &[Unit] =
-    &[metric("N", 0), metric("kN", 3), metric("MN", 6), exact("lbf", POUND_FORCE, -13), exact("kip", POUND_FORCE, -10)];
-const STIFFNESSES: &[Unit] = &[
-    metric("N/m", 0),
-    metric("kN/m", 3),
-    metric("MN/m", 6),
-    metric("kN/mm", 6),
-    divided("lbf/in", POUND_FORCE, -9, 254.0),
-    divided("kip/in", POUND_FORCE, -6, 254.0),
-];
-const TIMES: &[Unit] = &[metric("s", 0), metric("ms", -3), exact("min", 60.0, 0)];
-const LENGTHS: &[Unit] = &[metric("m", 0), metric("mm", -3), exact("ft", 3048.0, -4), exact("in", 254.0, -4)];
-const SPEEDS: &[Unit] = &[metric("m/s", 0), divided("km/h", 5.0, 0, 18.0), exact("mph", 44_704.0, -5)];
-const DAMPINGS: &[Unit] = &[
-    metric("N*s/m", 0),
-    metric("kN*s/m", 3),
-    metric("MN*s/m", 6),
-    divided("lbf*s/in", POUND_FORCE, -9, 254.0),
-    divided("kip*s/in", POUND_FORCE, -6, 254.0),
-];
-const RESISTANCES: &[Unit] =
-    &[metric("N/kg", 0), metric("N/t", -3), metric("kN/t", 0), divided("lbf/ton_us", POUND_FORCE, -8, 2.0 * POUND)];
-const GRADES: &[Unit] = &[metric("%", -2), metric("\u{2030}", -3)];
-
 impl Dimension {
     /// All of them.
     pub const ALL: [Dimension; 9] = [
@@ -123,28 +76,34 @@ impl Dimension {
         Dimension::Grade,
     ];
 
-    fn table(self) -> &'static [Unit] {
+    /// The units it may have, as they are written in messages; the reader takes more spellings and more units.
+    pub fn units(self) -> impl Iterator<Item = &'static str> {
+        self.listed().iter().copied()
+    }
+
+    /// The unit of reports first.
+    fn listed(self) -> &'static [&'static str] {
         match self {
-            Dimension::Mass => MASSES,
-            Dimension::Force => FORCES,
-            Dimension::Stiffness => STIFFNESSES,
-            Dimension::Time => TIMES,
-            Dimension::Length => LENGTHS,
-            Dimension::Speed => SPEEDS,
-            Dimension::Damping => DAMPINGS,
-            Dimension::Resistance => RESISTANCES,
-            Dimension::Grade => GRADES,
+            Dimension::Mass => &["kg", "t", "lb", "klb", "ton_us"],
+            Dimension::Force => &["N", "kN", "MN", "lbf", "kip"],
+            Dimension::Stiffness => &["N/m", "kN/m", "MN/m", "kN/mm", "lbf/in", "kip/in"],
+            Dimension::Time => &["s", "ms", "min"],
+            Dimension::Length => &["m", "mm", "ft", "in"],
+            Dimension::Speed => &["m/s", "km/h", "mph"],
+            Dimension::Damping => &["N*s/m", "kN*s/m", "MN*s/m", "lbf*s/in", "kip*s/in"],
+            Dimension::Resistance => &["N/kg", "N/t", "kN/t", "lbf/ton_us"],
+            Dimension::Grade => &["%", "\u{2030}"],
         }
     }
 
-    /// The units it may have, as they are written.
-    pub fn units(self) -> impl Iterator<Item = &'static str> {
-        self.table().iter().map(|u| u.symbol)
+    /// A regular expression of all that may follow a number as its unit.
+    pub(crate) fn pattern(self) -> String {
+        spellings::pattern(self)
     }
 
     /// The SI unit, in which it is reported.
     pub fn si(self) -> &'static str {
-        self.table()[0].symbol
+        self.listed()[0]
     }
 
     /// How much of SI's own that is: a hundredth for a grade, in which per cent are reported, else 1.
@@ -156,6 +115,11 @@ impl Dimension {
     pub fn choices(self) -> String {
         one_of(self.units())
     }
+}
+
+/// A regular expression of the per cent, which a share has as its unit.
+pub(crate) fn per_cent_pattern() -> String {
+    spellings::per_cent_pattern()
 }
 
 impl fmt::Display for Dimension {
@@ -194,8 +158,9 @@ pub fn one_of<S: AsRef<str>>(words: impl IntoIterator<Item = S>) -> String {
 
 /// A value in SI units as an engineer writes it: in the metric unit that fits its size, to five digits.
 pub fn shown(value: f64, dimension: Dimension) -> String {
-    let metric = dimension.table().iter().filter(|u| u.factor == 1.0 && u.divisor == 1.0);
-    let scaled = metric.map(|u| (u.symbol, value / f64::powi(10.0, u.exponent)));
+    let sizes = dimension.units().filter_map(|symbol| Some((symbol, spellings::find(dimension, symbol)?)));
+    let metric = sizes.filter(|(_, scale)| scale.is_decimal());
+    let scaled = metric.map(|(symbol, scale)| (symbol, value / f64::powi(10.0, scale.exponent)));
     // The first unit is SI's own; of those in which the number is at least 1, the one with the smallest number reads best.
     let best = scaled.reduce(|best, next| {
         let (a, b) = (best.1.abs(), next.1.abs());
@@ -227,21 +192,17 @@ pub fn parse(text: &str, dimension: Dimension, share: bool) -> Result<Amount, Ba
     if unit.is_empty() {
         return Err(bad("has no unit", with_units(number, dimension, share)));
     }
-    if unit == "%" && dimension != Dimension::Grade {
+    if spellings::is_per_cent(unit) && dimension != Dimension::Grade {
         if !share {
             return Err(bad("is a share, but of what?", with_units(number, dimension, share)));
         }
         return in_range(mantissa, shifted(mantissa, exponent - 2), "100 %").map(Amount::Share);
     }
-    let Some(known) = dimension.table().iter().find(|u| u.symbol == unit) else {
+    let Some(scale) = spellings::find(dimension, unit) else {
         return Err(wrong_unit(number, unit, dimension, share));
     };
-    let value = shifted(mantissa, exponent.saturating_add(known.exponent.into())) * known.factor / known.divisor;
+    let value = shifted(mantissa, exponent.saturating_add(scale.exponent.into())) * scale.factor / scale.divisor;
     in_range(mantissa, value, dimension.si()).map(Amount::Si)
-}
-
-fn bad(found: impl Into<String>, right: impl Into<String>) -> BadQuantity {
-    BadQuantity { found: found.into(), right: right.into() }
 }
 
 /// The longest start that looks like a number, and the rest without the whitespace between.
@@ -279,52 +240,4 @@ fn in_range(mantissa: &str, value: f64, unit: &str) -> Result<f64, BadQuantity> 
     }
     let found = if value.abs() < SMALLEST { "is too small to compute with" } else { "is too large to compute with" };
     Err(bad(found, format!("expected a magnitude from {SMALLEST:e} to {LARGEST:e} {unit}")))
-}
-
-/// The number with each unit that it could have.
-fn with_units(number: &str, dimension: Dimension, share: bool) -> String {
-    let units = dimension.units().chain(share.then_some("%"));
-    format!("write {}", one_of(units.map(|unit| format!("\"{number} {unit}\""))))
-}
-
-/// The units that a quantity may have, as a phrase.
-fn right_units(dimension: Dimension, share: bool) -> String {
-    format!("a {dimension} is in {}{}", dimension.choices(), if share { ", or a share in %" } else { "" })
-}
-
-fn wrong_unit(number: &str, unit: &str, dimension: Dimension, share: bool) -> BadQuantity {
-    let shown = crate::error::quoted(unit);
-    let rest_of_number = |c: char| c.is_ascii_digit() || matches!(c, ',' | '.' | '_' | '\'');
-    if unit.starts_with(rest_of_number) {
-        return bad(
-            "is not one number",
-            format!("write it with a point for decimals and no other separators: {}", right_units(dimension, share)),
-        );
-    }
-    let compact: String = unit.split_whitespace().collect();
-    if let Some(near) = dimension.units().find(|u| u.eq_ignore_ascii_case(&compact)) {
-        return bad(format!("has the unknown unit {shown}"), format!("did you mean \"{number} {near}\"?"));
-    }
-    let others = Dimension::ALL.into_iter().filter(|d| *d != dimension);
-    for other in others {
-        if other.units().any(|u| u == unit) {
-            return bad(format!("has {shown}, a unit of {other}"), right_units(dimension, share));
-        }
-    }
-    bad(format!("has the unknown unit {shown}"), right_units(dimension, share))
-}
-
-fn no_number(text: &str, dimension: Dimension) -> BadQuantity {
-    let right = format!("expected a number and its unit: {}", dimension.choices());
-    let word = text.trim_start_matches(['+', '-']).to_ascii_lowercase();
-    if text.is_empty() {
-        return bad("is empty", right);
-    }
-    if word.starts_with("nan") || word.starts_with("inf") {
-        return bad("is not a finite number", right);
-    }
-    if text.starts_with(['\u{2212}', '\u{2013}', '\u{2014}']) {
-        return bad("starts with a dash that is not a minus sign", "write a negative number with the hyphen \"-\"");
-    }
-    bad("does not start with a number", right)
 }

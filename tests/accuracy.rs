@@ -4,7 +4,7 @@ use trainsafe::accuracy::peers::Peer;
 use trainsafe::accuracy::reference::Reference;
 use trainsafe::accuracy::{self, Options, Origin};
 use trainsafe::chain::{Chain, Scene};
-use trainsafe::consist::{Coupler, Extras, Origin, Train, Vehicle};
+use trainsafe::consist::{self, Coupler, Extras, Train, Vehicle};
 use trainsafe::play::Rule;
 use trainsafe::scenario::{Event, Scenario};
 use trainsafe::solve::dd::Dd;
@@ -194,6 +194,7 @@ fn train(vehicles: usize) -> Train {
         event: Event::Break { couplers },
         horizon_s: None,
         cascade: Rule::Keep,
+        left_out_in_buff: Vec::new(),
     };
     Train {
         name: "eleven cars".to_owned(),
@@ -201,7 +202,7 @@ fn train(vehicles: usize) -> Train {
         couplers: vec![coupler; vehicles - 1],
         initial_force_n: vec![8e5; vehicles - 1],
         extras: Extras::default(),
-        origin: Origin::default(),
+        origin: consist::Origin::default(),
         scenarios: vec![
             scenario("near the rear", vec![4, vehicles.saturating_sub(3)]),
             scenario("the only one", vec![0]),

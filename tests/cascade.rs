@@ -70,7 +70,7 @@ fn what_is_kept_in_buff_is_said() {
 fn the_sequence_is_told() {
     let (train, analysis) = run(&two_cars("cascade = true"));
     let text = markdown(&train, &analysis);
-    assert!(text.contains("| 1 | car 1, car 2 | 1.000 MN in draft | 45.05 kJ |"), "{text}");
+    assert!(text.contains("| 1 | car 1, car 2 | 1.000 MN in draft | rating | 45.05 kJ |"), "{text}");
     assert!(text.contains("](figure-1-cascade.svg)") && text.contains("vehicles 1, 2."), "{text}");
 }
 

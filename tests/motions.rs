@@ -38,8 +38,10 @@ fn play(case: &Value) -> Play {
         },
         drive: Drive::none(),
         dashpot: numbers(&case["dashpot"]),
+        start: vec![0.0; numbers(&case["initial"]).len()],
         velocity: numbers(&case["velocity"]),
         broken: numbers(&case["broken"]).into_iter().map(|b| b as usize).collect(),
+        break_at: Vec::new(),
         rule: match case["rule"].as_str() {
             Some("draft") => Rule::InDraft,
             Some("both") => Rule::InBoth,

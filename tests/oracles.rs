@@ -297,6 +297,7 @@ fn figure_4_in_si_units() {
             event: Event::Break { couplers: vec![50] },
             horizon_s: Some(100.0 * unit),
             cascade: Rule::Keep,
+            left_out_in_buff: vec![],
         }],
         extras: Extras::default(),
         origin: Origin::default(),

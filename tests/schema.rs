@@ -90,6 +90,10 @@ const UNSEEN: &[&str] = &[
     "held-group",
     "held-in-the-middle",
     "huge",
+    "limits-order",
+    "limits-order-in-buff",
+    "limits-order-override",
+    "limits-thrice",
     "listed-twice",
     "load-empty",
     "load-twice",
@@ -175,11 +179,25 @@ fn shown(at: &Place) -> String {
     at.iter().map(step).collect::<String>().split_off(1)
 }
 
-/// What is wrong with these lies in what another key says, and `vehicle = []` in TOML's way to write none.
+/// What is wrong with these lies in what another key says (any text at `at` may be a label, and is left out here), and `vehicle = []` in TOML's way to write none.
 const ONLY_BY_READER: &[&str] = &[
+    "coupler.limits.proof \".5 kN\"",
+    "coupler.limits.proof \"1 kN\"",
+    "coupler.limits.proof \"5. kN\"",
+    "coupler.limits.ultimate \".5 kN\"",
+    "coupler.limits.ultimate \"1 kN\"",
+    "coupler.limits.ultimate \"5. kN\"",
+    "coupler_override[0].limits.proof \".5 kN\"",
+    "coupler_override[0].limits.proof \"1 kN\"",
+    "coupler_override[0].limits.proof \"5. kN\"",
     "load {}",
+    // Couplers in buff do not part, which depends on the scenarios.
+    "load.uniform \"-1 kN\"",
+    "load.uniform \"-50%\"",
     "load.uniform left out",
-    "scenario[1].at \"head\"",
+    // The break that is asked for would be of a coupler in buff.
+    "load.uniform \"-1 kN\"",
+    "load.uniform \"-50%\"",
     "scenario[1].at 1",
     "scenario[1].cascade left out",
     "scenario[1].fall \"1 s\"",
@@ -231,9 +249,12 @@ fn schema_and_reader_agree_on_every_key() {
         }
     }
     assert!(taken > 200 && refused > 1500, "{taken} {refused}");
+    // Limits of one sense have the keys of limits of both.
+    unseen.retain(|key| !key.contains(".limits.draft") && !key.contains(".limits.buff"));
     let elsewhere =
         ["coupler_override.limits.fatigue", "coupler_override.limits.ultimate", "scenario.record", "vehicles"];
     assert_eq!(unseen, elsewhere.map(str::to_owned).into(), "keys that no file here has");
+    only_by_reader.retain(|one| !one.contains(".at \""));
     let expected = ONLY_BY_READER.iter().map(|s| (*s).to_owned()).collect();
     assert_eq!(only_by_reader, expected);
 }

@@ -50,15 +50,15 @@ fn each_mistake_in_a_table_has_its_row_and_column() {
     let cases = [
         (
             "label,mass [t]\na,80\n\"b, c\",  8O \nd,-3\n",
-            "error: row 3, column mass [t]: \"8O\" has the unknown unit \"O t\"
+            "error: row 3, column mass [t]: \"8O\" has \"O\" after the number, and its column is in t
  --> HERE/consist.csv:3:10
   |
 3 | \"b, c\",  8O 
   |          ^^
   |
-  = help: a mass is in kg, t, lb, klb or ton_us
+  = help: write the number alone, in t, or take the unit out of the heading
 
-error: row 4, column mass [t]: \"-3\" is not more than zero
+error: row 4, column mass [t]: mass is negative
  --> HERE/consist.csv:4:3
   |
 4 | d,-3
@@ -68,17 +68,18 @@ error: row 4, column mass [t]: \"-3\" is not more than zero
         ),
         (
             "label,mas [t]\na,80\nb,80\n",
-            "error: unknown column \"mas\"
+            "error: unknown column \"mas [t]\"
  --> HERE/consist.csv:1:7
   |
 1 | label,mas [t]
   |       ^^^^^^^
   |
-  = help: did you mean \"mass\"? columns are label, count, held, mass, length, stiffness, rated_load or rated_buff",
+  = help: did you mean \"mass\"? columns are label, count, mass, held, length, tractive_effort, \
+             rolling_resistance, grade, brake_force, stiffness, rated_load, rated_buff, limits.fatigue, limits.proof, limits.ultimate, limits.draft.fatigue, limits.draft.proof, limits.draft.ultimate, limits.buff.fatigue, limits.buff.proof, limits.buff.ultimate or damping",
         ),
         (
             "mass [MN]\n80\n80\n",
-            "error: the column \"mass [MN]\" has an unknown unit
+            "error: the column \"mass [MN]\" has \"MN\", a unit of force
  --> HERE/consist.csv:1:1
   |
 1 | mass [MN]
@@ -96,13 +97,13 @@ error: row 4, column mass [t]: \"-3\" is not more than zero
   |
   = help: expected yes or no, or nothing for no
 
-error: row 4, column held: this vehicle cannot be held
+error: row 4, column held: a vehicle in the middle of the train is held
  --> HERE/consist.csv:4:4
   |
 4 | 80,yes
   |    ^^^
   |
-  = help: only the first and the last vehicle of the train can be held, and not both of a train of two",
+  = help: only the first and the last vehicle of the train can be held",
         ),
         (
             "label,mass [t]\na,80\nb\n",
@@ -112,7 +113,7 @@ error: row 4, column held: this vehicle cannot be held
 3 | b
   |  ^
   |
-  = help: fill it in",
+  = help: fill it in, or delete the row if it is no vehicle",
         ),
         (
             "mass [t]\n80\n",

@@ -40,9 +40,11 @@ fn play(scene: Scene) -> Play {
         scene,
         drive: Drive::none(),
         dashpot: vec![0.0; springs],
+        start: vec![0.0; springs],
         velocity: vec![0.0; masses],
         broken: Vec::new(),
         rule: Rule::Keep,
+        break_at: Vec::new(),
     }
 }
 

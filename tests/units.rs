@@ -105,7 +105,7 @@ fn what_is_no_quantity_is_told_what_it_is() {
         assert_eq!(found(text), "is not one number", "{text}");
     }
     let right = |text: &str, dimension| refusal(text, dimension, false).1;
-    assert_eq!(right("30 mn / m", Dimension::Stiffness), "did you mean \"30 MN/m\"?");
+    assert_eq!(right("30 KN / m", Dimension::Stiffness), "did you mean \"30 kN/m\"?");
     assert_eq!(right("3 T", Dimension::Mass), "did you mean \"3 t\"?");
     assert_eq!(refusal("3 MN/m", Dimension::Force, true).0, "has \"MN/m\", a unit of stiffness");
     assert_eq!(refusal("3 s", Dimension::Force, true).1, "a force is in N, kN, MN, lbf or kip, or a share in %");

@@ -2,10 +2,10 @@
 
 use std::fmt::Write as _;
 
-use super::{Train, Vehicle};
+use super::{LIMITS, Train, Vehicle};
 use crate::doubts::doubts;
 use crate::play::Rule;
-use crate::scenario::{Event, Scenario, longest_horizon_s, shortest_horizon_s};
+use crate::scenario::{Event, Scenario, break_loads, longest_horizon_s, shortest_horizon_s};
 use crate::units::{Dimension, shown};
 
 /// Longer lists of vehicles are told by kind, and longer lists of kinds are cut.
@@ -20,6 +20,9 @@ pub fn describe(train: &Train) -> String {
     let _ = writeln!(text, "{}\n{}\nto be run:", couplers(train), load(train));
     for scenario in &train.scenarios {
         let _ = writeln!(text, "  {}: {}", scenario.name, scenario_line(train, scenario));
+    }
+    for named in &train.origin.by_label {
+        let _ = writeln!(text, "by label: {named}");
     }
     for doubt in doubts(train) {
         let _ = writeln!(text, "warning: {doubt}");
@@ -116,7 +119,29 @@ fn load(train: &Train) -> String {
         0.0 => ", from the forces on the vehicles at constant speed".to_owned(),
         a => format!(", from the forces on the vehicles, which accelerate the train by {a:.4} m/s2"),
     });
-    format!("load before the event: {range}{from}")
+    format!("load before the event: {range}{from}{}", of_parts(train))
+}
+
+/// What is to be added to the load of a train with an impact.
+pub(crate) fn of_parts(train: &Train) -> &'static str {
+    let impact = train.scenarios.iter().any(|s| s.event.kind() == "impact");
+    let loaded = train.initial_force_n.iter().any(|f| *f != 0.0) || train.extras.steady.is_some();
+    if impact && loaded {
+        "; before an impact each part carries its own, and the coupler between them none"
+    } else {
+        ""
+    }
+}
+
+/// What breaks couplers in a cascade, in the first senses of draft and buff.
+fn breaking_loads(train: &Train, senses: usize) -> &'static str {
+    let all = || (0..train.couplers.len()).flat_map(|i| break_loads(train, i).into_iter().take(senses));
+    let ultimate = |(_, key): (f64, &str)| key == LIMITS[2];
+    match (all().all(ultimate), all().any(ultimate)) {
+        (true, _) => "their ultimate load",
+        (false, true) => "their ultimate load, or their rating where none is given,",
+        (false, false) => "their rating (no ultimate load is given)",
+    }
 }
 
 fn scenario_line(train: &Train, scenario: &Scenario) -> String {
@@ -126,7 +151,19 @@ fn scenario_line(train: &Train, scenario: &Scenario) -> String {
                 let [ahead, behind] = [&train.vehicles[*b].label, &train.vehicles[*b + 1].label];
                 (format!("coupler {} between {ahead} and {behind} breaks", b + 1), 1)
             }
-            many => (format!("{} of {} couplers break, each alone", many.len(), train.couplers.len()), many.len()),
+            [some @ .., last] if some.len() < 6 && some.len() + 1 < train.couplers.len() => {
+                let some: Vec<String> = some.iter().map(|b| (b + 1).to_string()).collect();
+                let which = format!("couplers {} and {}", some.join(", "), last + 1);
+                (format!("{which} of {} break, each alone", train.couplers.len()), some.len() + 1)
+            }
+            many => {
+                let left_out = match scenario.left_out_in_buff.len() {
+                    0 => String::new(),
+                    n => format!(", and {n} in buff are left out"),
+                };
+                let total = train.couplers.len();
+                (format!("{} of {total} couplers break, each alone{left_out}", many.len()), many.len())
+            }
         },
         Event::Pulse { vehicle, force_n, duration_s } => {
             let direction = if *force_n > 0.0 { "forward" } else { "backward" };
@@ -148,8 +185,8 @@ fn scenario_line(train: &Train, scenario: &Scenario) -> String {
     };
     let event = match scenario.cascade {
         Rule::Keep => event,
-        Rule::InDraft => format!("{event}; couplers that pass their rating in draft break"),
-        Rule::InBoth => format!("{event}; couplers that pass their rating in draft or buff break"),
+        Rule::InDraft => format!("{event}; couplers that pass {} in draft break", breaking_loads(train, 1)),
+        Rule::InBoth => format!("{event}; couplers that pass {} in draft or buff break", breaking_loads(train, 2)),
     };
     let [from, to] =
         [shortest_horizon_s(train, scenario), longest_horizon_s(train, scenario)].map(|t| shown(t, Dimension::Time));

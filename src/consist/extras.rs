@@ -1,5 +1,7 @@
 //! What a train may have beyond linear springs under a given load.
 
+use crate::units::{Dimension, shown};
+
 /// All of it is absent by default, and what is absent changes no result.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Extras {
@@ -13,12 +15,55 @@ pub struct Extras {
     pub limits: Vec<Limits>,
 }
 
+/// Names of the senses of a force, in the order in which pairs have them: tension and compression.
+pub const SENSES: [&str; 2] = ["draft", "buff"];
+
 /// Names of the capacities beside the rating, in rising order.
 pub const LIMITS: [&str; 3] = ["fatigue", "proof", "ultimate"];
 
-/// A coupler's capacities beside its rating, N, in either sense, in the order of [`LIMITS`]; `None` where not given.
+/// A coupler's capacities beside its rating, N, positive, in each sense in the order of [`LIMITS`]; `None` where not given.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Limits(pub [Option<f64>; 3]);
+pub struct Limits {
+    /// In tension.
+    pub draft_n: [Option<f64>; 3],
+    /// In compression.
+    pub buff_n: [Option<f64>; 3],
+}
+
+impl Limits {
+    /// The same capacities in both senses.
+    pub const fn both(capacities_n: [Option<f64>; 3]) -> Limits {
+        Limits { draft_n: capacities_n, buff_n: capacities_n }
+    }
+
+    /// Those of draft and those of buff.
+    pub fn in_senses(&self) -> [[Option<f64>; 3]; 2] {
+        [self.draft_n, self.buff_n]
+    }
+
+    /// The load at which the coupler breaks in draft and in buff.
+    pub fn ultimate_n(&self) -> [Option<f64>; 2] {
+        self.in_senses().map(|[_, _, ultimate]| ultimate)
+    }
+
+    /// These, and those of `other` where these are not given.
+    pub fn or(&self, other: &Limits) -> Limits {
+        let or = |own: [Option<f64>; 3], other: [Option<f64>; 3]| std::array::from_fn(|l| own[l].or(other[l]));
+        Limits { draft_n: or(self.draft_n, other.draft_n), buff_n: or(self.buff_n, other.buff_n) }
+    }
+
+    /// What is not in rising order, as a phrase: `proof in draft, 2 MN, is above ultimate, 1.8 MN`.
+    pub(crate) fn disorder(&self) -> Option<String> {
+        let force = |n: f64| shown(n, Dimension::Force);
+        let in_sense = |(capacities, sense): ([Option<f64>; 3], &str)| {
+            let given: Vec<_> = LIMITS.iter().zip(capacities).filter_map(|(name, n)| Some((name, n?))).collect();
+            let wrong = given.windows(2).find(|pair| pair[0].1 > pair[1].1)?;
+            let [(lower, a), (upper, b)] = [wrong[0], wrong[1]];
+            Some(format!("{lower} in {sense}, {}, is above {upper}, {}", force(a), force(b)))
+        };
+        self.in_senses().into_iter().zip(SENSES).find_map(in_sense)
+    }
+}
 
 /// The steady state of a hauled train.
 #[derive(Clone, Debug, PartialEq)]

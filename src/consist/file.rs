@@ -4,13 +4,14 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::path::Path;
 
-use super::extras::{Extras, LIMITS, Limits, Steady};
-use super::keys::COUPLER;
+use super::extras::{Extras, LIMITS, Limits, SENSES, Steady};
+use super::keys::{BEHIND, COUPLER};
+use super::labels::{Labels, numbered};
 use super::loads::{self, OwnLoad};
 use super::scenarios;
-use super::table::Row;
+use super::table::Rows;
 use super::tree::{Found, Read, Table, Value};
-use super::{Coupler, Files, MOST_VEHICLES, Origin, Train, Vehicle};
+use super::{Coupler, Files, MOST_VEHICLES, Origin, Train};
 use crate::error::{Problem, printable, quoted};
 use crate::play::Rule;
 use crate::scenario::{self, Scenario};
@@ -20,30 +21,38 @@ use crate::units::Amount;
 ///
 /// A value that was wrong is replaced by some right one so that the rest is still looked at. The train is good only if no
 /// problem has been noted. `rows` are those of the table that the file's `vehicles` names.
-pub(super) fn train(found: &Found, root: &Table, rows: Option<&[Row]>, path: &Path, files: &Files) -> Read<Train> {
+pub(super) fn train(found: &Found, root: &Table, rows: Option<Rows>, path: &Path, files: &Files) -> Read<Train> {
     let name = root.get("name").map_or_else(|| Ok(stem(path)), |v| v.name().map(str::to_owned));
     let base = base_coupler(root).unwrap_or(PLACEHOLDER);
-    let (own, vehicles): (Vec<OwnLoad>, _) = match rows {
-        Some(rows) => {
-            let vehicles = tabled(root, rows)?;
-            (vec![OwnLoad::default(); vehicles.len()], vehicles)
+    let (groups, behind) = match rows {
+        Some(Rows { groups, behind, doubts }) => {
+            doubts.into_iter().for_each(|doubt| found.doubt(doubt));
+            (tabled(root, groups)?, behind)
         }
-        None => {
-            let (groups, vehicles) = vehicles(found, root)?;
-            (groups.iter().flat_map(|g| std::iter::repeat_n(g.load, g.count)).collect(), vehicles)
-        }
+        None => (spelt_out(found, root)?, vec![]),
     };
+    let own: Vec<OwnLoad> = groups.iter().flat_map(|g| std::iter::repeat_n(g.load, g.count)).collect();
+    let vehicles = numbered(&groups);
+    let labels = Labels::new(&vehicles);
     let mut ratings = vec![base; vehicles.len() - 1];
-    rate_by_table(&mut ratings, rows.unwrap_or_default());
-    let ratings = couplers(root, &base, ratings);
+    rate_by_table(&mut ratings, &base, &groups, &behind);
+    if let Some(table) = root.get("vehicles") {
+        for (i, rating) in ratings.iter().enumerate() {
+            in_order(rating.limits, &table, &format!("the table's coupler {}: ", i + 1))?;
+        }
+    }
+    let ratings = couplers(root, &base, ratings, &labels);
     let couplers: Vec<Coupler> = ratings.iter().map(Ratings::coupler).collect();
     let weakest_n = couplers.iter().map(|c| c.rated_draft_n).fold(f64::INFINITY, f64::min);
     let load = loads::read(root, &vehicles, &couplers, &own, weakest_n);
-    let scenarios = scenarios::read(root, &vehicles, weakest_n, path, files)?;
+    let initial_force_n: &[f64] = load.as_ref().map_or(&[], |(forces, _)| forces);
+    let context = scenarios::Context { found, labels: &labels, initial_force_n, weakest_n, path, files };
+    let scenarios = scenarios::read(root, &context)?;
     let (initial_force_n, steady) = load?;
     let mut extras = extras(&ratings, steady);
     extras.damping_ratio = damping_ratio(root, &extras, &scenarios)?;
-    Ok(Train { name: name?, initial_force_n, vehicles, couplers, scenarios, extras, origin: Origin::default() })
+    let origin = Origin { by_label: labels.named.take(), ..Origin::default() };
+    Ok(Train { name: name?, initial_force_n, vehicles, couplers, scenarios, extras, origin })
 }
 
 /// The damping ratio of every mode; it fits neither dashpots nor what only they fit.
@@ -81,36 +90,89 @@ fn stem(path: &Path) -> String {
     path.file_stem().map_or_else(|| "train".to_owned(), |s| printable(&s.to_string_lossy()))
 }
 
-/// Some of a coupler's keys.
-struct CouplerKeys<'s> {
-    stiffness: Option<Value<'s>>,
-    draft: Option<Value<'s>>,
-    buff: Option<Value<'s>>,
-    limits: Option<Value<'s>>,
-    damping: Option<Value<'s>>,
+/// What a table says of some couplers beyond `[coupler]`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct OwnKeys {
+    stiffness_n_per_m: Option<f64>,
+    draft: Option<Amount>,
+    buff: Option<Amount>,
+    limits: Option<Limits>,
+    damping_n_s_per_m: Option<f64>,
 }
 
-impl<'s> CouplerKeys<'s> {
-    fn of(table: &Table<'s>) -> Self {
-        let [stiffness, draft, buff, limits, damping] =
-            ["stiffness", "rated_load", "rated_buff", "limits", "damping"].map(|key| table.get(key));
-        CouplerKeys { stiffness, draft, buff, limits, damping }
+impl OwnKeys {
+    pub(super) fn read(table: &Table) -> Read<OwnKeys> {
+        let [stiffness, damping] = ["stiffness", "damping"].map(|key| table.get(key).map(|v| v.quantity()).transpose());
+        let [draft, buff] = ["rated_load", "rated_buff"].map(|key| table.get(key).map(|v| v.amount()).transpose());
+        let limits = table.get("limits").as_ref().map(limits).transpose();
+        Ok(OwnKeys {
+            stiffness_n_per_m: stiffness?,
+            draft: draft?,
+            buff: buff?,
+            limits: limits?,
+            damping_n_s_per_m: damping?,
+        })
     }
 
-    fn damping(&self) -> Read<Option<f64>> {
-        self.damping.as_ref().map(|v| v.quantity()).transpose()
+    /// Whether it says anything.
+    pub(super) fn gives_anything(&self) -> bool {
+        let OwnKeys { stiffness_n_per_m, draft, buff, limits, damping_n_s_per_m } = self;
+        let quantity = stiffness_n_per_m.or(*damping_n_s_per_m).is_some();
+        quantity || draft.is_some() || buff.is_some() || limits.is_some()
+    }
+
+    /// Puts it in the place of what a coupler had; a share of the draft rating is one of `[coupler]`'s.
+    fn apply(&self, base: &Ratings, coupler: &mut Ratings) {
+        coupler.stiffness_n_per_m = self.stiffness_n_per_m.unwrap_or(coupler.stiffness_n_per_m);
+        coupler.buff = self.buff.unwrap_or(coupler.buff);
+        coupler.damping_n_s_per_m = self.damping_n_s_per_m.unwrap_or(coupler.damping_n_s_per_m);
+        coupler.draft_n = match self.draft {
+            Some(Amount::Si(value)) => value,
+            Some(Amount::Share(share)) => share * base.draft_n,
+            None => coupler.draft_n,
+        };
+        if let Some(own) = self.limits {
+            coupler.limits = own.or(&coupler.limits);
+        }
     }
 }
 
-/// A `limits` table.
+/// A `limits` table: a capacity of its own is of both senses, but where the table of a sense has another.
 fn limits(value: &Value) -> Read<Limits> {
     let table = value.table()?;
-    let quantity = |key| table.get(key).map(|v| v.quantity()).transpose();
-    let [fatigue, proof, ultimate] = LIMITS.map(quantity);
-    if table.is_empty() {
-        return Err(value.wrong("limits is empty", "give it fatigue, proof or ultimate: fatigue = \"970 kN\""));
+    let both = capacities(value, &table);
+    let own = SENSES.map(|sense| match table.get(sense) {
+        None => Ok([None; 3]),
+        Some(value) => value.table().and_then(|table| capacities(&value, &table)),
+    });
+    let ([draft, buff], both) = (own, both?);
+    let own = Limits { draft_n: draft?, buff_n: buff? };
+    for (l, name) in LIMITS.into_iter().enumerate() {
+        if let (Some(plain), Some(_), Some(_)) = (table.get(name), own.draft_n[l], own.buff_n[l]) {
+            let title = format!("{name} is given for draft and for buff as well, so this one has no effect");
+            return Err(plain.wrong(title, "remove it, or one of the two in limits.draft and limits.buff"));
+        }
     }
-    Ok(Limits([fatigue?, proof?, ultimate?]))
+    Ok(own.or(&Limits::both(both)))
+}
+
+/// The capacities that a table has by name.
+fn capacities(value: &Value, table: &Table) -> Read<[Option<f64>; 3]> {
+    let [fatigue, proof, ultimate] = LIMITS.map(|key| table.get(key).map(|v| v.quantity()).transpose());
+    if table.is_empty() {
+        let title = format!("{} is empty", value.name_of_key());
+        return Err(value.wrong(title, "give it fatigue, proof or ultimate: fatigue = \"970 kN\""));
+    }
+    Ok([fatigue?, proof?, ultimate?])
+}
+
+/// The limits of a coupler, which rise from fatigue to ultimate; `whose` says which coupler's they are.
+fn in_order(limits: Limits, value: &Value, whose: &str) -> Read<Limits> {
+    let right = "the order is fatigue, proof, ultimate, and none is above the next";
+    match limits.disorder() {
+        Some(disorder) => Err(value.wrong(format!("{whose}{disorder}"), right)),
+        None => Ok(limits),
+    }
 }
 
 /// The ratings that hold unless overridden; a share in `buff` is of whichever draft rating the coupler has.
@@ -128,7 +190,7 @@ const PLACEHOLDER: Ratings = Ratings {
     stiffness_n_per_m: 1.0,
     draft_n: 1.0,
     buff: Amount::Share(1.0),
-    limits: Limits([None; 3]),
+    limits: Limits::both([None; 3]),
     damping_n_s_per_m: 0.0,
 };
 
@@ -145,15 +207,15 @@ impl Ratings {
 fn base_coupler(root: &Table) -> Read<Ratings> {
     let value = root.require("coupler", "add a [coupler] table with stiffness and rated_load")?;
     let table = value.table()?;
-    let keys = CouplerKeys::of(&table);
-    let damping = keys.damping();
+    let damping = table.get("damping").map(|v| v.quantity()).transpose();
     let stiffness = table
         .require("stiffness", "add stiffness = \"30 MN/m\", that of the whole connection between two vehicles")
         .and_then(|v| v.quantity());
     let draft =
         table.require("rated_load", "add rated_load = \"1.5 MN\", the capacity in draft").and_then(|v| v.quantity());
-    let buff = keys.buff.map_or(Ok(Amount::Share(1.0)), |v| v.amount());
-    let limits = keys.limits.as_ref().map_or(Ok(Limits::default()), limits);
+    let buff = table.get("rated_buff").map_or(Ok(Amount::Share(1.0)), |v| v.amount());
+    let own = |value: &Value| limits(value).and_then(|limits| in_order(limits, value, ""));
+    let limits = table.get("limits").as_ref().map_or(Ok(Limits::default()), own);
     Ok(Ratings {
         stiffness_n_per_m: stiffness?,
         draft_n: draft?,
@@ -164,21 +226,17 @@ fn base_coupler(root: &Table) -> Read<Ratings> {
 }
 
 /// What a table of vehicles says of the couplers behind them.
-fn rate_by_table(ratings: &mut [Ratings], rows: &[Row]) {
-    let behind = rows.iter().flat_map(|row| std::iter::repeat_n(row, row.count));
-    for (coupler, row) in ratings.iter_mut().zip(behind) {
-        coupler.stiffness_n_per_m = row.stiffness_n_per_m.unwrap_or(coupler.stiffness_n_per_m);
-        coupler.draft_n = row.rated_draft_n.unwrap_or(coupler.draft_n);
-        coupler.buff = row.rated_buff_n.map_or(coupler.buff, Amount::Si);
-    }
+fn rate_by_table(ratings: &mut [Ratings], base: &Ratings, groups: &[Group], behind: &[OwnKeys]) {
+    let own = groups.iter().zip(behind).flat_map(|(group, own)| std::iter::repeat_n(own, group.count));
+    ratings.iter_mut().zip(own).for_each(|(coupler, own)| own.apply(base, coupler));
 }
 
-fn couplers(root: &Table, base: &Ratings, mut ratings: Vec<Ratings>) -> Vec<Ratings> {
+fn couplers(root: &Table, base: &Ratings, mut ratings: Vec<Ratings>, labels: &Labels) -> Vec<Ratings> {
     let overrides = root.get("coupler_override").and_then(|v| v.tables().ok());
     let mut seen = HashMap::new();
     for table in overrides.into_iter().flatten() {
         // A problem in it has been noted: the other overrides can be read all the same.
-        let _ = apply_override(&table, base, &mut ratings, &mut seen);
+        let _ = apply_override(&table, base, &mut ratings, labels, &mut seen);
     }
     ratings
 }
@@ -186,20 +244,21 @@ fn couplers(root: &Table, base: &Ratings, mut ratings: Vec<Ratings>) -> Vec<Rati
 /// Where each key of each coupler was overridden.
 type Seen = HashMap<(usize, &'static str), Range<usize>>;
 
-fn apply_override(table: &Table, base: &Ratings, ratings: &mut [Ratings], seen: &mut Seen) -> Read<()> {
-    let keys = CouplerKeys::of(table);
+fn apply_override(
+    table: &Table,
+    base: &Ratings,
+    ratings: &mut [Ratings],
+    labels: &Labels,
+    seen: &mut Seen,
+) -> Read<()> {
     // A misspelt key has been noted, and is the reason.
     if COUPLER.names().all(|key| table.key_span(key).is_none()) && !table.has_unknown_keys() {
         table.wrong("[[coupler_override]] overrides nothing", "give it a key of [coupler], such as rated_load");
     }
-    let damping = keys.damping();
-    let stiffness = keys.stiffness.map(|v| v.quantity()).transpose();
-    let draft = keys.draft.map(|v| v.amount()).transpose();
-    let buff = keys.buff.map(|v| v.amount()).transpose();
-    let limits = keys.limits.as_ref().map(limits).transpose();
+    let own = OwnKeys::read(table);
     let right = format!("expected a coupler's number from 1 to {}, or a list of them", ratings.len());
-    let at = table.require("at", &right).and_then(|v| coupler_list(&v, ratings.len(), &right));
-    let (at, stiffness, draft, buff, limits, damping) = (at?, stiffness?, draft?, buff?, limits?, damping?);
+    let at = table.require("at", &right).and_then(|v| coupler_list(&v, labels, &right));
+    let (at, own) = (at?, own?);
     for i in at {
         for key in COUPLER.names() {
             let Some(span) = table.key_span(key) else { continue };
@@ -208,28 +267,20 @@ fn apply_override(table: &Table, base: &Ratings, ratings: &mut [Ratings], seen: 
                 return Err(table.note_because(span, title, "keep one of the two", earlier, "overridden here before"));
             }
         }
-        let coupler = &mut ratings[i];
-        coupler.stiffness_n_per_m = stiffness.unwrap_or(coupler.stiffness_n_per_m);
-        coupler.buff = buff.unwrap_or(coupler.buff);
-        coupler.damping_n_s_per_m = damping.unwrap_or(coupler.damping_n_s_per_m);
-        coupler.draft_n = match draft {
-            Some(Amount::Si(value)) => value,
-            Some(Amount::Share(share)) => share * base.draft_n,
-            None => coupler.draft_n,
-        };
-        if let Some(Limits(own)) = limits {
-            coupler.limits = Limits(std::array::from_fn(|l| own[l].or(coupler.limits.0[l])));
+        own.apply(base, &mut ratings[i]);
+        if let Some(value) = table.get("limits") {
+            in_order(ratings[i].limits, &value, &format!("coupler {}: ", i + 1))?;
         }
     }
     Ok(())
 }
 
-/// Coupler numbers, one or a list, each once; as indices from 0.
-pub(super) fn coupler_list(value: &Value, count: usize, right: &str) -> Read<Vec<usize>> {
+/// Couplers, one or a list, each once and by its number or the vehicle ahead of it; as indices from 0.
+pub(super) fn coupler_list(value: &Value, labels: &Labels, right: &str) -> Read<Vec<usize>> {
     let mut seen: HashMap<usize, Range<usize>> = HashMap::new();
     let mut numbers = vec![];
     for item in value.items() {
-        let number = item.number(count, |n| format!("the train has no coupler {n}"), right)?;
+        let number = coupler(&item, labels, right)?;
         if let Some(earlier) = seen.insert(number, item.span()) {
             let title = format!("coupler {number} is listed twice");
             return Err(item.wrong_because(title, "list it once", earlier, "listed here before"));
@@ -242,42 +293,44 @@ pub(super) fn coupler_list(value: &Value, count: usize, right: &str) -> Read<Vec
     Ok(numbers)
 }
 
-/// Vehicles of a table.
-fn tabled(root: &Table, rows: &[Row]) -> Read<Vec<Vehicle>> {
+/// A coupler's number, from 1.
+fn coupler(item: &Value, labels: &Labels, right: &str) -> Read<usize> {
+    let count = labels.vehicles.len() - 1;
+    let Some(table) = item.table_if(&BEHIND) else {
+        return item.number(count, |n| format!("the train has no coupler {n}"), right);
+    };
+    let behind = table?.require("behind", "add behind, the label of the vehicle ahead of the coupler")?;
+    let label = behind.name()?;
+    let number = labels.vehicle(&behind, label, "the coupler's number instead of { behind = ... }")? + 1;
+    if number > count {
+        let help = "name the vehicle ahead of the coupler";
+        return Err(behind.wrong(format!("no coupler is behind {}, the last vehicle", quoted(label)), help));
+    }
+    labels.note(format!("coupler {number} is behind {}", quoted(label)));
+    Ok(number)
+}
+
+/// The groups of a table.
+fn tabled(root: &Table, groups: Vec<Group>) -> Read<Vec<Group>> {
     if let (Some(spelt_out), Some(table)) = (root.key_span("vehicle"), root.key_span("vehicles")) {
         let title = "the train has its vehicles twice, as a table and as [[vehicle]]";
         return Err(root.note_because(spelt_out, title, "keep one of the two", table, "the table"));
     }
-    let kind = |row: &Row| Kind {
-        label: row.label.clone(),
-        count: row.count,
-        mass_kg: row.mass_kg,
-        held: row.held,
-        length_m: row.length_m,
-    };
-    Ok(numbered(&rows.iter().map(kind).collect::<Vec<_>>()))
+    Ok(groups)
 }
 
-/// Vehicles alike that follow each other.
-struct Kind {
-    label: Option<String>,
-    count: usize,
-    mass_kg: f64,
-    held: bool,
-    length_m: Option<f64>,
-}
-
-/// One `[[vehicle]]` table.
-struct Group<'s> {
-    label: Option<&'s str>,
-    count: usize,
-    mass_kg: f64,
-    held: Option<Value<'s>>,
-    length_m: Option<f64>,
+/// Vehicles alike that follow each other: a `[[vehicle]]` table, or a row of a table of vehicles.
+pub(super) struct Group {
+    pub(super) label: Option<String>,
+    pub(super) count: usize,
+    pub(super) mass_kg: f64,
+    pub(super) held: bool,
+    pub(super) length_m: Option<f64>,
     load: OwnLoad,
 }
 
-fn vehicles<'s>(found: &Found, root: &Table<'s>) -> Read<(Vec<Group<'s>>, Vec<Vehicle>)> {
+/// The groups of the `[[vehicle]]` tables.
+fn spelt_out(found: &Found, root: &Table) -> Read<Vec<Group>> {
     let right = "add a [[vehicle]] table for each vehicle or group alike, from the head: at least two vehicles";
     if let Some(table) = root.get("vehicles") {
         return Err(table.wrong_type("expected the name of a table: vehicles = \"consist.csv\""));
@@ -295,86 +348,56 @@ fn vehicles<'s>(found: &Found, root: &Table<'s>) -> Read<(Vec<Group<'s>>, Vec<Ve
             return Err(table.wrong(title, "a train has at most that many"));
         }
     }
-    for (i, group) in groups.iter().enumerate() {
-        check_held(group, i == 0 || i + 1 == groups.len());
+    match total {
+        0 => return Err(value.wrong("the train has no vehicles", right)),
+        1 => return Err(tables[0].wrong("the train has one vehicle, so no coupler", right)),
+        _ => {}
     }
-    match (total, groups.as_slice()) {
-        (0, _) => Err(value.wrong("the train has no vehicles", right)),
-        (1, _) => Err(tables[0].wrong("the train has one vehicle, so no coupler", right)),
-        (2, [Group { held: Some(_), .. }, Group { held: Some(tail), .. }]) => {
-            Err(tail.wrong("both vehicles of the train are held, so nothing in it moves", "hold one of them, or none"))
-        }
-        _ => {
-            let vehicles = numbered(&groups.iter().map(Group::kind).collect::<Vec<_>>());
-            Ok((groups, vehicles))
+    for (index, title, help) in wrongly_held(&groups, "a [[vehicle]] of its own, without count") {
+        if let Some(held) = tables[index].get("held") {
+            held.wrong(title, help);
         }
     }
+    Ok(groups)
 }
 
-impl Group<'_> {
-    fn kind(&self) -> Kind {
-        Kind {
-            label: self.label.map(str::to_owned),
-            count: self.count,
-            mass_kg: self.mass_kg,
-            held: self.held.is_some(),
-            length_m: self.length_m,
-        }
-    }
-}
-
-fn group<'s>(table: &Table<'s>) -> Read<Group<'s>> {
+/// Reads a group; a row of a table of vehicles is read as well, as the `[[vehicle]]` that it stands for.
+pub(super) fn group(table: &Table) -> Read<Group> {
     let label = table.get("label").map(|v| v.name()).transpose();
     let right = format!("expected a whole number from 1 to {MOST_VEHICLES}, how many of them follow each other");
     let count = table.get("count").map_or(Ok(1), |v| v.number(MOST_VEHICLES, |n| format!("count is {n}"), &right));
     let mass = table.require("mass", "add mass = \"160 t\", that of each vehicle of the group");
     let mass = mass.and_then(|v| v.quantity());
     let length = table.get("length").map(|v| v.quantity()).transpose();
-    let held = table.get("held").map_or(Ok(None), |v| v.flag().map(|held| held.then_some(v)));
-    let load = loads::own(table, held.as_ref().is_ok_and(Option::is_some));
+    let held = table.get("held").map_or(Ok(false), |v| v.flag());
+    let load = loads::own(table, held.as_ref().is_ok_and(|held| *held));
     let count = count?;
     Ok(Group {
-        label: label.unwrap_or(None),
+        label: label.unwrap_or(None).map(|label| label.trim().to_owned()),
         count,
         mass_kg: mass.unwrap_or(1.0),
-        held: held.unwrap_or(None),
+        held: held.unwrap_or(false),
         length_m: length.unwrap_or(None),
         load: load.unwrap_or_default(),
     })
 }
 
-fn check_held(group: &Group, at_an_end: bool) {
-    let Some(held) = &group.held else { return };
+/// Groups that cannot be held: each with what is wrong and what would be right.
+pub(super) fn wrongly_held(groups: &[Group], own: &str) -> Vec<(usize, String, String)> {
     let right = "only the first and the last vehicle of the train can be held";
-    if !at_an_end {
-        held.wrong("a vehicle in the middle of the train is held", right);
-    } else if group.count > 1 {
-        let right = format!("{right}: give it a [[vehicle]] of its own, without count");
-        held.wrong(format!("a group of {} vehicles is held", group.count), right);
-    }
-}
-
-/// The groups spelt out, with numbers after a label that more than one vehicle has.
-fn numbered(groups: &[Kind]) -> Vec<Vehicle> {
-    let mut totals: HashMap<&str, usize> = HashMap::new();
-    for group in groups {
-        *totals.entry(group.label.as_deref().unwrap_or_default()).or_default() += group.count;
-    }
-    let mut used: HashMap<&str, usize> = HashMap::new();
-    let mut vehicles = Vec::new();
-    for group in groups {
-        for _ in 0..group.count {
-            let label = match group.label.as_deref() {
-                None => format!("vehicle {}", vehicles.len() + 1),
-                Some(label) if totals.get(label) == Some(&1) => label.to_owned(),
-                Some(label) => {
-                    let number = used.entry(label).or_default();
-                    *number += 1;
-                    format!("{label} {number}")
-                }
-            };
-            vehicles.push(Vehicle { label, mass_kg: group.mass_kg, held: group.held, length_m: group.length_m });
+    let mut wrong = vec![];
+    for (i, group) in groups.iter().enumerate().filter(|(_, group)| group.held) {
+        if i > 0 && i + 1 < groups.len() {
+            wrong.push((i, "a vehicle in the middle of the train is held".to_owned(), right.to_owned()));
+        } else if group.count > 1 {
+            let title = format!("a group of {} vehicles is held", group.count);
+            wrong.push((i, title, format!("{right}: give it {own}")));
         }
     }
-    vehicles
+    if let ([Group { held: true, count: 1, .. }, Group { held: true, count: 1, .. }], true) = (groups, wrong.is_empty())
+    {
+        let title = "both vehicles of the train are held, so nothing in it moves";
+        wrong.push((1, title.to_owned(), "hold one of them, or none".to_owned()));
+    }
+    wrong
 }

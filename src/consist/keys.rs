@@ -1,6 +1,6 @@
 //! The keys of a train file.
 
-use super::{LIMITS, MOST_VEHICLES};
+use super::{LIMITS, MOST_VEHICLES, SENSES};
 use crate::keys::{Key, Kind, Shape, Sign, Variant};
 use crate::units::Dimension;
 
@@ -15,7 +15,14 @@ const fn or_share(of: Dimension, sign: Sign) -> Kind {
 const RATING: Kind = quantity(Dimension::Force, Sign::Positive);
 /// A coupler's or vehicle's number.
 const NUMBER: Kind = Kind::Whole { from: 1, to: MOST_VEHICLES };
-const NUMBERS: Kind = Kind::OneOrMore(&NUMBER);
+const NUMBERS: Kind = Kind::OneOrMore(&Kind::Either(&[NUMBER, Kind::Table(&BEHIND)]));
+
+/// A coupler by the vehicle ahead of it.
+pub(super) static BEHIND: Shape = Shape::new(
+    "{ behind = ... }",
+    "The coupler behind a vehicle.",
+    &[Key::required("behind", Kind::Name, "The label of the vehicle ahead of the coupler.", "coal car 40")],
+);
 
 /// The whole file.
 pub(crate) static TRAIN: Shape = Shape {
@@ -28,8 +35,9 @@ pub(crate) static TRAIN: Shape = Shape {
             Key::optional(
                 "damping_ratio",
                 Kind::Ratio,
-                "Share of critical damping of every mode of vibration; for breaks and rectangular pulses, and not beside a \
-                 coupler's damping.",
+                "Share of critical damping of every mode of vibration, which no device in a train has; for breaks and rectangular \
+                 pulses, and not beside a coupler's damping. The ratios published for draft gears, 0.05 to 0.26, are not this \
+                 but c / 2 sqrt(k m) of dashpots: give [coupler] a damping for them.",
                 "0.2",
             )
             .or("0"),
@@ -84,13 +92,15 @@ const BUFF: Key = Key::optional(
 const OWN_LIMITS: Key = Key::optional(
     "limits",
     Kind::Table(&LIMITS_TABLE),
-    "More capacities, in draft and in buff; the report says which each coupler passes.",
+    "More capacities, in draft and in buff or in each; the report says which each coupler passes. In a cascade a coupler \
+     breaks at its ultimate load.",
     "{ fatigue = \"0.9 MN\", proof = \"1.8 MN\", ultimate = \"2.9 MN\" }",
 );
 const DAMPING: Key = Key::optional(
     "damping",
     quantity(Dimension::Damping, Sign::NotNegative),
-    "A dashpot beside each connection's spring; none if absent.",
+    "A dashpot c beside each connection's spring; none if absent. Published damping ratios z of draft gears are this: \
+     c = 2 z sqrt(k m).",
     "200 kN*s/m",
 );
 
@@ -115,7 +125,8 @@ pub(super) static OVERRIDE: Shape = Shape {
             Key::required(
                 "at",
                 NUMBERS,
-                "The couplers' numbers: coupler i is between vehicle i and i+1, counted from 1 at the head.",
+                "The couplers' numbers: coupler i is between vehicle i and i+1, counted from 1 at the head. Or { behind = \"car 40\" }, \
+                 the coupler behind the vehicle with that label.",
                 "[53]",
             ),
             Key::optional("stiffness", quantity(Dimension::Stiffness, Sign::Positive), STIFFNESS, "25 MN/m"),
@@ -132,17 +143,48 @@ pub(super) static OVERRIDE: Shape = Shape {
     )
 };
 
+const FATIGUE: Key = Key::optional(LIMITS[0], RATING, "The force that the coupler bears again and again.", "0.9 MN");
+const PROOF: Key = Key::optional(LIMITS[1], RATING, "The force that leaves no lasting deformation.", "1.8 MN");
+const ULTIMATE: Key = Key::optional(
+    LIMITS[2],
+    RATING,
+    "The force at which the coupler breaks, in a cascade as well; its rating stands for it if absent.",
+    "2.9 MN",
+);
+
 pub(super) static LIMITS_TABLE: Shape = Shape {
     least: 1,
     ..Shape::new(
         "limits",
-        "Capacities beside the rating, in draft and in buff.",
+        "Capacities beside the rating: of both senses, or of draft or buff alone. None is above the next: fatigue, proof, ultimate.",
         &[
-            Key::optional(LIMITS[0], RATING, "The force that the coupler bears again and again.", "0.9 MN"),
-            Key::optional(LIMITS[1], RATING, "The force that leaves no lasting deformation.", "1.8 MN"),
-            Key::optional(LIMITS[2], RATING, "The force at which the coupler breaks.", "2.9 MN"),
+            FATIGUE,
+            PROOF,
+            ULTIMATE,
+            Key::optional(
+                SENSES[0],
+                Kind::Table(&LIMITS_IN_DRAFT),
+                "Those in draft, where they differ.",
+                "{ ultimate = \"2.9 MN\" }",
+            ),
+            Key::optional(
+                SENSES[1],
+                Kind::Table(&LIMITS_IN_BUFF),
+                "Those in buff, where they differ.",
+                "{ ultimate = \"3.5 MN\" }",
+            ),
         ],
     )
+};
+
+static LIMITS_IN_DRAFT: Shape = Shape {
+    least: 1,
+    ..Shape::new("limits.draft", "Capacities in draft beside the rating.", &[FATIGUE, PROOF, ULTIMATE])
+};
+
+static LIMITS_IN_BUFF: Shape = Shape {
+    least: 1,
+    ..Shape::new("limits.buff", "Capacities in buff beside the rating.", &[FATIGUE, PROOF, ULTIMATE])
 };
 
 /// Two keys that a vehicle may have of its own, and the load for all.
@@ -238,14 +280,15 @@ pub(super) static SCENARIO: Shape = Shape {
             Key::optional(
                 "coupler",
                 Kind::Either(&[Kind::Word(&["each"]), NUMBERS]),
-                "Of a break: the coupler's number, a list of them in turn, or \"each\".",
+                "Of a break: the coupler's number or { behind = \"car 40\" }, the label of the vehicle ahead of it; a list of them in turn, \
+                 or \"each\".",
                 "53",
             ),
             Key::optional(
                 "at",
-                Kind::Either(&[Kind::Word(&["head", "tail"]), NUMBER]),
-                "Of a pulse, the vehicle that is struck: \"head\", \"tail\" or its number. Of an impact, the end that is struck: \
-                 \"head\" or \"tail\".",
+                Kind::Either(&[Kind::Word(&["head", "tail"]), NUMBER, Kind::Name]),
+                "Of a pulse, the vehicle that is struck: \"head\", \"tail\", its number or its label. Of an impact, the end that is \
+                 struck: \"head\" or \"tail\".",
                 "tail",
             ),
             Key::optional(
@@ -290,7 +333,8 @@ pub(super) static SCENARIO: Shape = Shape {
             Key::optional(
                 "vehicles",
                 NUMBER,
-                "Of an impact: how many of the train's vehicles arrive together, and couple; at least one stands.",
+                "Of an impact: how many of the train's vehicles arrive together, and couple; at least one stands. The load of \
+                 either part stays, and the coupler that joins them carries none before.",
                 "3",
             ),
             Key::optional(
@@ -302,18 +346,26 @@ pub(super) static SCENARIO: Shape = Shape {
             Key::optional(
                 "horizon",
                 quantity(Dimension::Time, Sign::Positive),
-                "How long forces are followed; four transits of a wave through the longest part if absent.",
+                "How long forces are followed; if absent, to the last change of the outside force and four transits of a wave \
+                 through the longest part beyond it.",
                 "8 s",
             ),
             Key::optional(
                 "cascade",
                 Kind::Flag,
-                "Couplers that pass their rating in draft break, one after the other; else they are reported.",
+                "Couplers that pass their ultimate load in draft, or their rating where none is given, break, one after the \
+                 other; else they are reported.",
                 "true",
             )
             .or("false"),
-            Key::optional("buff_breaks", Kind::Flag, "In a cascade, couplers break in buff as well.", "true")
-                .or("false"),
+            Key::optional(
+                "buff_breaks",
+                Kind::Flag,
+                "Couplers in buff break as well, as if the parts could pass through each other: in a cascade, and of a break the \
+                 couplers that carry buff, which else are refused or left out of \"each\".",
+                "true",
+            )
+            .or("false"),
         ],
     )
 };

@@ -9,15 +9,22 @@
 //! The train runs forward, so resistance and brakes pull backward. A held end takes whatever force it needs. With both ends
 //! held the couplers share the forces as their compliances allow: the ends keep the distance at which the train without a
 //! load is unstretched.
+//!
+//! Where large forces cancel, what their rounding leaves is no force: a sum that is smaller than [`NOISE`] times the sum of the
+//! magnitudes in it is 0.
 
 use super::extras::Steady;
 use super::tree::{Read, Table};
 use super::{Coupler, Vehicle};
+use crate::doubts::{Doubt, STEEP, more};
 use crate::solve::dd::Dd;
 use crate::units::Amount;
 
 /// Standard gravity, m/s2 (CGPM 1901).
 const GRAVITY: f64 = 9.806_65;
+
+/// Each term has a rounding error of a few `u = EPSILON / 2`; a sum of terms is off by no more than that share of their magnitudes.
+const NOISE: f64 = 8.0 * f64::EPSILON;
 
 /// What a vehicle's own table says of the forces on it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -71,6 +78,7 @@ pub(super) fn read(
         if !by_vehicle {
             return Ok((vec![0.0; couplers.len()], None));
         }
+        steep(root, vehicles, own, grade.unwrap_or(0.0));
         let outside = |(v, o): (&Vehicle, &OwnLoad)| outside_n(v, o, resistance.unwrap_or(0.0), grade.unwrap_or(0.0));
         let outside_n: Vec<f64> = vehicles.iter().zip(own).map(outside).collect();
         let (forces, acceleration_m_per_s2) = steady_forces(vehicles, couplers, &outside_n);
@@ -90,6 +98,18 @@ pub(super) fn read(
     Ok((vec![load_n; couplers.len()], None))
 }
 
+/// Notes a grade that no railway has.
+fn steep(root: &Table, vehicles: &[Vehicle], own: &[OwnLoad], grade: f64) {
+    let slopes = vehicles.iter().zip(own).filter(|(v, _)| !v.held).map(|(v, o)| (v, o.grade.unwrap_or(grade)));
+    let mut steep = slopes.filter(|(_, slope)| slope.abs() > STEEP);
+    if let Some((first, slope)) = steep.next() {
+        let (others, percent) = (more(steep.count(), "vehicle"), 100.0 * slope);
+        let text =
+            format!("the grade of {}{others} is {percent:.0} %, over 10 %; check the number and its unit", first.label);
+        root.doubt(Doubt::of_train("grade", text));
+    }
+}
+
 fn outside_n(vehicle: &Vehicle, own: &OwnLoad, resistance: f64, grade: f64) -> f64 {
     if vehicle.held {
         return 0.0;
@@ -97,19 +117,29 @@ fn outside_n(vehicle: &Vehicle, own: &OwnLoad, resistance: f64, grade: f64) -> f
     let slope = own.grade.unwrap_or(grade);
     let downhill = GRAVITY * slope / slope.hypot(1.0);
     let per_mass = own.resistance_n_per_kg.unwrap_or(resistance) + downhill;
-    own.tractive_effort_n - own.brake_force_n - per_mass * vehicle.mass_kg
+    let force = own.tractive_effort_n - own.brake_force_n - per_mass * vehicle.mass_kg;
+    let resistance = own.resistance_n_per_kg.unwrap_or(resistance) + downhill.abs();
+    without_noise(force, own.tractive_effort_n.abs() + own.brake_force_n + resistance * vehicle.mass_kg)
+}
+
+/// A sum of terms with these magnitudes in all; 0 if it is no more than their rounding.
+fn without_noise(sum: f64, magnitudes: f64) -> f64 {
+    if sum.abs() <= NOISE * magnitudes { 0.0 } else { sum }
 }
 
 /// The couplers' forces under steady forces from outside, N, draft positive, and the train's acceleration, m/s2.
 ///
 /// `outside_n` holds a force for each vehicle, N, forward positive; that of a held vehicle plays no part. Sums are in
-/// double-double and rounded once.
+/// double-double and rounded once; what is only the rounding of the given forces is 0.
 pub fn steady_forces(vehicles: &[Vehicle], couplers: &[Coupler], outside_n: &[f64]) -> (Vec<f64>, f64) {
     let last = vehicles.len() - 1;
     let free = !vehicles[0].held && !vehicles[last].held;
     let sum = |terms: &mut dyn Iterator<Item = f64>| terms.fold(Dd::ZERO, |s, x| s + Dd::from(x));
-    let acceleration = if free {
-        sum(&mut outside_n.iter().copied()) / sum(&mut vehicles.iter().map(|v| v.mass_kg))
+    let live = || (0..=last).filter(|&v| !vehicles[v].held);
+    let magnitudes: f64 = live().map(|v| outside_n[v].abs()).sum();
+    let total = sum(&mut live().map(|v| outside_n[v]));
+    let acceleration = if free && without_noise(total.to_f64(), magnitudes) != 0.0 {
+        total / sum(&mut vehicles.iter().map(|v| v.mass_kg))
     } else {
         Dd::ZERO
     };
@@ -133,5 +163,6 @@ pub fn steady_forces(vehicles: &[Vehicle], couplers: &[Coupler], outside_n: &[f6
             -(stretch / couplers.iter().fold(Dd::ZERO, |s, c| s + compliance(c)))
         }
     };
-    (forces.into_iter().map(|f| (f + offset).to_f64()).collect(), acceleration.to_f64())
+    let force = |f: Dd| without_noise((f + offset).to_f64(), magnitudes);
+    (forces.into_iter().map(force).collect(), acceleration.to_f64())
 }

@@ -7,10 +7,15 @@
 mod describe;
 mod extras;
 mod file;
+mod heading;
 pub(crate) mod keys;
+mod kinds;
+mod labels;
 mod loads;
+mod numbers;
 mod record;
 mod scenarios;
+mod sheet;
 mod table;
 mod text;
 pub(crate) mod tree;
@@ -21,11 +26,12 @@ use toml::de::DeTable;
 
 use crate::doubts::Doubt;
 use crate::error::{InputError, Problem};
+use crate::fleet::study;
 use crate::scenario::Scenario;
 
-pub(crate) use describe::count;
 pub use describe::describe;
-pub use extras::{Extras, LIMITS, Limits, Steady};
+pub(crate) use describe::{count, of_parts};
+pub use extras::{Extras, LIMITS, Limits, SENSES, Steady};
 pub use loads::steady_forces;
 pub use text::{Files, Source};
 
@@ -86,6 +92,8 @@ pub struct Origin {
     pub sources: Vec<Source>,
     /// What its reader found that is probably not meant; part of [`doubts`](crate::doubts::doubts).
     pub doubts: Vec<Doubt>,
+    /// What the file names by a label, with its number: `coupler 41 is behind "coal car 40"`.
+    pub by_label: Vec<String>,
 }
 
 /// Reads a train file.
@@ -135,30 +143,61 @@ pub fn parse_with(text: &str, path: &Path, files: &Files) -> Result<Train, Input
         let help = "`trainsafe new` prints one to start from";
         return Err(InputError::of_file(path, "the train file is empty", help));
     }
-    let root = DeTable::parse(text).map_err(|e| not_toml(e, text, path))?;
-    let rows = match root.get_ref().get("vehicles").and_then(|v| v.get_ref().as_str()) {
-        Some(name) => {
-            let beside = table::place(path, name);
-            let text = files.beside(&beside).map_err(|[title, help]| InputError::of_file(&beside, title, help))?;
-            Some(table::parse(&text, &beside)?)
-        }
-        None => None,
-    };
+    let root = DeTable::parse(text).map_err(|e| not_train(text, path).unwrap_or_else(|| not_toml(e, text, path)))?;
+    if study::is_study_root(root.get_ref()) {
+        return Err(not_train(text, path).unwrap_or_else(|| InputError::of_file(path, "this is a study", "")));
+    }
     let found = tree::Found::default();
     let root = tree::Table::root(&found, root.get_ref(), &keys::TRAIN);
-    let train = file::train(&found, &root, rows.as_deref(), path, files);
+    let named = root.get("vehicles").filter(|value| value.as_text().is_some());
+    let rows = match named.map(|value| value.text_beside(path, files)) {
+        Some(Ok((beside, text))) => Ok(Some(table::parse(&text, &beside)?)),
+        Some(Err(reported)) => Err(reported),
+        None => Ok(None),
+    };
+    let train = rows.and_then(|rows| file::train(&found, &root, rows, path, files));
     let (problems, doubts) = found.into_parts();
     match train {
-        Ok(train) if problems.is_empty() => Ok(Train { origin: Origin { sources: files.list(), doubts }, ..train }),
+        Ok(train) if problems.is_empty() => {
+            Ok(Train { origin: Origin { sources: files.list(), doubts, ..train.origin }, ..train })
+        }
         _ => Err(InputError::new(path, text, problems)),
     }
+}
+
+/// What to say of a text that is another kind of file than a train file, if that can be told.
+fn not_train(text: &str, path: &Path) -> Option<InputError> {
+    let what = kinds::of_text(text).filter(|what| *what != "a train file")?;
+    let shown = crate::error::printable_path(path);
+    let shown = if shown.contains(' ') { format!("\"{shown}\"") } else { shown };
+    let file = path.file_name().map_or_else(|| shown.clone(), |name| name.to_string_lossy().into_owned());
+    let help = match what {
+        "a study" => {
+            format!("type `trainsafe fleet {shown}`; a [[vary]] table has its place in a study, and no other file")
+        }
+        "a table of vehicles" => format!("name it in a train file: vehicles = \"{file}\"; `trainsafe new` prints one"),
+        "a record of force over time" => format!("name it in a pulse of a train file: record = \"{file}\""),
+        _ => "give the path of a train file; `trainsafe new` prints one to start from".to_owned(),
+    };
+    Some(InputError::of_file(path, format!("this is {what}, and no train file"), help))
 }
 
 /// A text that TOML's grammar refuses.
 pub(crate) fn not_toml(error: toml::de::Error, text: &str, path: &Path) -> InputError {
     let at = error.span().unwrap_or(0..0);
     let title = format!("not TOML: {}", error.message());
-    InputError::one(path, text, Problem::at(at.clone(), title, unquoted(text, at.start)))
+    let help = escaped(text, at.start).or_else(|| unquoted(text, at.start));
+    InputError::one(path, text, Problem::at(at, title, help))
+}
+
+/// A backslash between double quotes that starts no escape, as in a path of Windows, put right.
+fn escaped(text: &str, at: usize) -> Option<String> {
+    let before = text.get(..at)?;
+    let line_start = before.rfind(['\n', '\r']).map_or(0, |i| i + 1);
+    let line = text.get(line_start..)?.lines().next()?;
+    let quote = line.find('"')?;
+    let slash = quote + line[quote..].find('\\')?;
+    (line_start + slash <= at + 1).then(|| tree::BACKSLASH.to_owned())
 }
 
 /// The commonest slip of syntax, a quantity without quotes, put right.

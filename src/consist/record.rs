@@ -1,58 +1,141 @@
 //! A measured force over time: a CSV file with two columns beside the train file.
 //!
-//! The header names the columns and their units, `time_ms,force_kn` or `time (ms),force (kN)`. The force runs in straight
-//! lines from row to row; before the first and after the last it is zero.
+//! The header names the columns and their units, `time_ms,force_kn` or `time [ms],force [kN]`. The force runs in straight lines from row
+//! to row; before the first and after the last it is zero. A record whose clock does not start at 0 starts where its force first changes.
 
 use std::path::Path;
 
-use super::Files;
-use crate::units::Dimension;
+use super::heading::{Content, Wanted};
+use super::sheet::{NoSheet, Record, Sheet};
+use crate::doubts::Doubt;
+use crate::error::{InputError, Problem, Problems, printable_path, quoted};
+use crate::units::{self, Amount, Dimension, shown};
 
-/// Reads a record: times, s, and forces, N.
+/// What a record holds.
+pub(super) struct Course {
+    /// Times, s, and forces, N.
+    pub(super) points: Vec<[f64; 2]>,
+    /// What is probably not meant.
+    pub(super) doubts: Vec<Doubt>,
+}
+
+const COLUMNS: [(&str, Dimension); 2] = [("time", Dimension::Time), ("force", Dimension::Force)];
+
+fn wanted() -> Vec<Wanted> {
+    let one = |(name, of): (&str, Dimension)| Wanted {
+        names: vec![name.to_owned()],
+        content: Content::Quantity { of, share: false },
+        by_unit: true,
+    };
+    COLUMNS.into_iter().map(one).collect()
+}
+
+fn open(text: &str) -> Result<Sheet<'_>, NoSheet> {
+    let sheet = Sheet::open(text, &wanted(), &[0, 1])?;
+    if sheet.columns.iter().all(Option::is_some) { Ok(sheet) } else { Err(None) }
+}
+
+/// Whether a text looks like a record.
+pub(super) fn is_record(text: &str) -> bool {
+    open(text).is_ok()
+}
+
+/// Reads a record's text; `path` is what messages call it.
 ///
 /// # Errors
 /// What is wrong with it, and what would be right.
-pub(super) fn read(path: &Path, files: &Files) -> Result<Vec<[f64; 2]>, [String; 2]> {
-    let shown = crate::error::printable_path(path);
-    let wrong = |what: String, right: &str| [format!("{shown}: {what}"), right.to_owned()];
-    let header = "the first line names two columns and their units: time_ms,force_kn";
-    let text = files.beside(path).map_err(|[what, right]| wrong(what, &right))?;
-    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(text.as_bytes());
-    let names = reader.headers().map_err(|e| wrong(e.to_string(), header))?.clone();
-    let column =
-        |name: &str, dimension| names.iter().enumerate().find_map(|(i, n)| Some((i, unit(n, name, dimension)?)));
-    let (Some(time), Some(force)) = (column("time", Dimension::Time), column("force", Dimension::Force)) else {
-        return Err(wrong("has no columns of time and force with units".to_owned(), header));
+pub(super) fn parse(text: &str, path: &Path) -> Result<Course, InputError> {
+    let header =
+        "a row above the numbers names two columns and their units, as time_ms,force_kn or time [s];force [N] do";
+    let of_file = |title: String, help: &str| InputError::of_file(path, title, help);
+    let sheet = match open(text) {
+        Ok(sheet) => sheet,
+        Err(Some(problems)) => return Err(InputError::new(path, text, problems)),
+        // Nothing is shown of a file that is no record: a train file may come from anyone, and name any file.
+        Err(None) => {
+            let what = super::kinds::of_text(text).map_or(String::new(), |what| format!(": it is {what}"));
+            return Err(of_file(format!("the record has no columns of time and force with units{what}"), header));
+        }
     };
-    let mut points: Vec<[f64; 2]> = Vec::new();
-    for row in reader.records() {
-        let row = row.map_err(|e| wrong(e.to_string(), "expected two numbers in each row"))?;
-        let line = row.position().map_or(0, csv::Position::line);
-        let number = |(i, unit): (usize, f64)| row.get(i).and_then(|t| t.parse::<f64>().ok()).map(|x| x * unit);
-        let point = match (number(time), number(force)) {
-            (Some(t), Some(f)) if t.abs() <= 1e30 && f.abs() <= 1e30 => [t, f],
-            _ => return Err(wrong(format!("line {line} has no time and force"), "expected two numbers in each row")),
+    let mut problems = Problems::default();
+    let points = points(&sheet, &mut problems);
+    if !problems.is_empty() {
+        return Err(InputError::new(path, text, problems));
+    }
+    if points.last().is_none_or(|last| last[0] <= points[0][0]) {
+        let help = "expected two rows or more with rising times";
+        return Err(of_file("the record holds no stretch of time".into(), help));
+    }
+    if points.iter().all(|point| point[1] == 0.0) {
+        return Err(of_file("the record holds no force other than zero".into(), "expected a force that acts"));
+    }
+    let name = path.file_name().map_or_else(|| printable_path(path), |name| printable_path(Path::new(name)));
+    let mut doubts: Vec<Doubt> = sheet.unread.iter().map(|column| not_read(column, &name)).collect();
+    let (points, shift) = shifted(points, &name);
+    doubts.extend(shift);
+    Ok(Course { points, doubts })
+}
+
+fn not_read(column: &str, name: &str) -> Doubt {
+    Doubt::of_train("column-not-read", format!("the column {} of {name} is not read", quoted(column)))
+}
+
+fn points(sheet: &Sheet, problems: &mut Problems) -> Vec<[f64; 2]> {
+    let mut points: Vec<[f64; 2]> = vec![];
+    for record in sheet.rows() {
+        let before = points.last().map(|point| point[0]);
+        let point = match point(sheet, &record) {
+            Ok(point) => point,
+            Err(problem) => {
+                problems.note(problem);
+                // One cell shows what is wrong with a column.
+                return points;
+            }
         };
-        if point[0] < points.last().map_or(0.0, |p| p[0]) {
-            return Err(wrong(format!("line {line} goes back in time"), "times start at 0 or later and never fall"));
+        if before.is_some_and(|before| point[0] < before) {
+            let title = format!("row {} goes back in time", record.row);
+            problems.note(Problem::at(sheet.place(&record, 0), title, Some("times never fall from row to row".into())));
+            return points;
         }
         points.push(point);
     }
-    if points.last().is_none_or(|last| last[0] <= points[0][0]) {
-        return Err(wrong("holds no stretch of time".to_owned(), "expected two rows or more with rising times"));
-    }
-    if points.iter().all(|p| p[1] == 0.0) {
-        return Err(wrong("holds no force other than zero".to_owned(), "expected a force that acts"));
-    }
-    Ok(points)
+    points
 }
 
-/// What a number in a column so named is in SI, if the column is of that quantity.
-fn unit(column: &str, name: &str, dimension: Dimension) -> Option<f64> {
-    let rest = column.strip_prefix(name)?.trim_start_matches([' ', '_', '(']).trim_end_matches(')');
-    let symbol = dimension.units().find(|u| u.eq_ignore_ascii_case(rest))?;
-    match crate::units::parse(&format!("1 {symbol}"), dimension, false) {
-        Ok(crate::units::Amount::Si(value)) => Some(value),
-        _ => None,
+fn point(sheet: &Sheet, record: &Record) -> Result<[f64; 2], Problem> {
+    let mut point = [0.0; 2];
+    for (w, (name, of)) in COLUMNS.into_iter().enumerate() {
+        let wrong = |found: String, right: String| {
+            Problem::at(sheet.place(record, w), format!("row {}: {name} {found}", record.row), Some(right))
+        };
+        let Some((text, _)) = sheet.cell(record, w) else {
+            return Err(wrong("is empty".into(), "expected two numbers in each row".into()));
+        };
+        let (quantity, has_unit) = sheet.quantity(w, &text).map_err(|[found, right]| wrong(found, right))?;
+        if !has_unit {
+            let help = format!("head the column {name}_{}, or with another of {}", of.si(), of.choices());
+            return Err(Problem::at(sheet.heading_span(w), format!("the column of {name} has no unit"), Some(help)));
+        }
+        point[w] = match units::parse(&quantity, of, false) {
+            Ok(Amount::Si(value) | Amount::Share(value)) => value,
+            Err(bad) => return Err(wrong(format!("{}: {}", bad.found, quoted(&text)), bad.right)),
+        };
     }
+    Ok(point)
+}
+
+/// The course with its start at t = 0: a record that starts at another time starts at the last row before its force leaves zero, or at its
+/// first row if there is a force in that.
+fn shifted(points: Vec<[f64; 2]>, name: &str) -> (Vec<[f64; 2]>, Option<Doubt>) {
+    let first = points[0][0];
+    if first == 0.0 {
+        return (points, None);
+    }
+    let start = points.iter().position(|point| point[1] != 0.0).unwrap_or(0).saturating_sub(1);
+    let zero = points[start][0];
+    let [from, by] = [first, zero].map(|t| shown(t, Dimension::Time));
+    let why = if points[0][1] == 0.0 { "where its force starts to change" } else { "where it has a force at once" };
+    let what = format!("its clock at {by}, {why}, is taken as t = 0 of the event");
+    let doubt = Doubt::of_train("record-shifted", format!("the record {name} starts at {from}: {what}"));
+    (points[start..].iter().map(|point| [point[0] - zero, point[1]]).collect(), Some(doubt))
 }

@@ -6,12 +6,14 @@ use std::path::Path;
 
 use super::file::coupler_list;
 use super::keys::SCENARIO;
-use super::tree::{Read, Table, Value};
-use super::{Files, Vehicle, record};
+use super::labels::Labels;
+use super::tree::{Found, Read, Table, Value};
+use super::{Files, record};
+use crate::doubts::Doubt;
 use crate::error::quoted;
 use crate::play::{Drive, Rule};
 use crate::scenario::{Event, Scenario};
-use crate::units::Amount;
+use crate::units::{Amount, Dimension, shown};
 
 /// More breaks than this, over all scenarios, are refused.
 const MOST_CASES: usize = 1_000_000;
@@ -19,20 +21,40 @@ const MOST_CASES: usize = 1_000_000;
 /// More scenarios than this are refused: each has figures of its own.
 const MOST_SCENARIOS: usize = 1000;
 
+/// What a scenario is read against.
+pub(super) struct Context<'a, 'v> {
+    pub found: &'a Found,
+    pub labels: &'a Labels<'v>,
+    /// Force in each coupler before the event, N; none where it could not be read.
+    pub initial_force_n: &'a [f64],
+    /// The smallest capacity in draft, N.
+    pub weakest_n: f64,
+    /// The train file.
+    pub path: &'a Path,
+    pub files: &'a Files,
+}
+
+impl Context<'_, '_> {
+    /// Whether a coupler carries buff: its vehicles stay pressed together when it breaks.
+    fn in_buff(&self, coupler: usize) -> bool {
+        self.initial_force_n.get(coupler).is_some_and(|force| *force < 0.0)
+    }
+
+    /// Every coupler in turn, and those that are left out because they carry buff.
+    fn each(&self, buff_breaks: bool) -> (Event, Vec<usize>) {
+        let all = 0..self.labels.vehicles.len() - 1;
+        let (left_out, couplers) = all.partition(|&i| !buff_breaks && self.in_buff(i));
+        (Event::Break { couplers }, left_out)
+    }
+}
+
 /// The scenarios, or each coupler in turn if there are none.
-pub(super) fn read(
-    root: &Table,
-    vehicles: &[Vehicle],
-    weakest_n: f64,
-    path: &Path,
-    files: &Files,
-) -> Read<Vec<Scenario>> {
-    let each = || Event::Break { couplers: (0..vehicles.len() - 1).collect() };
+pub(super) fn read(root: &Table, context: &Context) -> Read<Vec<Scenario>> {
     let tables = root.get("scenario").map_or(Ok(vec![]), |v| v.tables())?;
     if tables.is_empty() {
-        let event = each();
-        let name = default_name(&event, vehicles.len());
-        return Ok(vec![Scenario { name, event, horizon_s: None, cascade: Rule::Keep }]);
+        let (event, left_out_in_buff) = context.each(false);
+        let name = default_name(&event, &left_out_in_buff, context.labels.vehicles.len());
+        return Ok(vec![Scenario { name, event, horizon_s: None, cascade: Rule::Keep, left_out_in_buff }]);
     }
     if let Some(beyond) = tables.get(MOST_SCENARIOS) {
         let title = format!("the train file has {} scenarios", tables.len());
@@ -42,7 +64,7 @@ pub(super) fn read(
     }
     let (mut scenarios, mut cases) = (vec![], 0);
     for table in &tables {
-        let scenario = scenario(table, vehicles, weakest_n, path, files);
+        let scenario = scenario(table, context);
         if let Ok(Unnamed { event: Event::Break { couplers }, .. }) = &scenario {
             cases += couplers.len();
         }
@@ -52,52 +74,62 @@ pub(super) fn read(
         }
         scenarios.push(scenario);
     }
-    named(scenarios.into_iter().collect::<Read<_>>()?, vehicles.len())
+    named(scenarios.into_iter().collect::<Read<_>>()?, context.labels.vehicles.len())
 }
 
 /// A scenario that may have no name yet.
 struct Unnamed<'s> {
     name: Option<(&'s str, Value<'s>)>,
     event: Event,
+    left_out_in_buff: Vec<usize>,
     horizon_s: Option<f64>,
     cascade: Rule,
 }
 
-fn scenario<'s>(
-    table: &Table<'s>,
-    vehicles: &[Vehicle],
-    weakest_n: f64,
-    path: &Path,
-    files: &Files,
-) -> Read<Unnamed<'s>> {
+fn scenario<'s>(table: &Table<'s>, context: &Context) -> Read<Unnamed<'s>> {
     let name = table.get("name").map(|v| v.name().map(|text| (text, v.clone()))).transpose();
     let horizon = table.get("horizon").map(|v| v.quantity()).transpose();
-    let cascade = cascade(table);
     let kind = table.require("kind", "add kind = \"break\", kind = \"pulse\" or kind = \"impact\"")?;
     let kind = kind.word()?;
     only_of(table, kind);
+    let breaking = breaking(table, kind);
     let event = match kind {
-        "break" => break_of(table, vehicles.len() - 1),
-        "impact" => impact(table, vehicles.len()),
-        _ => pulse(table, vehicles, weakest_n, path, files),
+        // With an unreadable flag nothing is said of couplers in buff.
+        "break" => break_of(table, context, breaking.as_ref().map_or(true, |(_, in_buff)| *in_buff)),
+        "impact" => impact(table, context.labels.vehicles.len()).map(|event| (event, vec![])),
+        _ => pulse(table, context).map(|event| (event, vec![])),
     };
-    Ok(Unnamed { name: name?, event: event?, horizon_s: horizon?, cascade: cascade? })
+    let (name, horizon_s, (event, left_out_in_buff), (cascade, buff_breaks)) = (name?, horizon?, event?, breaking?);
+    if let Event::Break { couplers } = &event
+        && buff_breaks
+        && cascade == Rule::Keep
+        && !couplers.iter().any(|&b| context.in_buff(b))
+    {
+        let what = name.as_ref().map_or("a scenario".to_owned(), |(name, _)| name.to_string());
+        let text = format!(
+            "buff_breaks of {what} changes nothing: no coupler that breaks in it carries buff, and it has no cascade"
+        );
+        table.doubt(Doubt::of_train("buff-breaks-unused", text));
+    }
+    Ok(Unnamed { name, event, left_out_in_buff, horizon_s, cascade })
 }
 
-/// Whether, and which, couplers break that pass their rating.
-fn cascade(table: &Table) -> Read<Rule> {
+/// Which couplers break that pass their rating, and whether couplers in buff break.
+fn breaking(table: &Table, kind: &str) -> Read<(Rule, bool)> {
     let on = table.get("cascade").map_or(Ok(false), |v| v.flag());
     let buff = table.get("buff_breaks");
     let in_buff = buff.as_ref().map_or(Ok(false), |v| v.flag());
     let (on, in_buff) = (on?, in_buff?);
-    if let Some(buff) = buff.filter(|_| !on) {
-        return Err(buff.wrong("buff_breaks without a cascade", "add cascade = true, or leave it out"));
+    if let Some(buff) = buff.filter(|_| !on && kind != "break") {
+        let title = format!("buff_breaks without a cascade in {}", with_article(kind));
+        return Err(buff.wrong(title, "add cascade = true, or leave it out"));
     }
-    Ok(match (on, in_buff) {
+    let rule = match (on, in_buff) {
         (false, _) => Rule::Keep,
         (true, false) => Rule::InDraft,
         (true, true) => Rule::InBoth,
-    })
+    };
+    Ok((rule, in_buff))
 }
 
 /// Notes keys that belong to other kinds alone.
@@ -117,21 +149,35 @@ fn with_article(word: &str) -> String {
     format!("{} {word}", if word.starts_with('i') { "an" } else { "a" })
 }
 
-fn break_of(table: &Table, count: usize) -> Read<Event> {
+/// The couplers that break, and those of "each" that are left out because they carry buff.
+fn break_of(table: &Table, context: &Context, buff_breaks: bool) -> Read<(Event, Vec<usize>)> {
+    let labels = context.labels;
+    let count = labels.vehicles.len() - 1;
     let right = format!("expected a coupler's number from 1 to {count}, a list of them, or \"each\"");
     let value = table.require("coupler", &right)?;
     let couplers = match value.as_text() {
-        Some("each") => (0..count).collect(),
+        Some("each") => return Ok(context.each(buff_breaks)),
         Some(text) => return Err(value.wrong_word(text, right)),
-        None => coupler_list(&value, count, &right)?,
+        None => coupler_list(&value, labels, &right)?,
     };
-    Ok(Event::Break { couplers })
+    let pressed = |(item, &i): (Value, &usize)| {
+        let force = shown(-context.initial_force_n[i], Dimension::Force);
+        let title =
+            format!("coupler {} carries {force} in buff, so its vehicles stay pressed together when it breaks", i + 1);
+        let help = "choose a coupler in draft, or add buff_breaks = true to compute it as if the parts could pass through each other";
+        item.wrong(title, help)
+    };
+    let in_buff = |(_, i): &(Value, &usize)| !buff_breaks && context.in_buff(**i);
+    match value.items().zip(&couplers).filter(in_buff).map(pressed).last() {
+        Some(reported) => Err(reported),
+        None => Ok((Event::Break { couplers }, vec![])),
+    }
 }
 
-fn pulse(table: &Table, vehicles: &[Vehicle], weakest_n: f64, path: &Path, files: &Files) -> Read<Event> {
-    let vehicle = struck(table, vehicles);
+fn pulse(table: &Table, context: &Context) -> Read<Event> {
+    let vehicle = struck(table, context.labels, context.found);
     if let Some(record) = table.get("record") {
-        return recorded(table, &record, vehicle?, path, files);
+        return recorded(table, &record, vehicle?, context);
     }
     let force = table
         .require("force", "add force = \"-1.2 MN\", the outside force on that vehicle, forward positive")
@@ -143,7 +189,7 @@ fn pulse(table: &Table, vehicles: &[Vehicle], weakest_n: f64, path: &Path, files
     let ramps = ramps(table, shape, duration_s)?;
     let force_n = match force? {
         Amount::Si(value) => value,
-        Amount::Share(share) => share * weakest_n,
+        Amount::Share(share) => share * context.weakest_n,
     };
     let vehicle = vehicle?;
     let lines = |from: f64, to: f64| Drive::Lines(vec![[0.0, 0.0], [from, force_n], [to, force_n], [duration_s, 0.0]]);
@@ -151,7 +197,8 @@ fn pulse(table: &Table, vehicles: &[Vehicle], weakest_n: f64, path: &Path, files
         "rectangle" => return Ok(Event::Pulse { vehicle, force_n, duration_s }),
         "half-sine" => Drive::HalfSine { peak: force_n, duration: duration_s },
         "triangle" => lines(0.5 * duration_s, 0.5 * duration_s),
-        _ => lines(ramps[0], duration_s - ramps[1]),
+        // Where the ramps meet, rounding must not put the end of the rise behind the start of the fall.
+        _ => lines(ramps[0].min(duration_s), (duration_s - ramps[1]).max(ramps[0].min(duration_s))),
     };
     Ok(Event::Shaped { vehicle, shape, force_n, duration_s, drive })
 }
@@ -173,21 +220,24 @@ fn ramps(table: &Table, shape: &str, duration_s: f64) -> Read<[f64; 2]> {
     let rise_s = rise?.unwrap_or_default();
     let needed = needed?;
     let fall_s = fall?.unwrap_or(rise_s);
-    if rise_s + fall_s > duration_s {
+    // Times written in decimals whose sum is the duration can be a few roundings longer as doubles.
+    if rise_s + fall_s > duration_s * (1.0 + 8.0 * f64::EPSILON) {
         return Err(needed.wrong("rise and fall are longer than the pulse", "expected at most the duration together"));
     }
     Ok([rise_s, fall_s])
 }
 
 /// A pulse whose course stands in a file of its own, beside the train file.
-fn recorded(table: &Table, record: &Value, vehicle: usize, path: &Path, files: &Files) -> Read<Event> {
+fn recorded(table: &Table, record: &Value, vehicle: usize, context: &Context) -> Read<Event> {
     for key in ["force", "duration", "shape", "rise", "fall"] {
         if let Some(span) = table.key_span(key) {
             return Err(table.note_at(span, format!("{key} beside a record"), "the record gives the force over time"));
         }
     }
-    let file = path.parent().unwrap_or(Path::new("")).join(record.name()?);
-    let points = record::read(&file, files).map_err(|[found, right]| record.wrong(found, right))?;
+    let (file, text) = record.text_beside(context.path, context.files)?;
+    let record::Course { points, doubts } =
+        record::parse(&text, &file).map_err(|bad| context.found.refer(record, &bad))?;
+    doubts.into_iter().for_each(|doubt| context.found.doubt(doubt));
     let force_n = points.iter().map(|p| p[1]).fold(0.0f64, |a, f| if f.abs() > a.abs() { f } else { a });
     let duration_s = points.last().map_or(0.0, |p| p[0]);
     Ok(Event::Shaped { vehicle, shape: "record", force_n, duration_s, drive: Drive::Lines(points) })
@@ -205,13 +255,28 @@ fn impact(table: &Table, count: usize) -> Read<Event> {
 }
 
 /// The vehicle that a pulse strikes, as an index from 0.
-fn struck(table: &Table, vehicles: &[Vehicle]) -> Read<usize> {
-    let right = format!("expected \"head\", \"tail\" or a vehicle's number from 1 to {}", vehicles.len());
+fn struck(table: &Table, labels: &Labels, found: &Found) -> Read<usize> {
+    let vehicles = labels.vehicles;
+    let right = format!("expected \"head\", \"tail\", a vehicle's number from 1 to {} or its label", vehicles.len());
     let value = table.require("at", &right)?;
     let vehicle = match value.as_text() {
-        Some("head") => 0,
-        Some("tail") => vehicles.len() - 1,
-        Some(text) => return Err(value.wrong_word(text, right)),
+        Some(end @ ("head" | "tail")) => {
+            let vehicle = if end == "head" { 0 } else { vehicles.len() - 1 };
+            if let Some(other) = vehicles.iter().position(|v| v.label == end).filter(|other| *other != vehicle) {
+                let text = format!(
+                    "at = \"{end}\" is the {end} of the train, not vehicle {}, which has that label",
+                    other + 1
+                );
+                found.doubt(Doubt::of_train("label-head-or-tail", text));
+            }
+            vehicle
+        }
+        Some(_) => {
+            let label = value.name()?;
+            let vehicle = labels.vehicle(&value, label, "\"head\", \"tail\" or a vehicle's number")?;
+            labels.note(format!("{} is vehicle {}", quoted(label), vehicle + 1));
+            vehicle
+        }
         None => value.number(vehicles.len(), |n| format!("the train has no vehicle {n}"), &right)? - 1,
     };
     if vehicles[vehicle].held {
@@ -240,7 +305,7 @@ fn named(scenarios: Vec<Unnamed>, vehicles: usize) -> Read<Vec<Scenario>> {
         let name = match scenario.name {
             Some((name, _)) => name.to_owned(),
             None => {
-                let plain = default_name(&scenario.event, vehicles);
+                let plain = default_name(&scenario.event, &scenario.left_out_in_buff, vehicles);
                 let again = (2..).map(|i| format!("{plain} ({i})"));
                 let mut candidates = std::iter::once(plain.clone()).chain(again);
                 let free = candidates.find(|name| !taken.contains_key(name)).unwrap_or(plain);
@@ -248,17 +313,22 @@ fn named(scenarios: Vec<Unnamed>, vehicles: usize) -> Read<Vec<Scenario>> {
                 free
             }
         };
-        Scenario { name, event: scenario.event, horizon_s: scenario.horizon_s, cascade: scenario.cascade }
+        let Unnamed { event, left_out_in_buff, horizon_s, cascade, .. } = scenario;
+        Scenario { name, event, horizon_s, cascade, left_out_in_buff }
     };
     Ok(scenarios.into_iter().map(name_one).collect())
 }
 
+/// What the breaks of every coupler are called.
+const EACH: &str = "each coupler breaks in turn";
+
 /// What a scenario is called that has no name.
-fn default_name(event: &Event, vehicles: usize) -> String {
+fn default_name(event: &Event, left_out: &[usize], vehicles: usize) -> String {
     match event {
+        Event::Break { .. } if !left_out.is_empty() => EACH.to_owned(),
         Event::Break { couplers } => match couplers.as_slice() {
             [one] => format!("break of coupler {}", one + 1),
-            all if all.len() + 1 == vehicles => "each coupler breaks in turn".to_owned(),
+            all if all.len() + 1 == vehicles => EACH.to_owned(),
             [some @ .., last] if some.len() < 6 => {
                 let some: Vec<String> = some.iter().map(|c| (c + 1).to_string()).collect();
                 format!("break of couplers {} and {} in turn", some.join(", "), last + 1)

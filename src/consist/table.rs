@@ -6,257 +6,367 @@
 //! ore car,160,10.9,,30,1.5
 //! ```
 //!
-//! `stiffness`, `rated_load` and `rated_buff` are those of the coupler behind the vehicle; an empty cell leaves what
-//! `[coupler]` says, and the last vehicle's mean nothing. Columns with other names are passed over, unless they look like a
-//! slip of one of these.
+//! A column has the name of a key of `[[vehicle]]`, or of a key of `[coupler]`, which is then that of the coupler behind the vehicle. An
+//! empty cell leaves what `[coupler]` or `[load]` says. Each row is read as the two tables that it stands for, by what reads those.
 
+use std::borrow::Cow;
+use std::collections::HashSet;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
 
 use super::MOST_VEHICLES;
-use crate::error::{InputError, Problem, Problems, is_obeyed, quoted};
-use crate::units::{self, Amount, Dimension, one_of};
+use super::file::{Group, OwnKeys, group, wrongly_held};
+use super::heading::{Content, Wanted, normal};
+use super::keys::{OVERRIDE, VEHICLE};
+use super::sheet::{Record, Sheet};
+use super::tree::{Found, Table};
+use crate::doubts::Doubt;
+use crate::error::{InputError, Problem, Problems, printable_path, quoted};
+use crate::keys::{Kind, Shape};
+use crate::units::one_of;
 
-/// Wider tables are refused, and so are longer headers, in bytes: what a message says of a cell takes a walk to it.
-const MOST_COLUMNS: usize = 1000;
-const LONGEST_HEADER: usize = 64 << 10;
-
-/// A row: vehicles alike, and the coupler behind each of them.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Row {
-    pub(super) label: Option<String>,
-    pub(super) count: usize,
-    pub(super) mass_kg: f64,
-    pub(super) held: bool,
-    pub(super) length_m: Option<f64>,
-    pub(super) stiffness_n_per_m: Option<f64>,
-    pub(super) rated_draft_n: Option<f64>,
-    pub(super) rated_buff_n: Option<f64>,
+/// The vehicles of a table, in groups, and what it says of the coupler behind each.
+pub(super) struct Rows {
+    pub(super) groups: Vec<Group>,
+    pub(super) behind: Vec<OwnKeys>,
+    pub(super) doubts: Vec<Doubt>,
 }
 
-/// A column that is read, and what its cells are.
-const COLUMNS: [(&str, Option<Dimension>); 8] = [
-    ("label", None),
-    ("count", None),
-    ("held", None),
-    ("mass", Some(Dimension::Mass)),
-    ("length", Some(Dimension::Length)),
-    ("stiffness", Some(Dimension::Stiffness)),
-    ("rated_load", Some(Dimension::Force)),
-    ("rated_buff", Some(Dimension::Force)),
+/// Which table of the train file a column belongs to.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Of {
+    Vehicle,
+    Coupler,
+    /// The row's own number, which is no key.
+    Place,
+}
+
+/// A column that is read.
+struct Slot {
+    of: Of,
+    path: Vec<&'static str>,
+    kind: Kind,
+}
+
+/// A cell as the value of a key.
+enum Entry {
+    Text(String),
+    Number(String),
+    Flag(bool),
+}
+
+/// Other words for a key where they have no other meaning.
+const SYNONYMS: [(&str, &[&str]); 13] = [
+    ("mass", &["weight"]),
+    ("label", &["name", "vehicle", "description"]),
+    ("count", &["quantity", "qty"]),
+    ("length", &["length_over_couplers", "length_over_buffers"]),
+    ("rated_load", &["rating", "rated_draft", "draft_rating", "coupler_rating"]),
+    ("rated_buff", &["buff_rating"]),
+    ("stiffness", &["coupler_stiffness"]),
+    ("tractive_effort", &["traction", "tractive_force"]),
+    ("brake_force", &["braking_force"]),
+    ("grade", &["gradient"]),
+    ("limits_fatigue", &["fatigue_load", "fatigue_limit"]),
+    ("limits_proof", &["proof_load"]),
+    ("limits_ultimate", &["ultimate_load"]),
 ];
 
-/// A known column's place in the rows, its heading as written, and the unit in it.
-struct Column {
-    index: usize,
-    heading: String,
-    unit: Option<String>,
+/// What numbers the rows.
+const PLACES: [&str; 10] = ["pos", "position", "#", "no", "number", "nr", "place", "index", "sequence", "order"];
+
+/// Words that stand before sums below a table.
+const SUMS: [&str; 10] =
+    ["total", "totals", "grand total", "sum", "summe", "gesamt", "somme", "average", "mean", "subtotal"];
+
+/// Every column that is read, from the keys of the train file; a key of a table within a table is `limits.fatigue`.
+fn slots() -> Vec<Slot> {
+    fn of_shape(of: Of, shape: &'static Shape, within: &[&'static str], into: &mut Vec<Slot>) {
+        for key in shape.keys.iter().filter(|key| !(of == Of::Coupler && key.name == "at")) {
+            let path: Vec<&'static str> = within.iter().copied().chain([key.name]).collect();
+            match key.kind {
+                Kind::Table(inner) => of_shape(of, inner, &path, into),
+                Kind::Tables(_) => {}
+                kind => into.push(Slot { of, path, kind }),
+            }
+        }
+    }
+    let mut slots = vec![];
+    of_shape(Of::Vehicle, &VEHICLE, &[], &mut slots);
+    of_shape(Of::Coupler, &OVERRIDE, &[], &mut slots);
+    slots.push(Slot { of: Of::Place, path: vec![PLACES[0]], kind: Kind::Name });
+    slots
+}
+
+fn wanted(slots: &[Slot]) -> Vec<Wanted> {
+    let leaf = |slot: &Slot| slot.path.last().copied().unwrap_or_default();
+    let one = |slot: &Slot| {
+        let mut names = vec![normal(&slot.path.join("."))];
+        if slot.path.len() > 1 && slots.iter().filter(|other| leaf(other) == leaf(slot)).count() == 1 {
+            names.push(leaf(slot).to_owned());
+        }
+        let of_key = SYNONYMS.iter().find(|(name, _)| *name == names[0]).map_or(&[][..], |(_, words)| words);
+        let others = if slot.of == Of::Place { &PLACES[..] } else { of_key };
+        names.extend(others.iter().map(|word| (*word).to_owned()));
+        let content = match slot.kind {
+            Kind::Quantity { of, share, .. } => Content::Quantity { of, share },
+            Kind::Ratio | Kind::Positive | Kind::Whole { .. } => Content::Number,
+            _ => Content::Text,
+        };
+        Wanted { names, content, by_unit: false }
+    };
+    slots.iter().map(one).collect()
+}
+
+/// The names of all columns, as a phrase.
+fn all_columns(slots: &[Slot]) -> String {
+    one_of(slots.iter().filter(|slot| slot.of != Of::Place).map(|slot| slot.path.join(".")))
+}
+
+/// Whether a text looks like a table of vehicles.
+pub(super) fn is_table(text: &str) -> bool {
+    let slots = slots();
+    let mass = position(&slots, "mass");
+    Sheet::open(text, &wanted(&slots), &[mass]).is_ok_and(|sheet| sheet.columns[mass].is_some())
+}
+
+fn position(slots: &[Slot], name: &str) -> usize {
+    slots.iter().position(|slot| slot.of == Of::Vehicle && slot.path == [name]).unwrap_or_default()
 }
 
 /// Reads the rows of a table's text; `path` is what messages call it.
 ///
 /// # Errors
 /// Every problem with its row and column.
-pub(super) fn parse(text: &str, path: &Path) -> Result<Vec<Row>, InputError> {
-    let mut reader = Reader { text, delimiter: delimiter(text), problems: Problems::default() };
+pub(super) fn parse(text: &str, path: &Path) -> Result<Rows, InputError> {
+    let slots = slots();
+    let [mass, held] = ["mass", "held"].map(|name| position(&slots, name));
+    let sheet = match Sheet::open(text, &wanted(&slots), &[mass]) {
+        Ok(sheet) => sheet,
+        Err(Some(problems)) => return Err(InputError::new(path, text, problems)),
+        Err(None) if text.trim_matches(['\u{feff}', ' ', '\n', '\r', '\t']).is_empty() => {
+            let help = "give it a header and a row for each vehicle";
+            return Err(InputError::of_file(path, "the table is empty", help));
+        }
+        // Nothing is shown of a file that is no table of vehicles: a train file may come from anyone, and name any file.
+        Err(None) => {
+            let what = super::kinds::of_text(text).map_or(String::new(), |what| format!(": it is {what}"));
+            let help =
+                format!("a row above the vehicles names the columns: mass [t], and any of {}", all_columns(&slots));
+            return Err(InputError::of_file(path, format!("this is no table of vehicles{what}"), help));
+        }
+    };
+    let mut reader = Reader {
+        sheet,
+        slots,
+        mass,
+        held,
+        problems: Problems::default(),
+        doubts: vec![],
+        without_unit: HashSet::new(),
+        name: path.file_name().map_or_else(|| printable_path(path), |name| printable_path(Path::new(name))),
+    };
     let rows = reader.rows();
-    if reader.problems.is_empty() { Ok(rows) } else { Err(InputError::new(path, text, reader.problems)) }
+    let Reader { problems, doubts, .. } = reader;
+    if problems.is_empty() { Ok(Rows { doubts, ..rows }) } else { Err(InputError::new(path, text, problems)) }
 }
 
-/// Where a train file's table stands: beside the train file, unless its path says otherwise.
-pub(super) fn place(train: &Path, table: &str) -> PathBuf {
-    train.parent().unwrap_or(Path::new("")).join(table)
-}
-
-/// What separates the cells: whichever of `,`, `;` and tab the header has most of.
-fn delimiter(text: &str) -> u8 {
-    let header = text.lines().next().unwrap_or_default();
-    let count = |d: &u8| header.bytes().filter(|b| b == d).count();
-    // Of equals the last counts as the largest.
-    [b'\t', b';', b','].into_iter().max_by_key(count).unwrap_or(b',')
-}
-
-struct Reader<'s> {
-    text: &'s str,
-    delimiter: u8,
+struct Reader<'t> {
+    sheet: Sheet<'t>,
+    slots: Vec<Slot>,
+    mass: usize,
+    held: usize,
     problems: Problems,
+    doubts: Vec<Doubt>,
+    /// Columns whose lack of a unit has been told.
+    without_unit: HashSet<usize>,
+    /// The file's name, in doubts.
+    name: String,
 }
 
-/// A record with its place, its row as a spreadsheet counts it, and what is read of it.
-struct Record {
-    start: usize,
+/// What the checks of the whole table need of a row.
+struct Seen {
     row: usize,
-    cells: csv::StringRecord,
+    held: Range<usize>,
+    label: String,
 }
 
 impl Reader<'_> {
-    fn rows(&mut self) -> Vec<Row> {
-        let bom = if self.text.starts_with('\u{feff}') { 3 } else { 0 };
-        let mut records = csv::ReaderBuilder::new()
-            .has_headers(false)
-            .flexible(true)
-            .delimiter(self.delimiter)
-            .trim(csv::Trim::All)
-            .from_reader(&self.text.as_bytes()[bom..])
-            .into_records()
-            .enumerate()
-            .filter_map(|(i, cells)| {
-                // The text is UTF-8 and rows may differ in length, so nothing is left to fail.
-                let cells = cells.ok()?;
-                let start = bom + cells.position().map_or(0, |p| p.byte() as usize);
-                Some(Record { start, row: i + 1, cells })
-            });
-        let Some(columns) = records.next().and_then(|header| self.header(&header)) else {
-            if self.problems.is_empty() {
-                self.problems
-                    .note(Problem::of_file("the table is empty", "give it a header and a row for each vehicle"));
-            }
-            return vec![];
-        };
-        let blank = |record: &Record| record.cells.iter().all(str::is_empty);
+    fn rows(&mut self) -> Rows {
+        let mut rows = Rows { groups: vec![], behind: vec![], doubts: vec![] };
+        self.header();
+        if !self.problems.is_empty() {
+            return rows;
+        }
+        let has_couplers = self.columns(Of::Coupler).next().is_some();
         // One more than may be: a longer table is refused, and need not be held in memory for that.
-        let records: Vec<Record> = records.filter(|record| !blank(record)).take(MOST_VEHICLES + 1).collect();
-        let rows: Vec<Row> = records.iter().map(|record| self.row(record, &columns)).collect();
-        self.check(&rows, &records, &columns);
+        let records: Vec<Record> = self.sheet.rows().take(MOST_VEHICLES + 1).collect();
+        let mut seen = vec![];
+        for record in &records {
+            let found = Found::default();
+            let values = self.values(record);
+            let [vehicle, coupler] = tables(&self.slots, &values);
+            let group = group(&Table::of_row(&found, &vehicle, &VEHICLE, record.span.clone()));
+            let own = OwnKeys::read(&Table::of_row(&found, &coupler, &OVERRIDE, record.span.clone()));
+            let (Ok(group), Ok(own)) = (group, own) else {
+                self.told(record, found);
+                continue;
+            };
+            self.told(record, found);
+            if group.held {
+                seen.push(Seen {
+                    row: rows.groups.len(),
+                    held: self.sheet.place(record, self.held),
+                    label: self.place_of(record, self.held),
+                });
+            }
+            rows.groups.push(group);
+            if has_couplers {
+                rows.behind.push(own);
+            }
+        }
+        // Every row is there, be it with a value in place of a wrong one.
+        if rows.groups.len() == records.len() {
+            self.check(&rows, &seen);
+        }
+        if self.problems.is_empty() {
+            self.places(&records, &rows.groups);
+            self.doubtful(&records, &rows);
+        }
         rows
     }
 
-    /// Where each known column is.
-    fn header(&mut self, header: &Record) -> Option<[Option<Column>; COLUMNS.len()]> {
-        let (columns, bytes) = (header.cells.len(), header.cells.as_slice().len());
-        if columns > MOST_COLUMNS || bytes > LONGEST_HEADER {
-            let title = format!("the table has {columns} columns, with {bytes} bytes in their headings");
-            let help =
-                format!("a table has at most {MOST_COLUMNS}, with {LONGEST_HEADER} bytes: leave out what is not read");
-            self.problems.note(Problem::of_file(title, help));
-            return None;
-        }
-        let heading_is_known = |heading: &str| {
-            let name = heading.split('[').next().unwrap_or_default().trim();
-            COLUMNS.iter().any(|(known, _)| known.eq_ignore_ascii_case(name))
-        };
-        if !header.cells.iter().any(heading_is_known) {
-            // Nothing is shown of a file that is no table of vehicles: a train file may come from anyone, and name any file.
-            let help = format!("its first row names columns: mass [t], and any of {}", one_of(COLUMNS.map(|c| c.0)));
-            self.problems.note(Problem::of_file("this is no table of vehicles", help));
-            return None;
-        }
-        let mut found = [const { None }; COLUMNS.len()];
-        for (index, heading) in header.cells.iter().enumerate() {
-            let (name, unit) = match heading.split_once('[') {
-                Some((name, unit)) => (name.trim(), Some(unit.trim_end_matches(']').trim().to_owned())),
-                None => (heading, None),
+    /// The columns that are there and belong to one kind of table.
+    fn columns(&self, of: Of) -> impl Iterator<Item = usize> + '_ {
+        (0..self.slots.len()).filter(move |&s| self.slots[s].of == of && self.sheet.columns[s].is_some())
+    }
+
+    /// What is wrong with the header as that of a table of vehicles.
+    fn header(&mut self) {
+        let unread: Vec<String> = self.sheet.unread.clone();
+        for name in &unread {
+            // A heading that is nearly a key is a slip of the hand.
+            let lower = normal(name.split(['[', '(']).next().unwrap_or_default());
+            let near = |known: &&Slot| {
+                let known = known.path.last().copied().unwrap_or_default();
+                lower.len() < 20 && lower != known && strsim::damerau_levenshtein(&lower, known) <= known.len() / 3
             };
-            let Some(known) = COLUMNS.iter().position(|(n, _)| n.eq_ignore_ascii_case(name)) else {
-                self.misspelt(header, index, name);
+            let missing =
+                |(s, slot): (usize, &Slot)| (self.sheet.columns[s].is_none() && slot.of != Of::Place).then_some(s);
+            let absent: Vec<usize> = self.slots.iter().enumerate().filter_map(missing).collect();
+            if let Some(near) = absent.iter().map(|&s| &self.slots[s]).find(near) {
+                let help =
+                    format!("did you mean \"{}\"? columns are {}", near.path.join("."), all_columns(&self.slots));
+                let span = self.sheet.unread_span(name);
+                self.problems.note(Problem::at(span, format!("unknown column {}", quoted(name)), Some(help)));
+            }
+        }
+        if self.sheet.columns[self.mass].is_none() && self.problems.is_empty() {
+            let others = unread.iter().take(12).map(|name| quoted(name)).collect::<Vec<_>>().join(", ");
+            let others = if others.is_empty() { others } else { format!("; not known are {others}") };
+            let help = format!("head the column of masses mass [t], or with another unit of mass{others}");
+            let span = self.sheet.header_span();
+            self.problems.note(Problem::at(span.start..span.start, "the table has no column of masses", Some(help)));
+        }
+        if !unread.is_empty() {
+            let all = unread.iter().take(12).map(|name| quoted(name)).collect::<Vec<_>>().join(", ");
+            let more = if unread.len() > 12 { format!(" and {} more", unread.len() - 12) } else { String::new() };
+            let columns = if unread.len() == 1 { "the column" } else { "the columns" };
+            let text = format!(
+                "{columns} {all}{more} of {} {} not read",
+                self.name,
+                if unread.len() == 1 { "is" } else { "are" }
+            );
+            self.doubts.push(Doubt::of_train("column-not-read", text));
+        }
+        if let Some(row) = self.sheet.commented.first() {
+            let text = format!(
+                "row {row} of {} starts with # and is passed over, though it is filled like a vehicle's",
+                self.name
+            );
+            self.doubts.push(Doubt::of_train("row-commented", text));
+        }
+    }
+
+    /// The cells of a row as the values of their keys; one that is wrong is noted and left out.
+    fn values(&mut self, record: &Record) -> Vec<(usize, Range<usize>, Entry)> {
+        let mut values = vec![];
+        // The last one is the place, which is no key.
+        for slot in 0..self.slots.len() - 1 {
+            let Some((text, span)) = self.sheet.cell(record, slot).map(|(text, span)| (text.into_owned(), span)) else {
                 continue;
             };
-            let dimension = COLUMNS[known].1;
-            let fits = match (&unit, dimension) {
-                (Some(unit), Some(dimension)) => dimension.units().any(|u| u == unit),
-                (Some(_), None) => false,
-                (None, _) => true,
-            };
-            if !fits {
-                let right =
-                    dimension.map_or(format!("write the heading {name}"), |d| format!("a {d} is in {}", d.choices()));
-                self.wrong(header, index, format!("the column {} has an unknown unit", quoted(heading)), right);
+            match self.entry(slot, &text) {
+                Ok(Some(entry)) => values.push((slot, span, entry)),
+                Ok(None) => {}
+                Err([title, help]) => self.wrong(record, slot, title, help),
             }
-            if found[known].is_some() {
-                self.wrong(header, index, format!("the table has two columns {name}"), "keep one of the two".into());
+        }
+        if self.sheet.cell(record, self.mass).is_none() {
+            let help = "fill it in, or delete the row if it is no vehicle";
+            self.wrong(record, self.mass, "there is no mass".into(), help.into());
+        }
+        // What is wrong with the mass has been noted.
+        if values.iter().all(|(slot, ..)| *slot != self.mass) {
+            values.push((self.mass, record.span.clone(), Entry::Text("1 kg".to_owned())));
+        }
+        values
+    }
+
+    /// A cell as the value of its key; `None` where the column is wrong as a whole, which has been noted.
+    fn entry(&mut self, slot: usize, text: &str) -> Result<Option<Entry>, [String; 2]> {
+        let name = self.slots[slot].path.join(".");
+        let wrong = |right: &str| Err([format!("{name} is {}", quoted(text)), right.to_owned()]);
+        match self.slots[slot].kind {
+            Kind::Quantity { of, .. } => {
+                let (quantity, has_unit) = self.sheet.quantity(slot, text)?;
+                if !has_unit && self.without_unit.insert(slot) {
+                    let span = self.sheet.heading_span(slot);
+                    let title = format!("the column {name} has no unit, and {} has none", quoted(text));
+                    let help = format!("head it {name} [{}], or with another of {}", of.si(), of.choices());
+                    self.problems.note(Problem::at(span, title, Some(help)));
+                }
+                Ok(has_unit.then_some(Entry::Text(quantity)))
             }
-            found[known] = Some(Column { index, heading: heading.to_owned(), unit });
-        }
-        if found[3].is_none() && self.problems.is_empty() {
-            let help = "add a column headed mass [t], or another unit of mass";
-            let span = header.start..header.start;
-            self.problems.note(Problem::at(span, "the table has no column of masses", Some(help.into())));
-        }
-        self.problems.is_empty().then_some(found)
-    }
-
-    /// Notes a heading that is nearly one of those that are read.
-    fn misspelt(&mut self, header: &Record, index: usize, name: &str) {
-        let lower = name.to_lowercase();
-        let near = COLUMNS
-            .iter()
-            .map(|c| c.0)
-            .find(|known| name.len() < 20 && strsim::damerau_levenshtein(&lower, known) <= known.len() / 3);
-        if let Some(near) = near {
-            let help = format!("did you mean \"{near}\"? columns are {}", one_of(COLUMNS.map(|c| c.0)));
-            self.wrong(header, index, format!("unknown column {}", quoted(name)), help);
+            Kind::Flag => match text.to_lowercase().as_str() {
+                "yes" | "y" | "true" | "1" | "x" => Ok(Some(Entry::Flag(true))),
+                "no" | "n" | "false" | "0" | "-" => Ok(Some(Entry::Flag(false))),
+                _ => wrong("expected yes or no, or nothing for no"),
+            },
+            Kind::Whole { .. } | Kind::Ratio | Kind::Positive => {
+                let number = self.sheet.number(text).map(|number| whole(&number));
+                match number.filter(|number| DeValue::parse(number).is_ok()) {
+                    Some(number) => Ok(Some(Entry::Number(number))),
+                    None => wrong("expected a number without a unit"),
+                }
+            }
+            _ => Ok(Some(Entry::Text(text.to_owned()))),
         }
     }
 
-    fn row(&mut self, record: &Record, columns: &[Option<Column>; COLUMNS.len()]) -> Row {
-        let [label, count, held, mass, length, stiffness, draft, buff] = columns;
-        let mut number = |column: &Option<Column>, dimension| self.quantity(record, column, dimension);
-        let (mass_kg, length_m) = (number(mass, Dimension::Mass), number(length, Dimension::Length));
-        let stiffness_n_per_m = number(stiffness, Dimension::Stiffness);
-        let (rated_draft_n, rated_buff_n) = (number(draft, Dimension::Force), number(buff, Dimension::Force));
-        if let (None, Some(column)) = (cell(record, mass), mass) {
-            self.wrong(record, column.index, place_of(record, column) + "there is no mass", "fill it in".into());
-        }
-        Row {
-            label: self.label(record, label),
-            count: self.count(record, count),
-            mass_kg: mass_kg.unwrap_or(1.0),
-            held: self.held(record, held),
-            length_m,
-            stiffness_n_per_m,
-            rated_draft_n,
-            rated_buff_n,
-        }
-    }
-
-    fn quantity(&mut self, record: &Record, column: &Option<Column>, dimension: Dimension) -> Option<f64> {
-        let (column, text) = (column.as_ref()?, cell(record, column)?);
-        let with_unit = column.unit.as_ref().map_or(text.to_owned(), |unit| format!("{text} {unit}"));
-        let (found, right) = match units::parse(&with_unit, dimension, false) {
-            Ok(Amount::Si(value) | Amount::Share(value)) if value > 0.0 => return Some(value),
-            Ok(_) => ("is not more than zero".to_owned(), "expected more than zero".to_owned()),
-            Err(bad) => (bad.found, bad.right),
+    /// Notes what was found wrong in a row, each with its row and column.
+    fn told(&mut self, record: &Record, found: Found) {
+        let (problems, doubts) = found.into_parts();
+        self.doubts.extend(doubts);
+        let places: Vec<(usize, String)> = if problems.is_empty() {
+            vec![]
+        } else {
+            let starts = (0..self.slots.len()).filter(|&s| self.sheet.columns[s].is_some());
+            starts.map(|s| (self.sheet.place(record, s).start, self.place_of(record, s))).collect()
         };
-        self.wrong(record, column.index, format!("{}{} {found}", place_of(record, column), quoted(text)), right);
-        None
-    }
-
-    fn label(&mut self, record: &Record, column: &Option<Column>) -> Option<String> {
-        let (column, text) = (column.as_ref()?, cell(record, column)?);
-        if text.chars().count() > 200 || text.chars().any(is_obeyed) {
-            let title = place_of(record, column) + "the label is no line of up to 200 characters";
-            self.wrong(record, column.index, title, "expected plain text".into());
-        }
-        Some(text.to_owned())
-    }
-
-    fn count(&mut self, record: &Record, column: &Option<Column>) -> usize {
-        let (Some(column), Some(text)) = (column, cell(record, column)) else { return 1 };
-        let number = text.parse().ok().filter(|n| (1..=MOST_VEHICLES).contains(n));
-        number.unwrap_or_else(|| {
-            let right =
-                format!("expected a whole number from 1 to {MOST_VEHICLES}, how many of them follow each other");
-            self.wrong(record, column.index, format!("{}count is {}", place_of(record, column), quoted(text)), right);
-            1
-        })
-    }
-
-    fn held(&mut self, record: &Record, column: &Option<Column>) -> bool {
-        let (Some(column), Some(text)) = (column, cell(record, column)) else { return false };
-        match text.to_lowercase().as_str() {
-            "yes" | "true" | "1" => true,
-            "no" | "false" | "0" => false,
-            _ => {
-                let title = format!("{}held is {}", place_of(record, column), quoted(text));
-                self.wrong(record, column.index, title, "expected yes or no, or nothing for no".into());
-                false
-            }
-        }
+        self.problems.append(problems, |problem| {
+            let place = problem.start().and_then(|at| places.iter().find(|(start, _)| *start == at));
+            let words = place.map_or(format!("row {}: ", record.row), |(_, words)| words.clone());
+            problem.after(&words)
+        });
     }
 
     /// What is wrong with the rows as a train.
-    fn check(&mut self, rows: &[Row], records: &[Record], columns: &[Option<Column>; COLUMNS.len()]) {
-        let total = rows.iter().fold(0usize, |sum, row| sum.saturating_add(row.count));
+    fn check(&mut self, rows: &Rows, held: &[Seen]) {
+        let total = rows.groups.iter().fold(0usize, |sum, group| sum.saturating_add(group.count));
         let help = "give it a row for each vehicle, at least two";
         match total {
             0 => self.problems.note(Problem::of_file("the table has no vehicles", help)),
@@ -267,49 +377,143 @@ impl Reader<'_> {
             }
             _ => {}
         }
-        let Some(held) = &columns[2] else { return };
-        let right = "only the first and the last vehicle of the train can be held, and not both of a train of two";
-        for (i, (row, record)) in rows.iter().zip(records).enumerate() {
-            let at_an_end = i == 0 || i + 1 == rows.len();
-            let all = total == 2 && rows.iter().all(|r| r.held);
-            if row.held && (!at_an_end || row.count > 1 || all) {
-                let title = place_of(record, held) + "this vehicle cannot be held";
-                self.wrong(record, held.index, title, right.into());
+        for (index, title, help) in wrongly_held(&rows.groups, "a row of its own") {
+            if let Some(seen) = held.iter().find(|seen| seen.row == index) {
+                let problem = Problem::at(seen.held.clone(), title, Some(help));
+                self.problems.note(problem.after(&seen.label));
             }
         }
     }
 
-    fn wrong(&mut self, record: &Record, column: usize, title: String, help: String) {
-        let span = cell_span(self.text, record.start, self.delimiter, column);
-        self.problems.note(Problem::at(span, title, Some(help)));
-    }
-}
-
-/// The cell's text, if there is any.
-fn cell<'r>(record: &'r Record, column: &Option<Column>) -> Option<&'r str> {
-    record.cells.get(column.as_ref()?.index).filter(|text| !text.is_empty())
-}
-
-fn place_of(record: &Record, column: &Column) -> String {
-    format!("row {}, column {}: ", record.row, column.heading)
-}
-
-/// Where a cell of the record that starts at a byte stands, without the space around it.
-fn cell_span(text: &str, start: usize, delimiter: u8, column: usize) -> Range<usize> {
-    let bytes = text.as_bytes();
-    let (mut from, mut at, mut cell, mut in_quotes) = (start, start, 0, false);
-    while at < bytes.len() {
-        match bytes[at] {
-            b'"' => in_quotes = !in_quotes,
-            b'\n' | b'\r' if !in_quotes => break,
-            b if b == delimiter && !in_quotes && cell == column => break,
-            b if b == delimiter && !in_quotes => (cell, from) = (cell + 1, at + 1),
-            _ => {}
+    /// Whether the rows' own numbers say that they stand in another order.
+    fn places(&mut self, records: &[Record], groups: &[Group]) {
+        let place = self.slots.len() - 1;
+        if self.sheet.columns[place].is_none() {
+            return;
         }
-        at += 1;
+        let number = |record: &Record| {
+            let text = self.sheet.cell(record, place)?.0;
+            let text = text.trim_start_matches('#').trim_end_matches('.').trim();
+            Some(text.parse::<i64>().ok())
+        };
+        let given: Vec<(usize, Option<i64>)> =
+            records.iter().enumerate().filter_map(|(i, record)| Some((i, number(record)?))).collect();
+        let numbers: Option<Vec<(usize, i64)>> = given.into_iter().map(|(i, n)| Some((i, n?))).collect();
+        let numbers = numbers.unwrap_or_default();
+        let [low, high] =
+            [numbers.iter().map(|n| n.1).min(), numbers.iter().map(|n| n.1).max()].map(Option::unwrap_or_default);
+        // The numbers of vehicles are spread wide; those of places are not.
+        let vehicles = groups.iter().map(|group| group.count as i64).sum::<i64>();
+        let heading = self.sheet.columns[place].as_ref().map_or(String::new(), |c| c.heading.clone());
+        if numbers.is_empty() || high.saturating_sub(low) > 2 * vehicles + 10 {
+            let text =
+                format!("the column {} of {} is not read: it does not number the rows", quoted(&heading), self.name);
+            self.doubts.push(Doubt::of_train("column-not-read", text));
+            return;
+        }
+        if let Some(pair) = numbers.windows(2).find(|pair| pair[1].1 <= pair[0].1) {
+            let title = format!("{} comes after {}: the rows are not in the order of the train", pair[1].1, pair[0].1);
+            let help =
+                "sort the rows by this column, from the head; if it is no place in the train, give it another heading";
+            self.wrong(&records[pair[1].0], place, title, help.into());
+            return;
+        }
+        let gap = |pair: &&[(usize, i64)]| {
+            let ((before, a), (here, b)) = (pair[0], pair[1]);
+            here == before + 1 && b != a + 1 && b != a + groups[before].count as i64
+        };
+        if let Some(&[(_, a), (here, b)]) = numbers.windows(2).find(gap) {
+            let row = records[here].row;
+            let text = format!("row {row} of {} is numbered {b} after {a}: is a row missing?", self.name);
+            self.doubts.push(Doubt::of_train("row-numbers", text));
+        }
     }
-    // A row that is too short ends before the cell.
-    let inside = if cell == column { &text[from..at] } else { "" };
-    let end = if cell == column { from + inside.trim_end().len() } else { at };
-    end - inside.trim().len()..end
+
+    /// What is probably not meant: a row of sums, and a coupler behind the last vehicle.
+    fn doubtful(&mut self, records: &[Record], rows: &Rows) {
+        let (Some((last, others)), Some(record)) = (rows.groups.split_last(), records.last()) else { return };
+        let near = |sum: f64, value: f64| (sum - value).abs() <= 1e-3 * value;
+        let sum = |of: fn(&Group) -> f64| others.iter().map(of).sum::<f64>();
+        let sums = [sum(|g| g.mass_kg), sum(|g| g.mass_kg * g.count as f64)];
+        let lengths = match last.length_m {
+            Some(length) => {
+                near(sum(|g| g.length_m.unwrap_or(0.0) * g.count as f64), length)
+                    || near(sum(|g| g.length_m.unwrap_or(0.0)), length)
+            }
+            None => true,
+        };
+        let is_sum = others.len() > 1 && sums.iter().any(|sum| near(*sum, last.mass_kg)) && lengths;
+        let word = last.label.as_deref().unwrap_or_default().trim_end_matches(':').to_lowercase();
+        let row = record.row;
+        if is_sum || SUMS.contains(&word.as_str()) {
+            let why = if is_sum {
+                "the mass of the last row is the sum of the others"
+            } else {
+                "the last row is labelled as a sum"
+            };
+            let text =
+                format!("{why} (row {row} of {}), and it is computed as a vehicle: delete it if it is none", self.name);
+            self.doubts.push(Doubt::of_train("total-row", text));
+        }
+        let behind = rows.behind.len().checked_sub(2).map(|at| (&rows.behind[at], &rows.behind[at + 1]));
+        if behind.is_some_and(|(before, last)| last.gives_anything() && before != last) && last.count == 1 {
+            let text = format!(
+                "row {row} of {} is the last vehicle's: what it says of the coupler behind is not used",
+                self.name
+            );
+            self.doubts.push(Doubt::of_train("no-coupler-behind", text));
+        }
+    }
+
+    fn place_of(&self, record: &Record, slot: usize) -> String {
+        let heading = self.sheet.columns[slot].as_ref().map_or("", |column| &column.heading);
+        format!("row {}, column {heading}: ", record.row)
+    }
+
+    fn wrong(&mut self, record: &Record, slot: usize, title: String, help: String) {
+        let title = self.place_of(record, slot) + &title;
+        self.problems.note(Problem::at(self.sheet.place(record, slot), title, Some(help)));
+    }
+}
+
+/// A number as TOML writes it: a whole one without decimals, and without leading zeros.
+fn whole(number: &str) -> String {
+    let (digits, decimals) = number.split_once('.').unwrap_or((number, ""));
+    let digits = digits.trim_start_matches('+').trim_start_matches('0');
+    let digits = if digits.is_empty() { "0" } else { digits };
+    if decimals.bytes().all(|b| b == b'0') { digits.to_owned() } else { format!("{digits}.{decimals}") }
+}
+
+/// A row as a `[[vehicle]]` and as the keys of a coupler.
+fn tables<'v>(slots: &[Slot], values: &'v [(usize, Range<usize>, Entry)]) -> [DeTable<'v>; 2] {
+    let mut tables = [DeTable::new(), DeTable::new()];
+    for (slot, span, entry) in values {
+        let value = match entry {
+            Entry::Text(text) => DeValue::String(Cow::Borrowed(text)),
+            Entry::Flag(flag) => DeValue::Boolean(*flag),
+            Entry::Number(number) => match DeValue::parse(number) {
+                Ok(value) => value.into_inner(),
+                Err(_) => continue,
+            },
+        };
+        let table = &mut tables[usize::from(slots[*slot].of == Of::Coupler)];
+        put(table, &slots[*slot].path, Spanned::new(span.clone(), value));
+    }
+    tables
+}
+
+/// Puts a value where its path leads.
+fn put<'v>(table: &mut DeTable<'v>, path: &[&'static str], value: Spanned<DeValue<'v>>) {
+    let Some((first, rest)) = path.split_first() else { return };
+    let key = Spanned::new(value.span(), Cow::Borrowed(*first));
+    if rest.is_empty() {
+        table.insert(key, value);
+        return;
+    }
+    if !table.contains_key(*first) {
+        table.insert(key, Spanned::new(value.span(), DeValue::Table(DeTable::new())));
+    }
+    if let Some(DeValue::Table(inner)) = table.get_mut(*first).map(Spanned::get_mut) {
+        put(inner, rest, value);
+    }
 }

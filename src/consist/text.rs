@@ -5,8 +5,10 @@ use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use encoding_rs::{UTF_16BE, UTF_16LE, WINDOWS_1252};
 use sha2::{Digest, Sha256};
 
+use super::kinds;
 use crate::error::InputError;
 
 /// Larger train files and studies are refused unread, and larger tables and records: their trees take up to 75 times the memory, and
@@ -39,7 +41,15 @@ impl Files {
     /// The text of a train file or study, which may come through a pipe.
     pub(crate) fn main(&self, path: &Path) -> Result<Arc<str>, InputError> {
         let give = "give the path of a train file; `trainsafe new` prints one to start from";
-        let text = self.text(path, || bytes(path, "a train file", give, LARGEST).and_then(utf8));
+        let text = self.text(path, || {
+            let bytes = bytes(path, "a train file", give, LARGEST)?;
+            if let Some((what, workbook)) = kinds::of_bytes(&bytes) {
+                let sheet =
+                    "save the sheet with the vehicles as CSV, and name it in a train file: vehicles = \"consist.csv\"";
+                return Err([format!("this is {what}, and no train file"), if workbook { sheet } else { give }.into()]);
+            }
+            read(bytes, utf8)
+        });
         text.map_err(|[title, help]| InputError::of_file(path, title, help))
     }
 
@@ -50,7 +60,12 @@ impl Files {
         self.text(path, || {
             let about = fs::metadata(path).map_err(|e| unreadable(&e, give))?;
             if about.is_file() || about.is_dir() {
-                return bytes(path, "a CSV file", give, LARGEST_TABLE).and_then(utf8);
+                let bytes = bytes(path, "a CSV file", give, LARGEST_TABLE)?;
+                if let Some((what, workbook)) = kinds::of_bytes(&bytes) {
+                    let help = if workbook { "save its sheet as CSV, and give the path of that file" } else { give };
+                    return Err([format!("this is {what}, and no CSV file"), help.into()]);
+                }
+                return read(bytes, decoded);
             }
             Err(["this is a pipe or a device".into(), give.into()])
         })
@@ -100,9 +115,13 @@ fn bytes(path: &Path, kind: &str, give: &str, most: u64) -> Result<Vec<u8>, [Str
     Ok(bytes)
 }
 
-fn utf8(bytes: Vec<u8>) -> Result<(Arc<str>, [u8; 32]), [String; 2]> {
+/// A file's text and digest.
+fn read(
+    bytes: Vec<u8>,
+    decode: fn(Vec<u8>) -> Result<String, [String; 2]>,
+) -> Result<(Arc<str>, [u8; 32]), [String; 2]> {
     let sha256 = Sha256::digest(&bytes).into();
-    decoded(bytes).map(|text| (text.into(), sha256))
+    decode(bytes).map(|text| (text.into(), sha256))
 }
 
 fn unreadable(error: &io::Error, give: &str) -> [String; 2] {
@@ -113,7 +132,8 @@ fn unreadable(error: &io::Error, give: &str) -> [String; 2] {
     [title, give.to_owned()]
 }
 
-fn decoded(bytes: Vec<u8>) -> Result<String, [String; 2]> {
+/// The text of a train file, which TOML has in UTF-8 alone.
+fn utf8(bytes: Vec<u8>) -> Result<String, [String; 2]> {
     let save = || "save it as UTF-8".to_owned();
     if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
         return Err(["the file is UTF-16, not UTF-8 text".into(), save()]);
@@ -123,4 +143,34 @@ fn decoded(bytes: Vec<u8>) -> Result<String, [String; 2]> {
         let line = 1 + valid.iter().filter(|&&b| b == b'\n').count();
         [format!("the file is not UTF-8 text: line {line} has a byte that no text has"), save()]
     })
+}
+
+/// The text of a table or record: UTF-8, UTF-16, or else Windows-1252, as spreadsheets and loggers write them.
+fn decoded(bytes: Vec<u8>) -> Result<String, [String; 2]> {
+    let utf16 = match bytes.as_slice() {
+        [0xff, 0xfe, ..] => Some(UTF_16LE),
+        [0xfe, 0xff, ..] => Some(UTF_16BE),
+        // Without a mark, by the zero byte of the first character, which is one of ASCII in a table.
+        [first, 0, ..] if *first != 0 => Some(UTF_16LE),
+        [0, second, ..] if *second != 0 => Some(UTF_16BE),
+        _ => None,
+    };
+    let broken = |what: &str| [format!("the file is no text in {what}"), "save it as CSV in UTF-8".to_owned()];
+    if let Some(encoding) = utf16 {
+        let (text, _, wrong) = encoding.decode(&bytes);
+        return if wrong { Err(broken(encoding.name())) } else { Ok(text.into_owned()) };
+    }
+    let bytes = match String::from_utf8(bytes) {
+        Ok(text) => return Ok(text),
+        Err(e) => e.into_bytes(),
+    };
+    // Bytes that Windows-1252 does not use, or uses for control characters, come from other encodings.
+    let foreign = |b: &u8| matches!(b, 0x81 | 0x8d | 0x8f | 0x90 | 0x9d | 0..=8 | 14..=31);
+    let line = |at: usize| 1 + bytes[..at].iter().filter(|&&b| b == b'\n').count();
+    match bytes.iter().position(foreign) {
+        Some(at) => {
+            Err(broken(&format!("UTF-8, UTF-16 or Windows-1252: line {} has a byte that none of them has", line(at))))
+        }
+        None => Ok(WINDOWS_1252.decode(&bytes).0.into_owned()),
+    }
 }

@@ -2,13 +2,20 @@
 
 use std::cell::RefCell;
 use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use toml::de::{DeTable, DeValue};
 
+use super::Files;
 use crate::doubts::Doubt;
-use crate::error::{Problem, Problems, is_obeyed, quoted};
+use crate::error::{InputError, Problem, Problems, is_obeyed, printable_path, quoted};
 use crate::keys::{Key, Kind, LONGEST_NAME, Shape, Sign};
 use crate::units::{self, Amount, Dimension, one_of};
+
+/// What to do about a path of Windows between double quotes.
+pub(super) const BACKSLASH: &str = "a backslash between double quotes starts an escape, such as \\t for a tab: write / between folders, \
+     \"data/consist.csv\", or single quotes, 'data\\consist.csv'";
 
 /// What was found wrong with a text so far.
 #[derive(Default)]
@@ -31,9 +38,16 @@ impl Found {
     }
 
     /// Something that is probably not meant, and no error.
-    #[expect(dead_code, reason = "the first doubt of a reader comes with the columns of a table")]
     pub(crate) fn doubt(&self, doubt: Doubt) {
-        self.doubts.borrow_mut().push(doubt);
+        let mut doubts = self.doubts.borrow_mut();
+        if !doubts.contains(&doubt) {
+            doubts.push(doubt);
+        }
+    }
+
+    /// Adds the problems of another text that this one names.
+    pub(crate) fn refer(&self, value: &Value, beside: &InputError) -> Reported {
+        value.wrong(beside.brief(), beside.help())
     }
 
     /// What is wrong, and what is doubtful.
@@ -55,6 +69,16 @@ impl<'s> Table<'s> {
     /// The whole file.
     pub(crate) fn root(found: &'s Found, table: &'s DeTable<'s>, shape: &'static Shape) -> Self {
         Table { found, shape, table, span: 0..0 }.checked()
+    }
+
+    /// A table that was made from one row of a table of vehicles.
+    pub(super) fn of_row(
+        found: &'s Found,
+        table: &'s DeTable<'s>,
+        shape: &'static Shape,
+        span: Range<usize>,
+    ) -> Table<'s> {
+        Table { found, shape, table, span }
     }
 
     /// The same, with every key noted that it cannot have.
@@ -126,6 +150,11 @@ impl<'s> Table<'s> {
         self.found.note(Problem::at(span, title, Some(help.into())))
     }
 
+    /// Notes something that is probably not meant, and no error.
+    pub(crate) fn doubt(&self, doubt: Doubt) {
+        self.found.doubt(doubt);
+    }
+
     /// Notes a problem at a place within it that another place has a part in.
     pub(crate) fn note_because(
         &self,
@@ -177,6 +206,11 @@ impl<'s> Value<'s> {
         self.wrong(format!("{} is {}", self.key.name, quoted(text)), right)
     }
 
+    /// The name of its key.
+    pub(super) fn name_of_key(&self) -> &'static str {
+        self.key.name
+    }
+
     pub(crate) fn span(&self) -> Range<usize> {
         self.span.clone()
     }
@@ -218,6 +252,35 @@ impl<'s> Value<'s> {
             return Err(self.wrong(title, "expected plain text"));
         }
         Ok(text)
+    }
+
+    /// The name of a file, in which a backslash between double quotes may have made a control character.
+    pub(crate) fn file_name(&self) -> Read<&'s str> {
+        match self.as_text() {
+            Some(text) if text.chars().any(char::is_control) => {
+                let title = format!("{} has a control character in it: {}", self.key.name, quoted(text));
+                Err(self.wrong(title, BACKSLASH))
+            }
+            _ => self.name(),
+        }
+    }
+
+    /// The text of a file that this value names, which stands beside the train file `path`, with its path.
+    pub(super) fn text_beside(&self, path: &Path, files: &Files) -> Read<(PathBuf, Arc<str>)> {
+        let name = self.file_name()?;
+        let beside = path.parent().unwrap_or(Path::new("")).join(name);
+        match files.beside(&beside) {
+            Ok(text) => Ok((beside, text)),
+            Err([what, right]) => {
+                let help = if name.contains('\\') && !beside.exists() { BACKSLASH.to_owned() } else { right };
+                Err(self.wrong(format!("{}: {what}", printable_path(&beside)), help))
+            }
+        }
+    }
+
+    /// Its own table, if it is one; of this shape.
+    pub(super) fn table_if(&self, shape: &'static Shape) -> Option<Read<Table<'s>>> {
+        matches!(self.value, DeValue::Table(_)).then(|| self.table_of(shape))
     }
 
     /// The value as it stands.

@@ -1,4 +1,6 @@
-//! What breaks next: couplers that pass their rating break, and the computation goes on with the pieces.
+//! What breaks next: couplers that pass the load that breaks them break, and the computation goes on with the pieces.
+
+use std::collections::BTreeSet;
 
 use serde::Serialize;
 
@@ -10,19 +12,26 @@ use crate::solve::{SolveError, taylor};
 /// The course of a cascade.
 #[derive(Clone, Debug, Serialize)]
 pub struct CascadeFindings {
-    /// Whether a coupler also breaks in buff; if not, one that passes its rating there is kept.
+    /// Whether a coupler also breaks in buff; if not, one that passes its breaking load there is kept.
     pub buff_breaks: bool,
+    /// Which keys give the loads that break couplers, each once: `ultimate`, `rated_load`, `rated_buff`.
+    pub breaks_at: Vec<&'static str>,
     /// Couplers that break after the event, in order.
     pub breaks: Vec<CascadeBreak>,
     /// First and last vehicle of each piece that is left, counted from 1.
     pub pieces: Vec<[usize; 2]>,
-    /// Couplers that certainly pass their rating in buff and are kept, counted from 1.
+    /// Couplers that certainly pass their breaking load in buff and are kept, counted from 1.
     pub kept_in_buff: Vec<usize>,
-    /// From when on the sequence is not decided, s: a coupler came within the error bound of its rating and was not seen to
+    /// From when on the sequence is not decided, s: a coupler came within the error bound of its breaking load and was not seen to
     /// pass it.
     pub undecided_from_s: Option<f64>,
     /// That coupler, counted from 1.
     pub undecided_coupler: Option<usize>,
+    /// When the gap at a broken coupler first closes, s: its vehicles would push each other from then on, which is not computed,
+    /// so that nothing here holds of later times.
+    pub gap_closes_s: Option<f64>,
+    /// That coupler, counted from 1.
+    pub gap_coupler: Option<usize>,
     /// No force is further than this from the exact one, N, the instants of the breaks included.
     pub error_bound_n: f64,
 }
@@ -40,6 +49,8 @@ pub struct CascadeBreak {
     pub between: [String; 2],
     /// Its force when it breaks, N, draft positive.
     pub force_n: f64,
+    /// The key that gives the load at which it breaks: `ultimate`, `rated_load` or `rated_buff`.
+    pub breaks_at: &'static str,
     /// Others break at the same instant, as near as can be told.
     pub together: bool,
     /// Elastic energy that it gives up, J, not negative.
@@ -60,7 +71,14 @@ pub(super) fn find(
         return Ok(None);
     }
     let scales = Scales::of(train);
-    let outcome = taylor::solve(&scenario::play(train, scenario, broken, horizon_s, scenario.cascade))?;
+    let mut play = scenario::play(train, scenario, broken, horizon_s, scenario.cascade);
+    // What is kept in buff is judged by the load that would break it.
+    play.scene.rated_buff = play.break_at.iter().map(|[_, buff]| *buff).collect();
+    let outcome = taylor::solve(&play)?;
+    let loads = |i: usize| scenario::break_loads(train, i);
+    let senses = if scenario.cascade == Rule::InBoth { 2 } else { 1 };
+    let keys: BTreeSet<_> =
+        (0..train.couplers.len()).flat_map(|i| loads(i).into_iter().take(senses)).map(|l| l.1).collect();
     let breaks: Vec<CascadeBreak> = outcome
         .breakages
         .iter()
@@ -71,6 +89,7 @@ pub(super) fn find(
             coupler: i + 1,
             between: [train.vehicles[i].label.clone(), train.vehicles[i + 1].label.clone()],
             force_n,
+            breaks_at: loads(i)[usize::from(force_n < 0.0)].1,
             together: at.springs.len() > 1,
             energy_j: at.energy[at.springs.iter().position(|s| *s == i).unwrap_or(0)]
                 * scales.force_n
@@ -82,11 +101,14 @@ pub(super) fn find(
     let kept_in_buff = (0..train.couplers.len()).filter(over).map(|i| i + 1).collect();
     Ok(Some(CascadeFindings {
         buff_breaks: scenario.cascade == Rule::InBoth,
+        breaks_at: keys.into_iter().rev().collect(),
         pieces: pieces(train.vehicles.len(), gone),
         breaks,
         kept_in_buff,
         undecided_from_s: outcome.open.map(|(_, t)| t * scales.time_s),
         undecided_coupler: outcome.open.map(|(i, _)| i + 1),
+        gap_closes_s: outcome.gap_closes.map(|(_, t)| t * scales.time_s),
+        gap_coupler: outcome.gap_closes.map(|(i, _)| i + 1),
         error_bound_n: outcome.error_bound * scales.force_n,
     }))
 }

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::{AnalyzeError, Options, ask, cases, chosen, general, map};
+use super::{AnalyzeError, Options, ask, cases, chosen, general, map, safe_speed};
 use crate::consist::Train;
 use crate::play::Rule;
 use crate::scenario::{self, Scenario};
@@ -72,7 +72,9 @@ pub(crate) fn case_estimate_s(
         seconds += general::estimate_s(train, scenario, broken, scenario.cascade);
     }
     if scenario::beyond_steps(&train.extras.dashpot_n_s_per_m, &scenario.event) {
-        return Ok(seconds + general::estimate_s(train, scenario, broken, Rule::Keep));
+        let once = general::estimate_s(train, scenario, broken, Rule::Keep);
+        let balanced = scenario::unbalanced_n(train, &scenario.event).iter().all(|f| *f == 0.0);
+        return Ok(seconds + if balanced { once } else { once * (1.0 + safe_speed::ABOUT) });
     }
     let parts = scenario::parts(train, &scenario.event, broken, horizon_s);
     if train.extras.damping_ratio > 0.0 {

@@ -1,33 +1,148 @@
-//! Which capacities besides its rating each coupler passes.
+//! Which capacities besides its rating each coupler passes, in draft and in buff.
 
 use serde::Serialize;
 
 use super::CouplerFindings;
-use crate::consist::{LIMITS, Train};
+use crate::consist::{LIMITS, SENSES, Train};
+use crate::solve::SolveError;
 
-/// A coupler's largest force, of either sense, against its other capacities.
+/// A coupler's largest forces against its other capacities.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LimitFindings {
-    /// |force|, N.
+    /// Largest |force| in either sense, N.
     pub largest_n: f64,
-    /// Names of those that it certainly passes.
+    /// Names of those that it certainly passes, in draft or in buff.
     pub passed: Vec<&'static str>,
-    /// Names of those that lie within the error bound of it.
+    /// Names of those of which it cannot be told whether it passes them, and which it certainly passes in neither sense.
     pub undecided: Vec<&'static str>,
+    /// Each capacity that was given, in each sense in which it was.
+    pub by_sense: Vec<LimitInSense>,
 }
 
-/// Notes them where the train has any; a force before the event is exact, every other one within `error_bound_n`.
-pub(super) fn find(train: &Train, couplers: &mut [CouplerFindings], error_bound_n: f64) {
-    for c in couplers {
-        let Some(limits) = train.extras.limits.get(c.coupler - 1) else { return };
-        let largest_n = c.peak_draft_n.unwrap_or(0.0).max(-c.peak_buff_n.unwrap_or(0.0));
-        let error = if largest_n == c.initial_force_n.abs() { 0.0 } else { error_bound_n };
-        let named = |test: &dyn Fn(f64) -> bool| -> Vec<&'static str> {
-            let given = LIMITS.iter().zip(limits.0).filter(|(_, n)| n.is_some_and(test));
-            given.map(|(name, _)| *name).collect()
-        };
-        let passed = named(&|n| largest_n > n + error);
-        let undecided = named(&|n| error > 0.0 && (largest_n - n).abs() <= error);
-        c.limits = Some(LimitFindings { largest_n, passed, undecided });
+/// A coupler's largest force in one sense against one capacity.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LimitInSense {
+    /// `fatigue`, `proof` or `ultimate`.
+    pub limit: &'static str,
+    /// `draft` or `buff`.
+    pub sense: &'static str,
+    /// The capacity, N, positive.
+    pub limit_n: f64,
+    /// Largest |force| in this sense, N; 0 if there never is one.
+    pub largest_n: f64,
+    /// What is left of the capacity, a share of it: `1 - largest_n / limit_n`; negative where it is passed.
+    pub margin: f64,
+    /// Whether the largest force is above the capacity; `None`: not decided.
+    pub passed: Option<bool>,
+}
+
+impl LimitFindings {
+    fn new(by_sense: Vec<LimitInSense>) -> LimitFindings {
+        let some = |name: &str, passed: Option<bool>| by_sense.iter().any(|l| l.limit == name && l.passed == passed);
+        let passed = |name: &&str| some(name, Some(true));
+        LimitFindings {
+            largest_n: 0.0,
+            passed: LIMITS.into_iter().filter(passed).collect(),
+            undecided: LIMITS.into_iter().filter(|name| !passed(name) && some(name, None)).collect(),
+            by_sense,
+        }
     }
+}
+
+/// A capacity that equals the load before the event as near as forces are known: only how the force moves from there can
+/// tell whether it is passed.
+struct AtTheLoad {
+    /// Which of the couplers that are looked at.
+    place: usize,
+    /// Which of its capacities.
+    entry: usize,
+}
+
+/// Notes them where the train has any; every force after t = 0 is within `error_bound_n`.
+///
+/// What a rating at the load is judged by, a capacity at the load is as well: `solve` solves the same case of a train in which
+/// such capacities are the ratings, and the verdict on those is theirs.
+///
+/// # Errors
+/// As for the case itself.
+pub(super) fn find(
+    train: &Train,
+    couplers: &mut [CouplerFindings],
+    error_bound_n: f64,
+    solve: impl Fn(&Train) -> Result<Vec<CouplerFindings>, SolveError>,
+) -> Result<(), SolveError> {
+    if train.extras.limits.is_empty() {
+        return Ok(());
+    }
+    let (mut all, mut open): (Vec<Vec<LimitInSense>>, Vec<AtTheLoad>) = (Vec::new(), Vec::new());
+    for (place, c) in couplers.iter().enumerate() {
+        let entries = against(train, c, error_bound_n);
+        let before = |sense| if sense == SENSES[0] { c.initial_force_n } else { -c.initial_force_n };
+        let at_the_load = |l: &LimitInSense| l.passed.is_none() && (before(l.sense) - l.limit_n).abs() <= error_bound_n;
+        let at = entries.iter().enumerate().filter(|(_, l)| at_the_load(l));
+        open.extend(at.map(|(entry, _)| AtTheLoad { place, entry }));
+        all.push(entries);
+    }
+    while !open.is_empty() {
+        settle(train, couplers, &mut all, &mut open, &solve)?;
+    }
+    for (c, entries) in couplers.iter_mut().zip(all) {
+        let [draft, buff] = largest_n(c);
+        c.limits = Some(LimitFindings { largest_n: draft.max(buff), ..LimitFindings::new(entries) });
+    }
+    Ok(())
+}
+
+/// Largest |force| in draft and in buff, N; 0 where there never is one.
+fn largest_n(c: &CouplerFindings) -> [f64; 2] {
+    [c.peak_draft_n.unwrap_or(0.0), c.peak_buff_n.map_or(0.0, f64::abs)]
+}
+
+/// A coupler's largest forces against each of its capacities.
+fn against(train: &Train, c: &CouplerFindings, error_bound_n: f64) -> Vec<LimitInSense> {
+    let largest = largest_n(c);
+    let limits = train.extras.limits.get(c.coupler - 1).copied().unwrap_or_default();
+    let mut entries = Vec::new();
+    for (sense, capacities) in limits.in_senses().into_iter().enumerate() {
+        for (limit, limit_n) in LIMITS.into_iter().zip(capacities).filter_map(|(name, n)| Some((name, n?))) {
+            let largest_n = largest[sense];
+            let over = largest_n - limit_n;
+            let passed = (over > error_bound_n || over < -error_bound_n || error_bound_n == 0.0).then_some(over > 0.0);
+            let margin = 1.0 - largest_n / limit_n;
+            entries.push(LimitInSense { limit, sense: SENSES[sense], limit_n, largest_n, margin, passed });
+        }
+    }
+    entries
+}
+
+/// Solves with one open capacity of each side of each coupler as its rating, and takes the verdicts.
+fn settle(
+    train: &Train,
+    couplers: &[CouplerFindings],
+    all: &mut [Vec<LimitInSense>],
+    open: &mut Vec<AtTheLoad>,
+    solve: &impl Fn(&Train) -> Result<Vec<CouplerFindings>, SolveError>,
+) -> Result<(), SolveError> {
+    let mut rated = Train { couplers: train.couplers.clone(), ..train.clone() };
+    let mut asked: Vec<(AtTheLoad, usize)> = Vec::new();
+    let mut later = Vec::new();
+    for at in open.drain(..) {
+        let limit = &all[at.place][at.entry];
+        let side = usize::from(limit.sense != SENSES[0]);
+        if asked.iter().rev().take(2).any(|(other, s)| other.place == at.place && *s == side) {
+            later.push(at);
+            continue;
+        }
+        let coupler = &mut rated.couplers[couplers[at.place].coupler - 1];
+        *[&mut coupler.rated_draft_n, &mut coupler.rated_buff_n][side] = limit.limit_n;
+        asked.push((at, side));
+    }
+    let found = solve(&rated)?;
+    for (at, side) in asked {
+        let number = couplers[at.place].coupler;
+        let own = found.binary_search_by_key(&number, |c| c.coupler).ok().map(|i| &found[i]);
+        all[at.place][at.entry].passed = own.and_then(|c| c.exceeds_in[side]);
+    }
+    *open = later;
+    Ok(())
 }

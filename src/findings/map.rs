@@ -39,7 +39,7 @@ pub struct MapPoint {
 /// The map of a scenario; `None` for an impact, whose one number is its safe speed.
 ///
 /// A pulse's duration runs from a tenth of the time unit to twice the transit, in equal ratios; breaks are those of every
-/// coupler. All else stays as the scenario has it: forces are linear in the factor, so that each point costs one case.
+/// coupler that can part. All else stays as the scenario has it: forces are linear in the factor, so that each point costs one case.
 ///
 /// # Errors
 /// As for a case.
@@ -54,7 +54,8 @@ pub(super) fn find(
     let (over, value, variants): (_, _, Vec<(f64, Option<usize>, Event)>) = match &scenario.event {
         Event::Impact { .. } => return Ok(None),
         Event::Break { .. } => {
-            let each = (0..train.couplers.len()).map(|b| (b as f64 + 1.0, Some(b), scenario.event.clone()));
+            let each = mapped(train, &scenario.event).into_iter();
+            let each = each.map(|b| (b as f64 + 1.0, Some(b), scenario.event.clone()));
             ("broken_coupler", "safe_load_factor", each.collect())
         }
         Event::Pulse { .. } | Event::Shaped { .. } => {
@@ -78,11 +79,20 @@ pub(super) fn find(
     Ok(Some(MapFindings { over, value, points: points.collect::<Result<_, _>>()? }))
 }
 
+/// Couplers in a map of breaks: every one but those in buff, which do not part, unless the event breaks them.
+fn mapped(train: &Train, event: &Event) -> Vec<usize> {
+    let mut mapped: Vec<bool> = train.initial_force_n.iter().map(|force| *force >= 0.0).collect();
+    if let Event::Break { couplers } = event {
+        couplers.iter().for_each(|&b| mapped[b] = true);
+    }
+    (0..mapped.len()).filter(|&b| mapped[b]).collect()
+}
+
 /// How many cases a map has.
 pub(super) fn cases(train: &Train, event: &Event) -> usize {
     match event {
         Event::Impact { .. } => 0,
-        Event::Break { .. } => train.couplers.len(),
+        Event::Break { .. } => mapped(train, event).len(),
         Event::Pulse { .. } | Event::Shaped { .. } => DURATIONS,
     }
 }

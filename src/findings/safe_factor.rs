@@ -13,9 +13,9 @@ pub(super) fn of_side(growth: f64, room: f64) -> Option<f64> {
 
 /// The largest factor at which no coupler exceeds.
 ///
-/// After a break every force, the initial one included, is proportional to the load. Under a pulse the load stays and
-/// the rest, `F - F(0)`, is proportional to the pulse's force. In an impact every force is proportional to the speed. `None`
-/// where nothing grows with the factor. Couplers left out (with their all-time bounds, N) count by these: then it is a factor at
+/// After a break every force, the initial one included, is proportional to the load. Under a pulse, and in an impact whose parts
+/// had one acceleration, the load stays and the rest, `F - F(0)`, is proportional to the pulse's force or the speed; for other
+/// impacts see [`super::safe_speed`]. `None` where nothing grows with the factor. Couplers left out (with their all-time bounds, N) count by these: then it is a factor at
 /// which none exceeds, and a larger one may be.
 pub(super) fn safe_load_factor(
     train: &Train,
@@ -23,12 +23,13 @@ pub(super) fn safe_load_factor(
     couplers: &[CouplerFindings],
     left_out: &[(usize, f64)],
 ) -> Option<f64> {
-    let proportional = matches!(event, Event::Break { .. } | Event::Impact { .. });
+    let proportional = matches!(event, Event::Break { .. });
     let factor = |rating: f64, initial: f64, peak: f64| of_side(peak - initial, rating - initial);
     let watched = couplers.iter().flat_map(|c| {
         let initial = if proportional { 0.0 } else { c.initial_force_n };
-        let draft = c.peak_draft_n.and_then(|peak| factor(c.rated_draft_n, initial, peak));
-        let buff = c.peak_buff_n.and_then(|peak| factor(c.rated_buff_n, -initial, -peak));
+        let [draft, buff] = c.extremes_n;
+        let draft = factor(c.rated_draft_n, initial, draft);
+        let buff = factor(c.rated_buff_n, -initial, buff);
         [draft, buff]
     });
     let bounded = left_out.iter().map(|&(index, bound)| {

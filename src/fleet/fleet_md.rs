@@ -53,7 +53,15 @@ pub fn caption(summary: &Summary) -> String {
 pub fn markdown(run: &Run, summary: &Summary, figure: Option<&'static str>) -> Result<String, Error> {
     let probabilities = run.variations.map(|_| probabilities(run, summary));
     let inputs = run.variations.and_then(|_| correlations(run, summary));
-    let tables = [probabilities, inputs, worst(summary), breaks(summary), overloaded(summary), errors(summary)];
+    let tables = [
+        probabilities,
+        doubted(summary),
+        inputs,
+        worst(summary),
+        breaks(summary),
+        overloaded(summary),
+        errors(summary),
+    ];
     let report = Report {
         title: format!("Fleet of {}", count(run.trains, "train")),
         verdict: verdict(run, summary),
@@ -62,6 +70,31 @@ pub fn markdown(run: &Run, summary: &Summary, figure: Option<&'static str>) -> R
         tables: tables.into_iter().flatten().collect(),
     };
     Ok(render(TEMPLATE, report)?.trim_end().to_owned() + "\n")
+}
+
+/// The doubts, a sentence for each kind: the same that `analyze` and `check` tell, once per train and kind.
+pub fn doubts(summary: &Summary) -> Vec<String> {
+    let of = |(code, (trains, first)): (&String, &(usize, String))| {
+        let others = if *trains > 1 { format!(" and {} more", trains - 1) } else { String::new() };
+        format!("{code}: {} ({first}{others}); `trainsafe check` tells it in full", count(*trains, "train"))
+    };
+    summary.doubts.iter().map(of).collect()
+}
+
+/// The doubts as a table.
+fn doubted(summary: &Summary) -> Option<Table> {
+    let row =
+        |(code, (trains, first)): (&String, &(usize, String))| vec![code.clone(), trains.to_string(), first.clone()];
+    (!summary.doubts.is_empty()).then(|| Table {
+        title: "Doubts",
+        text: vec![
+            "What is probably not meant in these trains; their verdicts hold for the files as they are. `trainsafe check FILE` tells \
+             each doubt in full."
+                .to_owned(),
+        ],
+        head: vec!["doubt", "trains", "first train"],
+        rows: summary.doubts.iter().map(row).collect(),
+    })
 }
 
 /// What the run came to, as sentences of plain text.
@@ -79,6 +112,11 @@ pub fn verdict(run: &Run, summary: &Summary) -> Vec<String> {
     match summary.undecided_trains() {
         0 => {}
         n => text.push(format!("For {n} more it is not decided: a rating lies within the error bound of a peak.")),
+    }
+    if summary.doubtful > 0 {
+        let each: Vec<String> = summary.doubts.iter().map(|(code, (trains, _))| format!("{code}: {trains}")).collect();
+        let have = if summary.doubtful == 1 { "has" } else { "have" };
+        text.push(format!("{} {have} doubts ({}).", count(summary.doubtful, "train"), each.join(", ")));
     }
     match summary.failed {
         0 => {}
@@ -118,7 +156,8 @@ fn probabilities(run: &Run, summary: &Summary) -> Table {
             );
         }
         text.push(
-            "Draws that make no train, such as a negative strength, are left out and listed in errors.csv.".to_owned(),
+            "Each row stands on the draws in the column \"variations\"; draws that make no train are in errors.csv."
+                .to_owned(),
         );
     }
     let mut trains: Vec<&TrainSummary> = summary.trains.iter().collect();

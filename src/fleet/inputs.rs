@@ -13,8 +13,19 @@ use crate::consist::{self, Files, Train};
 use crate::error::{InputError, printable_path};
 use crate::findings::{Options, cases};
 
-/// Keys that can change how many cases a train has, or whether its other keys are right.
-const COUNTING: [&str; 6] = ["count", "held", "coupler", "at", "kind", "vehicles"];
+/// Keys that never change how many cases a train has: all others can, for a coupler that carries buff is none of "each".
+const NOT_COUNTING: [&str; 10] = [
+    "rated_load",
+    "rated_buff",
+    "fatigue",
+    "proof",
+    "ultimate",
+    "damping",
+    "damping_ratio",
+    "horizon",
+    "length",
+    "speed",
+];
 
 /// The train files and the study, as they were found at the start.
 pub struct Inputs {
@@ -57,7 +68,36 @@ impl Inputs {
         let mut seen = std::collections::HashSet::new();
         files.retain(|file| seen.insert(file.clone()));
         let digests = files.par_iter().map(|file| digest(&base(file).0)).collect();
-        Ok(Inputs { files, study, digests, study_text })
+        let inputs = Inputs { files, study, digests, study_text };
+        inputs.check_effects()?;
+        Ok(inputs)
+    }
+
+    /// Refuses a study with an input that changes nothing in any of its trains.
+    fn check_effects(&self) -> Result<(), FleetError> {
+        let Some(study) = &self.study else { return Ok(()) };
+        let effect = |k: usize, path: &PathBuf| {
+            let files = Files::default();
+            let text = files.main(path).ok()?;
+            variation::has_effect(study, k, &text, path, &files)
+        };
+        for (k, input) in study.inputs.iter().enumerate() {
+            let effects: Vec<bool> = self.files.par_iter().filter_map(|path| effect(k, path)).collect();
+            if !effects.is_empty() && !effects.contains(&true) {
+                let why = match input.key.table {
+                    Some("coupler") => {
+                        "reaches no coupler: all have a value of their own, from the table of vehicles or from [[coupler_override]]"
+                    }
+                    Some("vehicle") => "reaches no vehicle",
+                    _ => "changes nothing in any train of the study",
+                };
+                return Err(FleetError::Usage(format!(
+                    "the varied key {} {why}; leave it out of the study",
+                    input.key
+                )));
+            }
+        }
+        Ok(())
     }
 
     /// Variations of each train.
@@ -94,7 +134,7 @@ impl Inputs {
             return Err(FleetError::Changed(path.clone()));
         }
         let varied = match (&self.study, files.main(path)) {
-            (Some(study), Ok(text)) => variation::vary(study, variation, &text, path),
+            (Some(study), Ok(text)) => variation::vary(study, variation, &text, path, &files),
             (None, Ok(_)) => Varied { cells: vec![], train: train.map_err(|e| e.brief()) },
             (study, Err(e)) => {
                 let inputs = study.as_ref().map_or(0, |s| s.inputs.len());
@@ -110,14 +150,22 @@ impl Inputs {
     /// As for [`Inputs::load`].
     pub fn case_counts(&self) -> Result<Vec<u32>, FleetError> {
         let variations = self.variations();
-        let fixed = self.study.as_ref().is_none_or(|s| !s.inputs.iter().any(|i| COUNTING.contains(&i.key.leaf)));
+        let fixed = self.study.as_ref().is_none_or(|s| s.inputs.iter().all(|i| NOT_COUNTING.contains(&i.key.leaf)));
         let one = |file: usize, variation: usize| {
             let varied = self.load(file, variation)?;
             Ok(varied.train.map_or(1, |train| case_count(&train)))
         };
         if fixed {
-            let base = |file| consist::read(file).map_or(1, |train| case_count(&train));
-            let counts: Vec<u32> = self.files.par_iter().map(|file| base(file)).collect();
+            // Those of the first variation that makes a train: the file may be incomplete without its inputs.
+            let counts = (0..self.files.len()).into_par_iter().map(|file| {
+                for variation in 0..variations {
+                    if let Ok(train) = self.load(file, variation)?.train {
+                        return Ok(case_count(&train));
+                    }
+                }
+                Ok(1)
+            });
+            let counts: Vec<u32> = counts.collect::<Result<_, FleetError>>()?;
             return Ok(counts.into_iter().flat_map(|count| std::iter::repeat_n(count, variations)).collect());
         }
         let units = self.files.len() * variations;

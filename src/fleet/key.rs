@@ -4,7 +4,7 @@ use std::fmt;
 
 use crate::consist::keys::TRAIN;
 use crate::error::quoted;
-use crate::keys::{Kind, Shape};
+use crate::keys::{Kind, Shape, Sign};
 use crate::units::{Dimension, one_of};
 
 /// A key of a train file that is no table.
@@ -14,11 +14,13 @@ pub struct Key {
     pub table: Option<&'static str>,
     /// Which of several tables of that name, from 0.
     pub index: Option<usize>,
-    /// The table within that table, as of `coupler.limits.proof`.
-    pub inner: Option<&'static str>,
+    /// The tables within that table, as of `coupler.limits.draft.proof`.
+    pub inner: Vec<&'static str>,
     /// The key in it.
     pub leaf: &'static str,
     dimension: Option<Dimension>,
+    /// Its quantity is more than 0, or at least not less.
+    one_sign: bool,
 }
 
 /// What is wrong with a path, and what would be right.
@@ -39,18 +41,28 @@ fn tables() -> impl Iterator<Item = (&'static str, bool, &'static Shape)> {
     })
 }
 
-/// A table's keys that are no tables, each with the table within it that it is in.
-fn leaves(shape: &'static Shape) -> impl Iterator<Item = (Option<&'static str>, &'static str, Option<Dimension>)> {
-    let dimension = |kind| if let Kind::Quantity { of, .. } = kind { Some(of) } else { None };
+/// A key that is no table: the tables that it is in, its name, and what it measures.
+type Leaf = (Vec<&'static str>, &'static str, Option<(Dimension, bool)>);
+
+/// A table's keys that are no tables, each with the tables within it that it is in.
+fn leaves(shape: &'static Shape) -> impl Iterator<Item = Leaf> {
+    let dimension = |kind| match kind {
+        Kind::Quantity { of, sign, .. } => Some((of, matches!(sign, Sign::Positive | Sign::NotNegative))),
+        _ => None,
+    };
+    let within = |name, (mut inner, leaf, of): Leaf| {
+        inner.insert(0, name);
+        (inner, leaf, of)
+    };
     shape.keys.iter().flat_map(move |key| match key.kind {
-        Kind::Table(inner) => inner.keys.iter().map(|k| (Some(key.name), k.name, dimension(k.kind))).collect(),
+        Kind::Table(shape) => leaves(shape).map(|leaf| within(key.name, leaf)).collect(),
         Kind::Tables(_) => Vec::new(),
-        kind => vec![(None, key.name, dimension(kind))],
+        kind => vec![(Vec::new(), key.name, dimension(kind))],
     })
 }
 
-fn path((inner, leaf, _): (Option<&str>, &str, Option<Dimension>)) -> String {
-    inner.map_or(leaf.to_owned(), |inner| format!("{inner}.{leaf}"))
+fn path((inner, leaf, _): &Leaf) -> String {
+    inner.iter().chain([leaf]).copied().collect::<Vec<_>>().join(".")
 }
 
 impl Key {
@@ -68,9 +80,10 @@ impl Key {
             bad(format!("no train file has a key {}", quoted(text)), help)
         };
         let Some((front, rest)) = text.split_once('.') else {
-            let known = leaves(&TRAIN).find(|&(inner, leaf, _)| inner.is_none() && leaf == text);
-            let (inner, leaf, dimension) = known.ok_or_else(unknown)?;
-            return Ok(Key { table: None, index: None, inner, leaf, dimension });
+            let known = leaves(&TRAIN).find(|(inner, leaf, _)| inner.is_empty() && *leaf == text);
+            let (inner, leaf, of) = known.ok_or_else(unknown)?;
+            let (dimension, one_sign) = (of.map(|o| o.0), of.is_some_and(|o| o.1));
+            return Ok(Key { table: None, index: None, inner, leaf, dimension, one_sign });
         };
         let (name, index) = match front.split_once('[') {
             None => (front, None),
@@ -79,8 +92,8 @@ impl Key {
             }
         };
         let (table, many, shape) = tables().find(|(known, ..)| *known == name).ok_or_else(unknown)?;
-        let (inner, leaf, dimension) = leaves(shape).find(|&known| path(known) == rest).ok_or_else(|| {
-            let right = format!("expected {}", one_of(leaves(shape).map(path)));
+        let (inner, leaf, of) = leaves(shape).find(|known| path(known) == rest).ok_or_else(|| {
+            let right = format!("expected {}", one_of(leaves(shape).map(|leaf| path(&leaf))));
             bad(format!("[{table}] has no key {} to vary", quoted(rest)), right)
         })?;
         match (many, index) {
@@ -91,16 +104,19 @@ impl Key {
                 Err(bad(format!("a train file has several [[{table}]]"), help))
             }
             (false, Some(_)) => Err(bad(format!("a train file has one [{table}]"), format!("write {table}.{rest}"))),
-            _ => Ok(Key { table: Some(table), index, inner, leaf, dimension }),
+            _ => {
+                let (dimension, one_sign) = (of.map(|o| o.0), of.is_some_and(|o| o.1));
+                Ok(Key { table: Some(table), index, inner, leaf, dimension, one_sign })
+            }
         }
     }
 
     /// A regular expression of the paths that [`parse`](Key::parse) takes.
     pub(crate) fn pattern() -> String {
-        let words = |shape| leaves(shape).map(path).collect::<Vec<_>>().join("|").replace('.', "\\.");
+        let words = |shape| leaves(shape).map(|leaf| path(&leaf)).collect::<Vec<_>>().join("|").replace('.', "\\.");
         let table =
             |(name, many, shape)| format!("{name}{}\\.({})", if many { "\\[\\+?[0-9]+\\]" } else { "" }, words(shape));
-        let top = leaves(&TRAIN).filter(|leaf| leaf.0.is_none()).map(path);
+        let top = leaves(&TRAIN).filter(|leaf| leaf.0.is_empty()).map(|leaf| path(&leaf));
         format!("^({})$", top.chain(tables().map(table)).collect::<Vec<_>>().join("|"))
     }
 
@@ -109,16 +125,26 @@ impl Key {
         self.dimension
     }
 
+    /// Whether its quantity cannot be negative.
+    pub fn has_one_sign(&self) -> bool {
+        self.one_sign
+    }
+
+    /// Whether every vehicle of its group can have its own value.
+    pub fn of_every_vehicle(&self) -> bool {
+        self.table == Some("vehicle") && self.inner.is_empty() && self.dimension.is_some()
+    }
+
     /// Whether every coupler can have its own value.
     pub fn of_every_coupler(&self) -> bool {
-        self.table == Some("coupler") && self.inner.is_none()
+        self.table == Some("coupler") && self.inner.is_empty()
     }
 
     /// Puts a value there.
     ///
     /// # Errors
     /// A sentence where the train file has no such table.
-    pub fn put(&self, train: &mut toml::Table, value: toml::Value) -> Result<(), String> {
+    pub fn put<'t>(&self, train: &'t mut toml::Table, value: toml::Value) -> Result<(), String> {
         let empty = || toml::Value::Table(toml::Table::new());
         let table = self.table.unwrap_or_default();
         let at = match (self.table, self.index) {
@@ -128,33 +154,46 @@ impl Key {
                 train.get_mut(table).and_then(|v| v.as_array_mut()?.get_mut(index)?.as_table_mut())
             }
         };
-        let at = match self.inner {
-            None => at,
-            Some(inner) => at.and_then(|t| t.entry(inner).or_insert_with(empty).as_table_mut()),
-        };
+        let within =
+            |table: &'t mut toml::Table, inner: &&str| table.entry(*inner).or_insert_with(empty).as_table_mut();
+        let at = at.and_then(|table| self.inner.iter().try_fold(table, within));
         let missing = || format!("the train file has no {table}[{}] (counted from 0)", self.index.unwrap_or(0));
         at.ok_or_else(missing)?.insert(self.leaf.to_owned(), value);
         Ok(())
     }
 
-    /// Gives each coupler its own value, but for those that the train file already overrides; the values that were put.
-    pub fn put_each(&self, train: &mut toml::Table, values: Vec<toml::Value>) -> Vec<toml::Value> {
+    /// Gives couplers values of their own; `None` leaves one as it is.
+    pub fn put_each(&self, train: &mut toml::Table, values: impl Iterator<Item = Option<toml::Value>>) {
         let overrides = train.entry("coupler_override").or_insert_with(|| toml::Value::Array(vec![]));
-        let Some(overrides) = overrides.as_array_mut() else { return Vec::new() };
-        let of_this_key =
-            overrides.iter().filter_map(|o| o.as_table().filter(|t| t.contains_key(self.leaf))?.get("at"));
-        let numbers = |at: &toml::Value| match at {
-            toml::Value::Array(list) => list.iter().filter_map(toml::Value::as_integer).collect(),
-            one => one.as_integer().into_iter().collect::<Vec<_>>(),
-        };
-        let taken: std::collections::HashSet<i64> = of_this_key.flat_map(numbers).collect();
-        let mut put = Vec::new();
-        for (value, number) in values.into_iter().zip(1i64..).filter(|(_, number)| !taken.contains(number)) {
-            let entries = [("at".to_owned(), toml::Value::Integer(number)), (self.leaf.to_owned(), value.clone())];
+        let Some(overrides) = overrides.as_array_mut() else { return };
+        for (value, number) in values.zip(1i64..) {
+            let Some(value) = value else { continue };
+            let entries = [("at".to_owned(), toml::Value::Integer(number)), (self.leaf.to_owned(), value)];
             overrides.push(toml::Value::Table(entries.into_iter().collect()));
-            put.push(value);
         }
-        put
+    }
+
+    /// How many vehicles its `[[vehicle]]` table stands for; `None` where there is no such table.
+    pub fn vehicles(&self, train: &toml::Table) -> Option<usize> {
+        let group = train.get("vehicle")?.as_array()?.get(self.index?)?.as_table()?;
+        let count = group.get("count").map_or(Some(1), toml::Value::as_integer)?;
+        usize::try_from(count).ok()
+    }
+
+    /// Spells its `[[vehicle]]` table out, with a value of its own for each vehicle.
+    pub fn put_each_vehicle(&self, train: &mut toml::Table, values: Vec<toml::Value>) {
+        let Some(groups) = train.get_mut("vehicle").and_then(toml::Value::as_array_mut) else { return };
+        let Some(index) = self.index.filter(|i| *i < groups.len()) else { return };
+        let one = |value: toml::Value| {
+            let mut vehicle = groups[index].clone();
+            if let Some(table) = vehicle.as_table_mut() {
+                table.remove("count");
+                table.insert(self.leaf.to_owned(), value);
+            }
+            vehicle
+        };
+        let spelt: Vec<toml::Value> = values.into_iter().map(one).collect();
+        groups.splice(index..=index, spelt);
     }
 }
 
@@ -167,6 +206,6 @@ impl fmt::Display for Key {
             write!(f, "[{index}]")?;
         }
         let dot = if self.table.is_some() { "." } else { "" };
-        write!(f, "{dot}{}", path((self.inner, self.leaf, None)))
+        write!(f, "{dot}{}", path(&(self.inner.clone(), self.leaf, None)))
     }
 }

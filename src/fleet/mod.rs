@@ -313,7 +313,9 @@ fn finish(
         parts::describe(dir, &Run { complete: true, ..run.clone() })?;
     }
     parts::remove(dir);
-    Ok(Outcome { warnings: reports.missing, ..outcome(run, &summary, report) })
+    let mut outcome = outcome(run, &summary, report);
+    outcome.warnings.extend(reports.missing);
+    Ok(outcome)
 }
 
 fn outcome(run: &Run, summary: &Summary, report: Option<PathBuf>) -> Outcome {
@@ -324,7 +326,7 @@ fn outcome(run: &Run, summary: &Summary, report: Option<PathBuf>) -> Outcome {
         computed: summary.trains.len(),
         failed: summary.failed,
         exceeding: summary.harmful + open,
-        warnings: vec![],
+        warnings: fleet_md::doubts(summary),
         scenes: (0, 0),
     }
 }

@@ -12,6 +12,7 @@ use super::fleet_md;
 use super::parts::Run;
 use super::summary::{Case, KEPT, Summary, TrainSummary};
 use crate::error::harmless;
+use crate::figures::css;
 use crate::report::html::inline;
 use crate::report::numbers::{digits, down, percent};
 use crate::report::words::count;
@@ -43,7 +44,7 @@ struct Page {
     kept: usize,
     detailed: usize,
     errors: Vec<Vec<String>>,
-    style: &'static str,
+    style: String,
     script: &'static str,
 }
 
@@ -146,7 +147,7 @@ impl Page {
             kept: KEPT,
             detailed,
             errors: summary.errors.iter().map(|e| e.iter().map(|cell| clean(cell)).collect()).collect(),
-            style: concat!(include_str!("../report/page.css"), include_str!("page/style.css")),
+            style: css() + concat!(include_str!("../report/page.css"), include_str!("page/style.css")),
             script: include_str!("page/sort.js"),
         }
     }

@@ -7,6 +7,7 @@ use super::inputs::Inputs;
 use super::rows::{self, Chunk};
 use super::variation::Varied;
 use crate::consist::Train;
+use crate::doubts::doubts;
 use crate::findings::{self, Options, cases};
 use crate::solve::Wanted;
 use crate::solve::memo::Memo;
@@ -122,7 +123,8 @@ impl<'a> Plan<'a> {
         let variations = self.inputs.variations();
         let (file, variation) = (unit / variations, unit % variations);
         let varied = self.load(unit)?;
-        let place = rows::Place {
+        let mut place = rows::Place {
+            doubts: Vec::new(),
             file: self.inputs.files[file].display().to_string(),
             variation: self.inputs.study.as_ref().map(|_| variation + 1),
             inputs: varied.cells,
@@ -137,6 +139,7 @@ impl<'a> Plan<'a> {
                 return Ok(());
             }
         };
+        place.doubts = doubts(&train);
         for (scenario, broken) in all_cases(&train).skip(range.start).take(range.len()) {
             match findings::case_findings(&train, scenario, broken, &self.options, self.memo) {
                 Ok(case) => rows.add(&place, &train, scenario, &case),

@@ -1,6 +1,6 @@
 //! Values that an input can take: a list, or a distribution.
 
-use statrs::function::erf::erfc_inv;
+use statrs::function::erf::{erfc, erfc_inv};
 
 use crate::units::{self, Amount, Dimension};
 
@@ -81,6 +81,21 @@ impl Law {
             Law::Uniform { low, high } => low < high,
             Law::Triangular { low, mode, high } => low <= mode && mode <= high && low < high,
             _ => true,
+        }
+    }
+
+    /// The probability of a value of 0 or below.
+    pub fn not_positive(&self) -> f64 {
+        match *self {
+            Law::Uniform { low, high } => (-low / (high - low)).clamp(0.0, 1.0),
+            Law::Normal { mean, sd } => 0.5 * erfc(mean / sd * std::f64::consts::FRAC_1_SQRT_2),
+            Law::LogNormal { .. } => 0.0,
+            Law::Weibull { location, .. } if location >= 0.0 => 0.0,
+            Law::Weibull { location, scale, shape } => -(-(-location / scale).powf(shape)).exp_m1(),
+            Law::Triangular { low, .. } if low >= 0.0 => 0.0,
+            Law::Triangular { high, .. } if high <= 0.0 => 1.0,
+            Law::Triangular { low, mode, high } if mode >= 0.0 => low * low / ((high - low) * (mode - low)),
+            Law::Triangular { low, mode, high } => 1.0 - high * high / ((high - low) * (high - mode)),
         }
     }
 

@@ -60,9 +60,24 @@ pub struct Input {
     pub key: Key,
     /// Over what.
     pub spread: Spread,
-    /// Every coupler has its own draw.
-    pub per_coupler: bool,
+    /// What has a draw of its own.
+    pub per: Per,
 }
+
+/// What has a draw of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Per {
+    /// The train.
+    Train,
+    /// Every coupler that has no value of its own in the train file.
+    Coupler,
+    /// Every vehicle of a group.
+    Vehicle,
+}
+
+/// A distribution that puts more than this on values that its key cannot take is refused: it is a slip, or a strength for which
+/// another law is meant, and no number of draws that a study may have would show less.
+const TRACE: f64 = 1e-9;
 
 impl Study {
     /// How many variations each train has.
@@ -74,8 +89,12 @@ impl Study {
 
 /// Whether a file's text is a study rather than a train.
 pub fn is_study(text: &str) -> bool {
-    let study = |root: toml::Spanned<DeTable>| ["trains", "vary"].iter().any(|k| root.get_ref().contains_key(*k));
-    DeTable::parse(text).is_ok_and(study)
+    DeTable::parse(text).is_ok_and(|root| is_study_root(root.get_ref()))
+}
+
+/// The same of a text that has been parsed.
+pub(crate) fn is_study_root(root: &DeTable) -> bool {
+    ["trains", "vary"].iter().any(|key| root.contains_key(*key))
 }
 
 /// Reads a study file's text; `path` is what messages call it.
@@ -95,7 +114,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Study, InputError> {
 
 fn study(root: &Table) -> Read<Study> {
     let trains = root.require("trains", "add trains = [\"trains/*.toml\"]: files, folders or globs").and_then(|list| {
-        let names: Vec<String> = list.items().map(|v| v.name().map(str::to_owned)).collect::<Read<_>>()?;
+        let names: Vec<String> = list.items().map(|v| v.file_name().map(str::to_owned)).collect::<Read<_>>()?;
         if names.is_empty() { Err(list.wrong("trains is empty", "name a file, a folder or a glob")) } else { Ok(names) }
     });
     let draws = draws(root);
@@ -145,14 +164,22 @@ fn input(table: &Table, drawn: bool) -> Read<Input> {
     let value = table.require("key", "add key = \"coupler.stiffness\", or another key of the train file")?;
     let key = Key::parse(value.name()?).map_err(|bad| value.wrong(bad.title, bad.help))?;
     let per = table.get("per").map(|v| Ok((v.word()?, v))).transpose()?;
-    let per_coupler = match per {
+    let per = match per {
         Some(("coupler", v)) if !key.of_every_coupler() => {
-            return Err(v.wrong(format!("{key} is no key of every coupler"), "only keys of [coupler] have per"));
+            return Err(
+                v.wrong(format!("{key} is no key of every coupler"), "only keys of [coupler] have per = \"coupler\"")
+            );
         }
-        Some(("coupler", v)) if !drawn => {
-            return Err(v.wrong("every coupler has its own value only in draws", "add samples = 10000"));
+        Some(("vehicle", v)) if !key.of_every_vehicle() => {
+            let help = "only quantities of a [[vehicle]] table have per = \"vehicle\", such as vehicle[1].mass";
+            return Err(v.wrong(format!("{key} is no quantity of a vehicle"), help));
         }
-        other => other.is_some_and(|(word, _)| word == "coupler"),
+        Some((word @ ("coupler" | "vehicle"), v)) if !drawn => {
+            return Err(v.wrong(format!("every {word} has its own value only in draws"), "add samples = 10000"));
+        }
+        Some(("coupler", _)) => Per::Coupler,
+        Some(("vehicle", _)) => Per::Vehicle,
+        _ => Per::Train,
     };
     let ways = ["values", "from", "distribution"].map(|key| table.get(key));
     let spread = match ways {
@@ -167,7 +194,7 @@ fn input(table: &Table, drawn: bool) -> Read<Input> {
         }
         _ => Err(table.wrong("it is varied in two ways", "keep one of values, from and to, and distribution")),
     };
-    Ok(Input { key, spread: spread?, per_coupler })
+    Ok(Input { key, spread: spread?, per })
 }
 
 fn values(list: &Value, key: &Key) -> Read<Spread> {
@@ -208,7 +235,8 @@ fn range(table: &Table, from: &Value, key: &Key) -> Read<Spread> {
         return Err(to.wrong("one end is a share and the other is none", "give both in the same way"));
     };
     let share = matches!(ends[0], Amount::Share(_));
-    let at = |i: usize| low + (high - low) * (i as f64 / (steps - 1) as f64);
+    // The last value is the one that was written, without a rounding.
+    let at = |i: usize| if i + 1 == steps { high } else { low + (high - low) * (i as f64 / (steps - 1) as f64) };
     Ok(Spread::Values((0..steps).map(|i| super::spread::written(at(i), dimension, share)).collect()))
 }
 
@@ -254,6 +282,14 @@ fn law(table: &Table, name: &Value, key: &Key) -> Read<Spread> {
         );
     }
     only(table, word);
+    let share_below = law.not_positive();
+    if key.has_one_sign() && share_below > TRACE {
+        let share = crate::report::numbers::percent(share_below);
+        let title = format!("{share} % of this distribution is not above 0, which {key} cannot be");
+        let help = "leaving such draws out would make the probability wrong: use a lognormal, weibull, uniform or triangular \
+                    distribution above 0";
+        return Err(name.wrong(title, help));
+    }
     Ok(Spread::Law { law, dimension, share: share.unwrap_or(false) })
 }
 

@@ -98,8 +98,9 @@ pub(super) static VARY: Shape = Shape {
             Key::optional("location", PARAMETER, "Smallest value of a Weibull distribution; zero if absent.", "0.5 MN"),
             Key::optional(
                 "per",
-                Kind::Word(&["train", "coupler"]),
-                "Whether every coupler has a draw of its own; keys of [coupler] only, with samples.",
+                Kind::Word(&["train", "coupler", "vehicle"]),
+                "Whether every coupler, for a key of [coupler], or every vehicle of a group, for a key of a [[vehicle]] table, has a draw of \
+                 its own; with samples. What has a value of its own in the train file keeps it.",
                 "coupler",
             )
             .or("train"),

@@ -1,6 +1,6 @@
 //! What the rows of a run come to, gathered as they pass by.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::rows::{BACK, FRONT};
 
@@ -31,6 +31,10 @@ pub struct Summary {
     pub failed: usize,
     /// The first of them: file, what was to be run, error.
     pub errors: Vec<[String; 3]>,
+    /// How many trains each kind of doubt is about, and the file of the first, by its code.
+    pub doubts: BTreeMap<String, (usize, String)>,
+    /// Trains with a doubt.
+    pub doubtful: usize,
     inputs: usize,
     unit: Option<Unit>,
 }
@@ -75,6 +79,8 @@ pub struct TrainSummary {
     pub worst: Vec<Case>,
     /// Smallest safe load factor; infinite where nothing bounds it.
     pub safe: f64,
+    /// Codes of its doubts.
+    pub doubts: BTreeSet<String>,
 }
 
 /// A case, as its row tells it.
@@ -121,6 +127,7 @@ struct Unit {
     vehicles: String,
     worst: Vec<Case>,
     safe: f64,
+    doubts: BTreeSet<String>,
 }
 
 impl Summary {
@@ -175,6 +182,7 @@ impl Summary {
             exceeding: back("exceeding").to_owned(),
             safe,
         };
+        let doubts: Vec<String> = back("doubts").split_whitespace().map(str::to_owned).collect();
         self.cases += 1;
         self.harmful += usize::from(exceeds);
         let couplers = cell(2).parse::<usize>().map_or(1, |vehicles| vehicles.saturating_sub(1));
@@ -190,11 +198,13 @@ impl Summary {
             let [file, name, vehicles, variation] = [0, 1, 2, 3].map(|i| cell(i).to_owned());
             let (cases, worst) = ([0, 0], Vec::new());
             let safe = f64::INFINITY;
-            self.unit = Some(Unit { file, name, vehicles, variation, inputs, cases, undecided: false, worst, safe });
+            let (undecided, doubts) = (false, BTreeSet::new());
+            self.unit = Some(Unit { file, name, vehicles, variation, inputs, cases, undecided, worst, safe, doubts });
         }
         if let Some(unit) = &mut self.unit {
             unit.cases = [unit.cases[0] + 1, unit.cases[1] + usize::from(exceeds)];
             unit.undecided |= undecided;
+            unit.doubts.extend(doubts);
             unit.safe = unit.safe.min(safe);
             keep(&mut unit.worst, case);
         }
@@ -207,7 +217,13 @@ impl Summary {
         for (column, value) in self.columns.iter_mut().zip(unit.inputs.iter().chain([&unit.worst[0].utilisation])) {
             column.push(*value);
         }
-        match self.trains.last_mut().filter(|train| train.file == unit.file) {
+        let known = self.trains.last_mut().filter(|train| train.file == unit.file);
+        let told = known.as_ref().map(|train| train.doubts.clone()).unwrap_or_default();
+        self.doubtful += usize::from(told.is_empty() && !unit.doubts.is_empty());
+        for code in unit.doubts.difference(&told) {
+            self.doubts.entry(code.clone()).or_insert_with(|| (0, unit.file.clone())).0 += 1;
+        }
+        match known {
             Some(train) => train.add(unit),
             None => self.trains.push(TrainSummary::new(unit)),
         }
@@ -244,6 +260,7 @@ impl TrainSummary {
             cases: unit.cases,
             worst: unit.worst,
             safe: unit.safe,
+            doubts: unit.doubts,
         }
     }
 
@@ -254,6 +271,7 @@ impl TrainSummary {
         self.undecided_variations += other.undecided_variations;
         self.cases = [self.cases[0] + other.cases[0], self.cases[1] + other.cases[1]];
         self.safe = self.safe.min(other.safe);
+        self.doubts.extend(other.doubts);
         other.worst.into_iter().for_each(|case| keep(&mut self.worst, case));
     }
 }

@@ -5,10 +5,9 @@ use std::path::Path;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-use super::spread::{number, shown};
-use super::study::{Draws, Input, Study};
-use crate::consist::{self, Train};
-use crate::error::InputError;
+use super::spread::{number, shown, written};
+use super::study::{Draws, Input, Per, Study};
+use crate::consist::{self, Files, Origin, Train};
 
 /// A variation of a train, with its inputs as cells of a table; or what is wrong with it.
 pub struct Varied {
@@ -22,49 +21,116 @@ pub struct Varied {
 pub fn headings(study: &Study) -> Vec<String> {
     let heading = |input: &Input| {
         let unit = input.spread.unit(input.key.dimension()).map_or(String::new(), |u| format!(" [{u}]"));
-        let smallest = if input.per_coupler { ", smallest" } else { "" };
+        let smallest = if input.per == Per::Train { "" } else { ", smallest" };
         format!("{}{unit}{smallest}", input.key)
     };
     study.inputs.iter().map(heading).collect()
 }
 
-/// A variation, counted from 0, of the train file with this text.
-pub fn vary(study: &Study, variation: usize, text: &str, path: &Path) -> Varied {
-    let base = text.parse::<toml::Table>();
-    let Ok(mut table) = base else {
-        return Varied { cells: vec![String::new(); study.inputs.len()], train: read(text, path) };
+/// A variation, counted from 0, of the train file with this text; `files` has the files that it names.
+pub fn vary(study: &Study, variation: usize, text: &str, path: &Path, files: &Files) -> Varied {
+    let mut cells = vec![String::new(); study.inputs.len()];
+    let Ok(mut table) = text.parse::<toml::Table>() else {
+        return Varied { cells, train: consist::parse_with(text, path, files).map_err(|e| e.brief()) };
     };
-    let couplers = match study.inputs.iter().any(|input| input.per_coupler) {
-        true => match consist::parse(text, path) {
-            Ok(train) => train.couplers.len(),
-            Err(e) => return Varied { cells: vec![String::new(); study.inputs.len()], train: Err(e.brief()) },
-        },
-        false => 0,
-    };
-    let mut cells = Vec::new();
-    let mut missing = Ok(());
-    for (k, input) in study.inputs.iter().enumerate() {
-        let values = values(study, variation, k, couplers);
-        if input.per_coupler {
-            cells.push(cell(input, &input.key.put_each(&mut table, values)));
-            continue;
-        }
-        cells.push(cell(input, &values));
-        if let Some(value) = values.into_iter().next() {
-            missing = missing.and(input.key.put(&mut table, value));
-        }
-    }
-    let train = missing.and_then(|()| {
-        // A table that was read can be written.
-        let text = toml::to_string(&table).map_err(|e| e.to_string())?;
-        // Its places are not those of the file, so they are not told.
-        consist::parse(&text, path).map_err(|e| e.titles())
-    });
-    Varied { cells, train }
+    let train = put_all(study, variation, &mut table, &mut cells, path, files);
+    Varied { cells, train: train.and_then(|()| train_of(&table, path, files)) }
 }
 
-fn read(text: &str, path: &Path) -> Result<Train, String> {
-    consist::parse(text, path).map_err(|e: InputError| e.brief())
+/// The train of a changed file. Its places are not those of the file, so they are not told.
+fn train_of(table: &toml::Table, path: &Path, files: &Files) -> Result<Train, String> {
+    // A table that was read can be written.
+    let text = toml::to_string(table).map_err(|e| e.to_string())?;
+    consist::parse_with(&text, path, files).map_err(|e| e.titles())
+}
+
+/// Puts every input into the table: first those of the train, then those of vehicles and couplers, whose number follows from them.
+fn put_all(
+    study: &Study,
+    variation: usize,
+    table: &mut toml::Table,
+    cells: &mut [String],
+    path: &Path,
+    files: &Files,
+) -> Result<(), String> {
+    let of = |per: Per| study.inputs.iter().enumerate().filter(move |(_, input)| input.per == per);
+    for (k, input) in of(Per::Train) {
+        let value = values(study, variation, k, 1);
+        cells[k] = cell(input, &value);
+        value.into_iter().try_for_each(|value| input.key.put(table, value))?;
+    }
+    // A group that is spelt out moves those behind it.
+    let mut groups: Vec<_> = of(Per::Vehicle).collect();
+    groups.sort_by_key(|(_, input)| std::cmp::Reverse(input.key.index));
+    for (k, input) in groups {
+        let missing = || format!("the train file has no [[vehicle]] for {}", input.key);
+        let count = input.key.vehicles(table).ok_or_else(missing)?;
+        let drawn = values(study, variation, k, count);
+        cells[k] = cell(input, &drawn);
+        input.key.put_each_vehicle(table, drawn);
+    }
+    for (k, input) in of(Per::Coupler) {
+        let reached = reached_couplers(input, table, path, files)?;
+        let drawn = values(study, variation, k, reached.len());
+        let put: Vec<Option<toml::Value>> = drawn.into_iter().zip(reached).map(|(v, r)| r.then_some(v)).collect();
+        cells[k] = cell(input, &put.iter().flatten().cloned().collect::<Vec<_>>());
+        // [coupler] needs a value that can be read, if only for couplers that have their own.
+        let readable = |coupler: &toml::Table| {
+            let given = coupler.get(input.key.leaf);
+            given.is_some_and(|value| number(value, input.key.dimension()).is_some())
+        };
+        if !table.get("coupler").and_then(toml::Value::as_table).is_some_and(readable) {
+            put.iter().flatten().next().cloned().map_or(Ok(()), |value| input.key.put(table, value))?;
+        }
+        input.key.put_each(table, put.into_iter());
+    }
+    Ok(())
+}
+
+/// Two values of an input that differ.
+fn two_values(input: &Input) -> [toml::Value; 2] {
+    let ends = [input.spread.at(0.01), input.spread.at(0.99)];
+    match (&ends[0] == &ends[1], input.key.dimension()) {
+        (true, Some(dimension)) => {
+            let double = number(&ends[0], Some(dimension)).map(|x| 2.0 * x * dimension.si_size());
+            let other = double.map_or_else(|| ends[1].clone(), |x| written(x, dimension, false));
+            [ends[0].clone(), other]
+        }
+        _ => ends,
+    }
+}
+
+/// The trains that two different values of an input give.
+fn two_trains(input: &Input, table: &toml::Table, path: &Path, files: &Files) -> Result<[Train; 2], String> {
+    let with = |value: toml::Value| -> Result<Train, String> {
+        let mut table = table.clone();
+        input.key.put(&mut table, value)?;
+        let train = train_of(&table, path, files)?;
+        Ok(Train { origin: Origin::default(), ..train })
+    };
+    let [one, other] = two_values(input);
+    Ok([with(one)?, with(other)?])
+}
+
+/// Which couplers a key of `[coupler]` reaches: those that it changes, and not those that have a value of their own from the table
+/// of vehicles or from `[[coupler_override]]`.
+fn reached_couplers(input: &Input, table: &toml::Table, path: &Path, files: &Files) -> Result<Vec<bool>, String> {
+    let [one, other] = two_trains(input, table, path, files)?;
+    let dashpot = |train: &Train, i: usize| train.extras.dashpot_n_s_per_m.get(i).copied();
+    let changes = |i: usize| one.couplers[i] != other.couplers[i] || dashpot(&one, i) != dashpot(&other, i);
+    Ok((0..one.couplers.len()).map(changes).collect())
+}
+
+/// Whether an input changes anything in a train; `None` where that cannot be told because the train cannot be read.
+pub fn has_effect(study: &Study, k: usize, text: &str, path: &Path, files: &Files) -> Option<bool> {
+    let mut table = text.parse::<toml::Table>().ok()?;
+    let input = &study.inputs[k];
+    for (_, other) in study.inputs.iter().enumerate().filter(|(other, _)| *other != k) {
+        other.key.put(&mut table, other.spread.at(0.5)).ok()?;
+    }
+    let [one, other] = two_trains(input, &table, path, files).ok()?;
+    let [a, b] = two_values(input);
+    Some(one != other || a == b)
 }
 
 /// The value, or of several the smallest.
@@ -77,17 +143,16 @@ fn cell(input: &Input, values: &[toml::Value]) -> String {
     values.iter().min_by(smaller).map_or(String::new(), |value| shown(value, dimension))
 }
 
-/// The values of an input in a variation: one, or one for each coupler.
-fn values(study: &Study, variation: usize, k: usize, couplers: usize) -> Vec<toml::Value> {
+/// So many values of an input in a variation.
+fn values(study: &Study, variation: usize, k: usize, count: usize) -> Vec<toml::Value> {
     let input = &study.inputs[k];
     let Some(draws) = study.draws else {
         // The last input changes fastest.
         let faster: usize = study.inputs[k + 1..].iter().map(|i| i.spread.count()).product();
-        let count = input.spread.count();
-        let index = variation / faster % count;
-        return vec![input.spread.at((index as f64 + 0.5) / count as f64)];
+        let choices = input.spread.count();
+        let index = variation / faster % choices;
+        return vec![input.spread.at((index as f64 + 0.5) / choices as f64)];
     };
-    let count = if input.per_coupler { couplers } else { 1 };
     let mut random = generator(draws.seed, k);
     random.set_stream(variation as u64);
     (0..count)

@@ -2,6 +2,7 @@
 
 use super::numbers::{digits, force, time};
 use super::words::{count, moment, sense};
+use crate::consist::LIMITS;
 use crate::findings::{CascadeBreak, CascadeFindings, CaseFindings, ScenarioFindings};
 
 /// Pieces told one by one; more are counted.
@@ -30,7 +31,34 @@ fn of_one(case: &CaseFindings, cascade: &CascadeFindings) -> String {
             format!("{head}, in {}, {}", sense(first.force_n), moment(first.time_s, case))
         }
     };
-    format!("{breaks}; {}.{}{}", pieces(cascade), kept(cascade), open(cascade))
+    format!(
+        "{breaks}; {}.{}{}{} {}",
+        pieces(cascade),
+        kept(cascade),
+        open(cascade),
+        closed(cascade),
+        breaks_at(cascade)
+    )
+}
+
+/// Which load breaks a coupler.
+fn breaks_at(cascade: &CascadeFindings) -> String {
+    let ultimate = cascade.breaks_at.contains(&LIMITS[2]);
+    let why = match cascade.breaks_at.len() {
+        1 if ultimate => "ultimate load",
+        _ if ultimate => "ultimate load, or at its rating where no ultimate load was given",
+        _ => "rating, because no ultimate load was given",
+    };
+    format!("A coupler breaks at its {why}.")
+}
+
+/// What the load that breaks a coupler is called.
+fn breaking_load(cascade: &CascadeFindings) -> &'static str {
+    match (cascade.breaks_at.contains(&LIMITS[2]), cascade.breaks_at.len()) {
+        (false, _) => "rating",
+        (true, 1) => "ultimate load",
+        (true, _) => "breaking load",
+    }
 }
 
 fn pieces(cascade: &CascadeFindings) -> String {
@@ -48,11 +76,14 @@ fn pieces(cascade: &CascadeFindings) -> String {
 fn kept(cascade: &CascadeFindings) -> String {
     match cascade.kept_in_buff.len() {
         0 => String::new(),
-        n if cascade.buff_breaks => format!(" {} would still pass the rating in buff.", count(n, "coupler")),
+        n if cascade.buff_breaks => {
+            format!(" {} would still pass the {} in buff.", count(n, "coupler"), breaking_load(cascade))
+        }
         n => format!(
-            " {} of what is left {} the rating in buff on the way, which does not part a coupler here.",
+            " {} of what is left {} the {} in buff on the way, which does not part a coupler here.",
             count(n, "coupler"),
-            if n == 1 { "passes" } else { "pass" }
+            if n == 1 { "passes" } else { "pass" },
+            breaking_load(cascade)
         ),
     }
 }
@@ -62,8 +93,18 @@ fn open(cascade: &CascadeFindings) -> String {
         return String::new();
     };
     format!(
-        " Not decided from {} on: coupler {coupler} comes within the error bound of its rating, and whether it breaks then \
+        " Not decided from {} on: coupler {coupler} comes within the error bound of its {}, and whether it breaks then \
          cannot be told.",
+        time(from),
+        breaking_load(cascade)
+    )
+}
+
+fn closed(cascade: &CascadeFindings) -> String {
+    let (Some(from), Some(coupler)) = (cascade.gap_closes_s, cascade.gap_coupler) else { return String::new() };
+    format!(
+        " Not valid from {} on: the gap at coupler {coupler} closes then, and its vehicles would push each other, which is not \
+         computed.",
         time(from)
     )
 }
@@ -74,12 +115,19 @@ fn of_many(cascades: &[(&CaseFindings, &CascadeFindings)]) -> String {
         0 => String::new(),
         n => format!(" In {} the sequence is not decided to its end.", count(n, "case")),
     };
+    let closed = match cascades.iter().filter(|(_, c)| c.gap_closes_s.is_some()).count() {
+        0 => String::new(),
+        n => format!(" In {} a gap closes again, and what follows it is not valid.", count(n, "case")),
+    };
+    let open = open + &closed;
     let most = cascades.iter().reduce(|a, b| if b.1.breaks.len() > a.1.breaks.len() { b } else { a });
     let Some((case, worst)) = most.filter(|_| more > 0) else {
-        return format!("In none of {} does a further coupler break.{open}", count(cascades.len(), "case"));
+        let at = cascades.first().map(|(_, c)| breaks_at(c)).unwrap_or_default();
+        return format!("In none of {} does a further coupler break.{open} {at}", count(cascades.len(), "case"));
     };
+    let at = breaks_at(worst);
     format!(
-        "In {more} of {} further couplers break; the most after that of coupler {}: {} more.{open}",
+        "In {more} of {} further couplers break; the most after that of coupler {}: {} more.{open} {at}",
         count(cascades.len(), "case"),
         case.broken_coupler.unwrap_or_default(),
         worst.breaks.len()
@@ -93,6 +141,7 @@ pub fn row(b: &CascadeBreak, cascade: &CascadeFindings) -> Vec<String> {
         format!("{}{}", b.coupler, if b.together { " (with others)" } else { "" }),
         b.between.join(", "),
         format!("{} in {}", force(b.force_n, cascade.error_bound_n), sense(b.force_n)),
+        (if b.breaks_at == LIMITS[2] { "ultimate load" } else { "rating" }).to_owned(),
         joules(b.energy_j),
     ]
 }

@@ -5,7 +5,7 @@ use std::io::Write;
 use super::cells::{number, optional, text};
 use crate::findings::{Analysis, CaseFindings, CouplerFindings, ScenarioFindings};
 
-const COLUMNS: [&str; 20] = [
+const COLUMNS: [&str; 26] = [
     "scenario",
     "broken_coupler",
     "coupler",
@@ -24,14 +24,21 @@ const COLUMNS: [&str; 20] = [
     "exceeds",
     "first_exceeds_s",
     "first_exceeds_in",
+    "first_passage_peak_draft_n",
+    "first_passage_peak_draft_time_s",
+    "first_passage_peak_buff_n",
+    "first_passage_peak_buff_time_s",
+    "first_passage_exceeds",
     "all_time_bound_n",
     "limits_passed",
+    "limits_undecided",
 ];
 
 /// Writes every coupler of every case, in the units and with the names of `result.json`.
 ///
 /// A cell is empty where there is no value; numbers read back to the same bits. The last columns are there only where they
-/// have something to say: `all_time_bound_n` if the bounds were asked for, `limits_passed` if the train has limits. A text that a spreadsheet would take for a formula (it begins with `=`, `+`,
+/// have something to say: `all_time_bound_n` if the bounds were asked for, `limits_passed` and
+/// `limits_undecided` if the train has limits. A text that a spreadsheet would take for a formula (it begins with `=`, `+`,
 /// `-`, `@`, or a control character) gets an apostrophe before it, which spreadsheets show as plain text.
 ///
 /// # Errors
@@ -42,7 +49,7 @@ pub fn csv(analysis: &Analysis, writer: impl Write) -> Result<(), csv::Error> {
     let limits = cases().any(|(_, case)| case.couplers.iter().any(|c| c.limits.is_some()));
     let shown = |column: usize| match COLUMNS[column] {
         "all_time_bound_n" => bounds,
-        "limits_passed" => limits,
+        "limits_passed" | "limits_undecided" => limits,
         _ => true,
     };
     let columns: Vec<usize> = (0..COLUMNS.len()).filter(|&c| shown(c)).collect();
@@ -59,6 +66,7 @@ pub fn csv(analysis: &Analysis, writer: impl Write) -> Result<(), csv::Error> {
 }
 
 fn row(scenario: &ScenarioFindings, case: &CaseFindings, c: &CouplerFindings) -> [String; COLUMNS.len()] {
+    let passage = c.first_passage.as_ref();
     [
         text(&scenario.name),
         case.broken_coupler.map(|b| b.to_string()).unwrap_or_default(),
@@ -78,7 +86,13 @@ fn row(scenario: &ScenarioFindings, case: &CaseFindings, c: &CouplerFindings) ->
         c.exceeds.map(|e| e.to_string()).unwrap_or_default(),
         optional(c.first_exceeds_s),
         c.first_exceeds_in.unwrap_or_default().to_owned(),
+        optional(passage.and_then(|p| p.peak_draft_n)),
+        optional(passage.and_then(|p| p.peak_draft_time_s)),
+        optional(passage.and_then(|p| p.peak_buff_n)),
+        optional(passage.and_then(|p| p.peak_buff_time_s)),
+        passage.and_then(|p| p.exceeds).map(|e| e.to_string()).unwrap_or_default(),
         optional(c.all_time_bound_n),
         c.limits.as_ref().map(|l| l.passed.join(" ")).unwrap_or_default(),
+        c.limits.as_ref().map(|l| l.undecided.join(" ")).unwrap_or_default(),
     ]
 }

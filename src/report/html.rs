@@ -3,12 +3,13 @@
 //! The Markdown is the source, read by `pulldown-cmark` with HTML in it taken for text, so that both reports say the same. The
 //! static figures stand inline as SVG; where scripts run, interactive ones take their place on the screen.
 //!
-//! Those are drawn by Plotly.js, which every report carries (1.9 MB of base64; the page unpacks it): it has lines, pictures by
-//! place and time and hover labels in one schema, and `kuva`, which draws the static figures, has hover labels only. Apache
-//! ECharts would be a third of that, but the crate that holds its text does not hand it out.
+//! Those are drawn by Plotly.js, which every report carries (0.7 MB of base64; the page unpacks it): it has lines, pictures by
+//! place and time and hover labels in one schema. Where its text is from is in `assets/README.md`.
 //!
 //! A policy in the page's head forbids everything but the two scripts, by their digests: whatever a train file's names hold,
 //! nothing else runs and nothing is fetched.
+
+use std::sync::LazyLock;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -17,18 +18,20 @@ use sha2::{Digest, Sha256};
 
 use super::markdown::{Picture, Pictures};
 use super::words;
-use crate::error::{harmless, is_obeyed};
+use crate::error::harmless;
+use crate::figures::{css, escaped};
 use crate::findings::{Analysis, ScenarioFindings};
 
 const STYLE: &str = concat!(include_str!("page.css"), include_str!("report.css"));
 const SCRIPT: &str = include_str!("report.js");
-/// Plotly.js, compressed with gzip, in base64; and its digest.
-const LIBRARY: &str = include_str!(concat!(env!("OUT_DIR"), "/plotly.js.gz.base64"));
-const LIBRARY_DIGEST: &str = include_str!(concat!(env!("OUT_DIR"), "/plotly.js.sha256"));
+/// Plotly.js, packed with gzip, in base64; and the digest of its text.
+static LIBRARY: LazyLock<String> =
+    LazyLock::new(|| STANDARD.encode(include_bytes!("../../assets/plotly-cartesian.min.js.gz")));
+const LIBRARY_DIGEST: &str = include_str!("../../assets/plotly-cartesian.min.js.sha256");
 
 /// The report as a page: its Markdown, its figures, and what the script draws from.
 pub fn html(analysis: &Analysis, markdown: &str, pictures: &Pictures, data: &str) -> String {
-    let title = text(&analysis.train);
+    let title = escaped(&analysis.train);
     let body = Page { analysis, pictures, out: String::new(), heading: String::new() }.body(markdown);
     let digest = STANDARD.encode(Sha256::digest(SCRIPT.as_bytes()));
     // Within a script element only "<" could end it or open a comment.
@@ -38,30 +41,15 @@ pub fn html(analysis: &Analysis, markdown: &str, pictures: &Pictures, data: &str
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data: \
          blob:; script-src 'sha256-{digest}' 'sha256-{LIBRARY_DIGEST}'; base-uri 'none'; form-action 'none'\">\n\
-         <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
+         <title>{title}</title>\n<style>\n{colors}{STYLE}</style>\n</head>\n<body>\n\
          <a class=\"skip\" href=\"#main\">Skip to the report</a>\n<main id=\"main\">\n{body}</main>\n\
          <footer><p>Written by trainsafe {version}. Interactive figures: Plotly.js, MIT licence, within this file.</p></footer>\n\
          <script type=\"application/json\" id=\"data\">{data}</script>\n\
-         <script type=\"text/plain\" id=\"library\">{LIBRARY}</script>\n<script>{SCRIPT}</script>\n</body>\n</html>\n",
+         <script type=\"text/plain\" id=\"library\">{library}</script>\n<script>{SCRIPT}</script>\n</body>\n</html>\n",
         version = env!("CARGO_PKG_VERSION"),
+        colors = css(),
+        library = LIBRARY.as_str(),
     )
-}
-
-/// Text with nothing in it that HTML would take for markup, in elements and in quoted attributes.
-fn text(plain: &str) -> String {
-    let mut out = String::with_capacity(plain.len());
-    for c in plain.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\'' => out.push_str("&#39;"),
-            c if is_obeyed(c) => out.push(' '),
-            c => out.push(c),
-        }
-    }
-    out
 }
 
 /// A page under way.
@@ -125,9 +113,9 @@ impl Page<'_> {
         match of {
             Some(i) if i == 0 && !self.out.contains("<nav ") => {
                 self.out += &contents(&self.analysis.scenarios);
-                self.out += &format!("<h2 id=\"scenario-1\">{}</h2>\n", text(&self.heading));
+                self.out += &format!("<h2 id=\"scenario-1\">{}</h2>\n", escaped(&self.heading));
             }
-            Some(i) => self.out += &format!("<h2 id=\"scenario-{}\">{}</h2>\n", i + 1, text(&self.heading)),
+            Some(i) => self.out += &format!("<h2 id=\"scenario-{}\">{}</h2>\n", i + 1, escaped(&self.heading)),
             None => self.push(block),
         }
     }
@@ -163,7 +151,7 @@ impl Page<'_> {
             self.out += &format!("<div class=\"live\" data-scenario=\"{scenario}\" hidden></div>\n");
         }
         let kind = file.trim_end_matches(".svg").rsplit('-').next().unwrap_or_default();
-        let caption = text(caption);
+        let caption = escaped(caption);
         let svg = inline(svg, &caption);
         self.out += &format!(
             "<figure data-scenario=\"{scenario}\" data-kind=\"{kind}\">\n{svg}\n<figcaption>{caption}</figcaption>\n</figure>\n"
@@ -172,11 +160,11 @@ impl Page<'_> {
 
     /// A table with a caption, in a frame that scrolls where it is wider than the page.
     fn table(&mut self, block: Events, alignments: &[Alignment], lead: Option<String>) {
-        let heading = text(&self.heading);
+        let heading = escaped(&self.heading);
         // The label is apart from that of the same table of another scenario.
         let (caption, label) = match lead {
             Some(lead) => {
-                let caption = text(lead.trim_end_matches(':'));
+                let caption = escaped(lead.trim_end_matches(':'));
                 let label = format!("{heading}: {caption}");
                 (caption, label)
             }
@@ -281,22 +269,14 @@ fn contents(scenarios: &[ScenarioFindings]) -> String {
         format!(
             "<li><a href=\"#scenario-{}\">{}</a>: <strong class=\"{class}\">{words}</strong></li>\n",
             i + 1,
-            text(&spaced(&s.name))
+            escaped(&spaced(&s.name))
         )
     };
     let entries: String = scenarios.iter().enumerate().map(entry).collect();
     format!("<nav aria-label=\"Scenarios\">\n<ol>\n{entries}</ol>\n</nav>\n")
 }
 
-/// A figure's SVG within a page: named for who cannot see it (`label` is HTML), and with a view box in place of a fixed size, so
-/// that it fits the page's width.
+/// A figure's SVG within a page: named for who cannot see it; `label` is HTML.
 pub(crate) fn inline(svg: &str, label: &str) -> String {
-    let svg = svg.trim();
-    let head = svg.split('>').next().unwrap_or_default();
-    let number = |key: &str| head.split_once(&format!(" {key}=\""))?.1.split('"').next();
-    let view = match (number("width"), number("height")) {
-        (Some(width), Some(height)) if !head.contains("viewBox") => format!("viewBox=\"0 0 {width} {height}\" "),
-        _ => String::new(),
-    };
-    svg.replacen("<svg ", &format!("<svg {view}role=\"img\" aria-label=\"{label}\" "), 1)
+    svg.trim().replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{label}\" "), 1)
 }

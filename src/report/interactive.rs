@@ -8,6 +8,7 @@ use super::numbers::{Unit, force_unit, time_unit};
 use super::pictures::Shown;
 use super::words;
 use crate::findings::{CouplerFindings, Field};
+use crate::scenario::initial_force_n;
 
 /// Values by place and time that a page holds, two bytes each: they are 1.9 MB in base64 at the most.
 const VALUES: usize = 700_000;
@@ -26,7 +27,7 @@ struct Scene<'a> {
     time_unit: (&'static str, f64),
     worst: usize,
     horizon_s: f64,
-    initial_force_n: Option<&'a [f64]>,
+    initial_force_n: Option<Vec<f64>>,
     /// Of the case drawn.
     couplers: Vec<Peaks<'a>>,
     /// Largest draft and buff of each coupler over all cases, and after which break.
@@ -91,6 +92,7 @@ fn scene<'a>(shown: &'a Shown, values: usize) -> Scene<'a> {
     let pair = |u: Unit| (u.name, u.size);
     let ratings = shown.train.couplers.iter().map(|c| c.rated_draft_n.max(c.rated_buff_n)).fold(0.0, f64::max);
     let several = shown.findings.cases.len() > 1;
+    let before = initial_force_n(shown.train, &shown.scenario.event);
     Scene {
         when: shown.when(),
         since: words::time_axis(shown.case),
@@ -100,7 +102,7 @@ fn scene<'a>(shown: &'a Shown, values: usize) -> Scene<'a> {
         time_unit: pair(time_unit(shown.case.horizon_s)),
         worst: shown.worst.coupler,
         horizon_s: shown.case.horizon_s,
-        initial_force_n: (shown.findings.kind != "impact").then_some(&shown.train.initial_force_n[..]),
+        initial_force_n: Some(before).filter(|f| shown.findings.kind != "impact" || f.iter().any(|n| *n != 0.0)),
         couplers: shown.case.couplers.iter().map(peaks).collect(),
         largest: if several { largest(shown) } else { Vec::new() },
         wave: shown.wave.as_ref().and_then(|f| forces(shown, f, values)),

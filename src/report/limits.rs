@@ -1,59 +1,126 @@
 //! What the report says of capacities besides the rating.
 
-use super::numbers::{force, given_force};
+use super::numbers::{digits, force, given_force};
 use super::words::count;
-use crate::consist::{LIMITS, Train};
-use crate::findings::{CaseFindings, CouplerFindings, LimitFindings, ScenarioFindings};
+use crate::consist::{LIMITS, SENSES};
+use crate::findings::{CaseFindings, CouplerFindings, LimitInSense, ScenarioFindings};
+use crate::units::one_of;
 
-/// How many couplers pass each limit, in one sentence; empty where the train has no limits.
-pub fn sentence(scenario: &ScenarioFindings) -> String {
-    let found: Vec<(usize, &LimitFindings)> = scenario
-        .cases
-        .iter()
-        .flat_map(|case| &case.couplers)
-        .filter_map(|c| Some((c.coupler, c.limits.as_ref()?)))
-        .collect();
-    if found.is_empty() {
+/// A capacity of a coupler in one case.
+type Entry<'a> = (&'a CaseFindings, &'a CouplerFindings, &'a LimitInSense);
+
+/// Which capacities couplers pass, which were not given, and the margins: plain sentences; empty where the train has none.
+pub fn sentences(scenario: &ScenarioFindings) -> String {
+    let couplers = scenario.cases.iter().flat_map(|case| case.couplers.iter().map(move |c| (case, c)));
+    let all: Vec<Entry> = couplers.flat_map(|(case, c)| entries(case, c)).collect();
+    if all.is_empty() {
         return String::new();
     }
-    let couplers = |test: &dyn Fn(&LimitFindings) -> bool| {
-        let mut numbers: Vec<usize> = found.iter().filter(|(_, l)| test(l)).map(|(n, _)| *n).collect();
-        numbers.sort_unstable();
-        numbers.dedup();
-        numbers.len()
-    };
-    let passing = LIMITS.map(|name| {
-        let open = match couplers(&|l| l.undecided.contains(&name)) {
-            0 => String::new(),
-            n => format!(" (for {n} it is not decided)"),
-        };
-        match couplers(&|l| l.passed.contains(&name)) {
-            0 => format!("{name} by none{open}"),
-            n => format!("{name} by {}{open}", count(n, "coupler")),
-        }
-    });
-    let when = if scenario.cases.len() > 1 { "after some break" } else { "in this event" };
-    format!("Passed {when}, by the largest force of either sense: {}.", passing.join(", "))
+    let of = |limit: &str| all.iter().filter(|(.., l)| l.limit == limit).copied().collect::<Vec<_>>();
+    let given = || LIMITS.into_iter().map(|limit| (limit, of(limit))).filter(|(_, entries)| !entries.is_empty());
+    let several = scenario.cases.len() > 1;
+    let passed = given().map(|(limit, entries)| passed(limit, &entries, several));
+    let margins = given().filter_map(|(limit, entries)| margin(limit, &entries, several));
+    passed.chain(not_given(&all)).chain(margins).collect::<Vec<_>>().join(" ")
 }
 
-/// Couplers that pass a limit, the largest force first.
-pub fn passing(case: &CaseFindings) -> Vec<&CouplerFindings> {
-    let largest = |c: &CouplerFindings| c.limits.as_ref().map_or(0.0, |l| l.largest_n);
-    let over = |c: &&CouplerFindings| c.limits.as_ref().is_some_and(|l| !l.passed.is_empty());
-    let mut found: Vec<_> = case.couplers.iter().filter(over).collect();
-    found.sort_by(|a, b| largest(b).total_cmp(&largest(a)).then(a.coupler.cmp(&b.coupler)));
+fn entries<'a>(case: &'a CaseFindings, c: &'a CouplerFindings) -> impl Iterator<Item = Entry<'a>> {
+    c.limits.iter().flat_map(|l| &l.by_sense).map(move |l| (case, c, l))
+}
+
+/// How many couplers of these are so, whatever the case.
+fn couplers(entries: &[Entry], test: impl Fn(&LimitInSense) -> bool) -> usize {
+    let mut numbers: Vec<usize> = entries.iter().filter(|(.., l)| test(l)).map(|(_, c, _)| c.coupler).collect();
+    numbers.sort_unstable();
+    numbers.dedup();
+    numbers.len()
+}
+
+/// How many couplers pass one capacity, in each sense in which it was given.
+fn passed(limit: &str, entries: &[Entry], several: bool) -> String {
+    let senses = SENSES.into_iter().filter(|sense| entries.iter().any(|(.., l)| l.sense == *sense));
+    let senses: Vec<&str> = senses.collect();
+    let so = |sense: &str, passed| couplers(entries, |l| l.sense == sense && l.passed == passed);
+    let over: Vec<usize> = senses.iter().map(|sense| so(sense, Some(true))).collect();
+    let (after, in_some) = if several { (" after any of the breaks", " after some break") } else { ("", "") };
+    let mut text = if over.iter().all(|n| *n == 0) {
+        let comma = if senses.len() > 1 || several { "," } else { "" };
+        let certainly = if entries.iter().any(|(.., l)| l.passed.is_none()) { "certainly " } else { "" };
+        format!("No coupler {certainly}passes its {limit} load{after}{comma} in {}.", one_of(&senses))
+    } else {
+        let each = senses.iter().zip(&over).map(|(sense, n)| match n {
+            0 => format!("none in {sense}"),
+            n => format!("{} in {sense}", count(*n, "coupler")),
+        });
+        format!("The {limit} load is passed{in_some} by {}.", each.collect::<Vec<_>>().join(" and "))
+    };
+    for sense in senses {
+        let open = so(sense, None);
+        if open > 0 {
+            text += &format!(
+                " For {} it cannot be decided whether the {limit} load in {sense} is passed.",
+                count(open, "coupler")
+            );
+        }
+    }
+    text
+}
+
+/// Capacities that no coupler has.
+fn not_given(all: &[Entry]) -> Vec<String> {
+    let absent = |limit: &str, sense: &str| !all.iter().any(|(.., l)| l.limit == limit && l.sense == sense);
+    let [draft, buff] = SENSES;
+    let named = |test: &dyn Fn(&str) -> bool, place: &str| {
+        let names: Vec<&str> = LIMITS.into_iter().filter(|limit| test(limit)).collect();
+        (!names.is_empty()).then(|| format!("No {} load was given{place}.", one_of(names)))
+    };
+    let both = named(&|limit| absent(limit, draft) && absent(limit, buff), "");
+    let in_draft = named(&|limit| absent(limit, draft) && !absent(limit, buff), " in draft");
+    let in_buff = named(&|limit| absent(limit, buff) && !absent(limit, draft), " in buff");
+    both.into_iter().chain(in_draft).chain(in_buff).collect()
+}
+
+/// The coupler that comes nearest to one capacity, or is furthest above it.
+fn margin(limit: &str, entries: &[Entry], several: bool) -> Option<String> {
+    let (case, c, l) = entries.iter().reduce(|a, b| if b.2.margin < a.2.margin { b } else { a })?;
+    let after =
+        case.broken_coupler.filter(|_| several).map(|b| format!(" after coupler {b} breaks")).unwrap_or_default();
+    let loads = format!("{} of {} in {}", force(l.largest_n, case.error_bound_n), given_force(l.limit_n), l.sense);
+    let share = digits(100.0 * l.margin.abs(), 0.0, 3);
+    let head = if l.margin < 0.0 { "The largest excess over" } else { "The smallest margin to" };
+    let article = if limit == LIMITS[2] { "an" } else { "a" };
+    Some(format!("{head} {article} {limit} load is {share} %: coupler {}{after}, {loads}.", c.coupler))
+}
+
+/// Couplers that pass a capacity, each in one sense, the largest excess over one first.
+pub fn passing(case: &CaseFindings) -> Vec<(&CouplerFindings, &'static str)> {
+    let sides = case.couplers.iter().flat_map(|c| SENSES.map(|sense| (c, sense)));
+    let mut found: Vec<_> = sides.filter(|of| side(*of).any(|l| l.passed == Some(true))).collect();
+    let least_margin = |of| side(of).map(|l| l.margin).fold(1.0, f64::min);
+    found.sort_by(|a, b| least_margin(*a).total_cmp(&least_margin(*b)).then(a.0.coupler.cmp(&b.0.coupler)));
     found
 }
 
-/// A row of the table of couplers that pass a limit.
-pub fn row(train: &Train, c: &CouplerFindings, case: &CaseFindings) -> Vec<String> {
-    let limits = train.extras.limits.get(c.coupler - 1).copied().unwrap_or_default();
-    let found = c.limits.as_ref();
+/// A coupler's capacities in one sense.
+fn side<'a>((c, sense): (&'a CouplerFindings, &'a str)) -> impl Iterator<Item = &'a LimitInSense> {
+    c.limits.iter().flat_map(|l| &l.by_sense).filter(move |l| l.sense == sense)
+}
+
+fn largest(of: (&CouplerFindings, &'static str)) -> f64 {
+    side(of).map(|l| l.largest_n).fold(0.0, f64::max)
+}
+
+/// A row of the table of couplers that pass a capacity.
+pub fn row(of: (&CouplerFindings, &'static str), case: &CaseFindings) -> Vec<String> {
+    let (c, sense) = of;
+    let margin = |l: &LimitInSense| {
+        let word = if l.margin < 0.0 { "over by" } else { "margin" };
+        format!("{} {} ({word} {} %)", l.limit, given_force(l.limit_n), digits(100.0 * l.margin.abs(), 0.0, 3))
+    };
     vec![
         c.coupler.to_string(),
         c.between.join(", "),
-        found.map(|l| force(l.largest_n, case.error_bound_n)).unwrap_or_default(),
-        found.map(|l| l.passed.join(", ")).unwrap_or_default(),
-        limits.0.map(|n| n.map_or("-".to_owned(), given_force)).join(", "),
+        format!("{} in {sense}", force(largest(of), case.error_bound_n)),
+        side(of).map(margin).collect::<Vec<_>>().join(", "),
     ]
 }

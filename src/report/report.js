@@ -128,7 +128,7 @@
       const axis = (title) => ({ title: { text: title, standoff: 8 }, gridcolor: color("line"), zerolinecolor: color("quiet"), linecolor: color("quiet"), automargin: true, fixedrange: touch });
       return Object.assign({
         height, margin: { l: 8, r: 8, t: 8, b: 8 }, paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)",
-        font: { color: color("text"), family: "system-ui, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif", size: 13 },
+        font: { color: color("text"), family: getComputedStyle(document.body).fontFamily, size: 13 },
         hoverlabel: { align: "left", bgcolor: color("page"), bordercolor: color("quiet"), font: { color: color("text") } },
         legend: { orientation: "h", x: 0, y: 1, yanchor: "bottom" }, dragmode: touch ? false : "zoom", xaxis: axis(x), yaxis: axis(y),
       }, more);
@@ -155,11 +155,11 @@
         Object.assign(line(places, of((c) => inUnits(high(c))), "largest draft", color("draft"), step),
           { hoverinfo: "text", hovertext: of((c) => facts(c).map(escaped).join("<br>")) }),
         line(places, of((c) => inUnits(low(c))), "largest buff", color("buff"), step),
-        line(places, of((c) => c.rated_draft_n / unit), "rated", color("rated"), dashed),
-        line(places, of((c) => -c.rated_buff_n / unit), "rated", color("rated"), Object.assign({ trace: { showlegend: false } }, dashed)),
+        line(places, of((c) => c.rated_draft_n / unit), "rated", color("text"), dashed),
+        line(places, of((c) => -c.rated_buff_n / unit), "rated", color("text"), Object.assign({ trace: { showlegend: false } }, dashed)),
         { x: exceeding.map((e) => e[0]), y: exceeding.map((e) => e[1]), name: "over its rating", mode: "markers", hoverinfo: "skip",
           marker: { symbol: "diamond", color: color("over"), size: 6 }, visible: exceeding.length > 0 },
-        line(places, scene.initial_force_n ? of((c) => inUnits(scene.initial_force_n[c.coupler - 1])) : [], "before the event", color("rod"),
+        line(places, scene.initial_force_n ? of((c) => inUnits(scene.initial_force_n[c.coupler - 1])) : [], "before the event", color("quiet"),
           { line: { width: 1.5, shape: "hvh" }, trace: { visible: scene.initial_force_n ? true : false } }),
         filled("the wave, draft", color("draft")), filled("the wave, buff", color("buff")),
       ];
@@ -203,38 +203,46 @@
       const [t, f] = course(wave, c);
       const peaks = [[c.peak_draft_n, c.peak_draft_time_s], [c.peak_buff_n, c.peak_buff_time_s]].filter((p) => p[0] !== null);
       const all = [
-        line(across, [c.rated_draft_n / unit, c.rated_draft_n / unit], "rated", color("rated"), { line: { dash: "dash", width: 1.5 } }),
-        line(across, [-c.rated_buff_n / unit, -c.rated_buff_n / unit], "rated", color("rated"), { line: { dash: "dash", width: 1.5 }, trace: { showlegend: false } }),
+        line(across, [c.rated_draft_n / unit, c.rated_draft_n / unit], "rated", color("text"), { line: { dash: "dash", width: 1.5 } }),
+        line(across, [-c.rated_buff_n / unit, -c.rated_buff_n / unit], "rated", color("text"), { line: { dash: "dash", width: 1.5 }, trace: { showlegend: false } }),
       ];
       if (rod) all.push(line(...course(rod, c), "elastic rod", color("rod"), { line: { dash: "dot" } }));
-      all.push(Object.assign(line(t, f, "coupler " + c.coupler, color("draft")), { hoverinfo: "text",
+      all.push(Object.assign(line(t, f, "coupler " + c.coupler, color("text")), { hoverinfo: "text",
         hovertext: t.map((x, i) => (f[i] === null ? "" : time(x * clock) + ": " + force(f[i] * unit) + ", " + percent(share(c, f[i] * unit)) + " of its rating")) }));
       all.push({ x: peaks.map((p) => p[1] / clock), y: peaks.map((p) => p[0] / unit), name: "largest draft and buff", mode: "markers", hoverinfo: "text",
-        hovertext: peaks.map((p) => "largest " + sense(p[0]) + ": " + force(p[0]) + " at " + time(p[1])), marker: { symbol: "diamond", size: 9, color: color("over") } });
+        hovertext: peaks.map((p) => "largest " + sense(p[0]) + ": " + force(p[0]) + " at " + time(p[1])), marker: { symbol: "diamond", size: 9, color: peaks.map((p) => color(exceeds(c, p[0]) ? "over" : sense(p[0]))) } });
       return all;
     }
-    const historyLayout = () => layout(narrow() ? 400 : 340, timeAxis, forceAxis, { hovermode: "x", shapes: cursor() });
+    // Axes of the same time lie under each other.
+    function aligned(made) {
+      made.margin.l = 64;
+      made.margin.r = 16;
+      made.xaxis.range = [0, wave.times[wave.times.length - 1] / clock];
+      for (const axis of [made.yaxis, made.yaxis2].filter((a) => a)) axis.automargin = false;
+      return made;
+    }
+    const historyLayout = () => aligned(layout(narrow() ? 400 : 340, timeAxis, forceAxis, { hovermode: "x", shapes: cursor() }));
     const cursor = () => [{ type: "line", xref: "x", yref: "paper", y0: 0, y1: 1, x0: wave.times[state.column] / clock, x1: wave.times[state.column] / clock,
       line: { color: color("quiet"), width: 1 } }];
 
     // --- place and time --------------------------------------------------------------------------------------------------
     // What the 16-bit numbers leave in doubt is not outlined, %.
     const OVER = 100.02;
-    const scale = [[0, "#6e2400"], [1 / 6, "#d55e00"], [1 / 3, "#fac46e"], [0.5, "#ffffff"], [2 / 3, "#86c4ec"], [5 / 6, "#0072b2"], [1, "#00325c"]];
+    const scale = () => color("ramp").split(" ").map((paint, i, all) => [i / (all.length - 1), paint]);
     function mapTraces() {
       const panel = (field, axis, bar) => {
         const z = places.map((p) => (by.has(p) ? field.row(p - 1).map((f) => (f === null ? null : 100 * share(by.get(p), f))) : field.times.map(() => null)));
         const text = z.map((row, r) => row.map((s) => (s === null ? "" : percent(s / 100))));
         const forces = z.map((row, r) => row.map((s, i) => (s === null ? "" : force(field.force(r, i)))));
         const x = field.times.map((t) => t / clock);
-        const heat = { type: "heatmap", x, y: places, z, text, customdata: forces, colorscale: scale, zmid: 0, zmin: -most, zmax: most, yaxis: axis, showscale: bar,
-          colorbar: { title: { text: "share of rating, %", side: "right" }, thickness: 12, outlinewidth: 0, len: 0.9 }, hoverongaps: false,
+        const heat = { type: "heatmap", x, y: places, z, text, customdata: forces, colorscale: scale(), zmid: 0, zmin: -most, zmax: most, yaxis: axis, showscale: bar,
+          colorbar: { title: { text: "share of the rating, %", side: "bottom" }, orientation: "h", yref: "container", y: 0, yanchor: "bottom", thickness: 12, outlinewidth: 0, len: 0.8 }, hoverongaps: false,
           hovertemplate: "coupler %{y}, %{x:.4g} " + clockName + "<br>%{customdata}<br>%{text} of its rating<extra>" + (bar ? "" : "elastic rod") + "</extra>" };
         const cells = z.length * x.length;
         const passes = z.some((row) => row.some((s) => Math.abs(s) > OVER));
         if (!passes || z.length < 2 || cells > 120000) return [heat];
         return [heat, { type: "contour", x, y: places, z: z.map((row) => row.map((s) => (s === null ? 0 : Math.abs(s)))), yaxis: axis, showscale: false, hoverinfo: "skip",
-          contours: { start: OVER, end: OVER, size: 1, coloring: "none" }, line: { color: "#000000", width: 1, smoothing: 0 } }];
+          contours: { start: OVER, end: OVER, size: 1, coloring: "none" }, line: { color: color("text"), width: 1, smoothing: 0 } }];
       };
       let most = 0;
       for (const field of [wave, rod].filter((f) => f)) {
@@ -243,12 +251,13 @@
       return panel(wave, "y", true).concat(rod ? panel(rod, "y2", false) : []);
     }
     function mapLayout() {
-      const made = layout(rod ? 560 : 360, timeAxis, "coupler, from the head", { shapes: cursor() });
+      const made = layout(rod ? 620 : 420, timeAxis, "coupler, from the head", { shapes: cursor() });
       Object.assign(made.yaxis, { range: [count + 0.5, 0.5], domain: rod ? [0.55, 1] : [0, 1], showgrid: false });
       made.xaxis.showgrid = false;
       if (rod) made.xaxis.anchor = "y2";
       if (rod) made.yaxis2 = Object.assign({}, made.yaxis, { domain: [0, 0.45], title: { text: "elastic rod", standoff: 8 } });
-      return made;
+      made.margin.b = 110;
+      return aligned(made);
     }
 
     // --- drawing and acting ------------------------------------------------------------------------------------------------

@@ -39,6 +39,7 @@ fn shorten(scenario: &ScenarioFindings) -> ScenarioFindings {
         couplers: if many { Vec::new() } else { c.couplers.clone() },
         method_reason: c.method_reason.clone(),
         worst: c.worst.clone(),
+        worst_first_passage: c.worst_first_passage.clone(),
         rod: c.rod.clone(),
         cascade: c.cascade.clone(),
         ..*c
@@ -46,6 +47,7 @@ fn shorten(scenario: &ScenarioFindings) -> ScenarioFindings {
     ScenarioFindings {
         name: scenario.name.clone(),
         cases: scenario.cases.iter().map(case).collect(),
+        left_out_in_buff: scenario.left_out_in_buff.clone(),
         map: scenario.map.clone(),
         ..*scenario
     }

@@ -54,14 +54,15 @@ struct Figure {
 
 /// The facts of a scenario.
 pub fn section(train: &Train, scenario: &ScenarioFindings, pictures: &[Picture]) -> Section {
-    let event = words::source(train, scenario).map(|(_, s)| &s.event);
+    let source = words::source(train, scenario).map(|(_, s)| s);
+    let event = source.map(|s| &s.event);
     let cases = &scenario.cases;
     let single = if let [case] = &cases[..] { Some(case) } else { None };
     let factor = cases.iter().filter_map(|c| c.safe_load_factor).reduce(f64::min);
     let watched = cases.iter().any(|c| c.worst.is_some());
     Section {
         heading: scenario.name.clone(),
-        event: event.map(|e| words::event(train, e)).unwrap_or_default(),
+        event: source.map(|s| words::event(train, s)).unwrap_or_default(),
         verdict: words::verdict_of(scenario),
         safe_load: event.filter(|_| watched).map(|e| words::safe_load(train, e, factor)).unwrap_or_default(),
         cascade: cascade::sentence(scenario),
@@ -70,8 +71,8 @@ pub fn section(train: &Train, scenario: &ScenarioFindings, pictures: &[Picture])
         undecided: single.and_then(|case| table(words::undecided(case), |c| undecided_row(c, case))),
         breaks: if single.is_none() { table(harmful(scenario), break_row) } else { None },
         often: if single.is_none() { often(scenario) } else { None },
-        limits: limits::sentence(scenario),
-        limited: single.and_then(|case| table(limits::passing(case), |c| limits::row(train, c, case))),
+        limits: limits::sentences(scenario),
+        limited: single.and_then(|case| table(limits::passing(case), |of| limits::row(of, case))),
         figures: pictures.iter().map(|p| Figure { file: p.file.clone(), caption: p.caption.clone() }).collect(),
         rod: words::rod(scenario),
         left_out: cases.iter().map(|c| c.left_out).sum(),

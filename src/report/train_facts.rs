@@ -2,7 +2,7 @@
 
 use super::numbers::{brief_time, digits, given_force, given_mass, without_zeros};
 use super::words::{count, sense};
-use crate::consist::{Train, Vehicle};
+use crate::consist::{Train, Vehicle, of_parts};
 use crate::scenario;
 
 /// What the train is: name and value of each fact that it has.
@@ -30,20 +30,21 @@ pub fn train_facts(train: &Train) -> Vec<[String; 2]> {
     let stiffness = span(couplers.iter().map(|c| c.stiffness_n_per_m), |k| format!("{}/m", given_force(k)));
     rows.extend([["stiffness of a coupler".to_owned(), stiffness]]);
     if train.extras.damping_ratio > 0.0 {
-        rows.push(["damping ratio of every mode".to_owned(), train.extras.damping_ratio.to_string()]);
+        let ratio = format!("{} (not that of a dashpot, for which ratios are published)", train.extras.damping_ratio);
+        rows.push(["damping ratio of every mode".to_owned(), ratio]);
     }
     let dashpots = &train.extras.dashpot_n_s_per_m;
     if !dashpots.is_empty() {
         let written = span(dashpots.iter().copied(), |c| format!("{}\u{b7}s/m", given_force(c)));
         rows.push([
             "dashpot of a coupler".to_owned(),
-            format!("{written}, damping ratio c / 2\u{221a}(km) {}", ratios(train)),
+            format!("{written}, damping ratio c / 2\u{221a}(km) {} (of a dashpot)", ratios(train)),
         ]);
     }
     rows.extend([
         ["rated in draft".to_owned(), span(couplers.iter().map(|c| c.rated_draft_n), given_force)],
         ["rated in buff".to_owned(), span(couplers.iter().map(|c| c.rated_buff_n), given_force)],
-        ["load before the event".to_owned(), load(train)],
+        ["load before the event".to_owned(), format!("{}{}", load(train), of_parts(train))],
     ]);
     rows.extend(steady(train));
     rows.extend([

@@ -1,8 +1,10 @@
 //! A scenario as it is played on the whole train, in the solvers' units.
 
+use std::ops::Range;
+
 use super::{Event, Scales, Scenario, chain_of};
 use crate::chain::Scene;
-use crate::consist::Train;
+use crate::consist::{LIMITS, Limits, Train, steady_forces};
 use crate::play::{Drive, Play, Rule};
 
 /// Whether dashpots or the event are what steps of force on a chain at rest cannot stand for.
@@ -10,12 +12,50 @@ pub fn beyond_steps(dashpots: &[f64], event: &Event) -> bool {
     dashpots.iter().any(|c| *c > 0.0) || matches!(event, Event::Impact { .. } | Event::Shaped { .. })
 }
 
-/// Forces in the couplers before the event, N: none in an impact, whose vehicles roll and stand freely before they meet.
+/// The loads at which coupler `i` breaks in a cascade, N, in draft and in buff, each with the key that gives it: its ultimate
+/// load where it has one in that sense, else its rating.
+pub fn break_loads(train: &Train, i: usize) -> [(f64, &'static str); 2] {
+    let coupler = &train.couplers[i];
+    let [draft, buff] = train.extras.limits.get(i).map_or([None; 2], Limits::ultimate_n);
+    let or = |ultimate: Option<f64>, rating, key| ultimate.map_or((rating, key), |n| (n, LIMITS[2]));
+    [or(draft, coupler.rated_draft_n, "rated_load"), or(buff, coupler.rated_buff_n, "rated_buff")]
+}
+
+/// Forces in the couplers before the event, N.
+///
+/// Before an impact the train is two parts, and the coupler j that will join them carries nothing. Under given forces in the
+/// couplers (`uniform`) each part carries its own: outside forces on the part's ends balance them, and go on acting. Under forces
+/// on the vehicles each part P is in the steady state of its own vehicles:
+///
+/// ```text
+/// F_{v-1} - F_v + p_v = m_v a_P        F_j = 0        a_P = sum p_v / sum m_v over P, 0 where a vehicle of P is held
+/// ```
 pub fn initial_force_n(train: &Train, event: &Event) -> Vec<f64> {
-    match event {
-        Event::Impact { .. } => vec![0.0; train.couplers.len()],
-        _ => train.initial_force_n.clone(),
+    let Some(j) = event.joint(train.vehicles.len()) else { return train.initial_force_n.clone() };
+    let Some(steady) = &train.extras.steady else {
+        let mut given = train.initial_force_n.clone();
+        given[j] = 0.0;
+        return given;
+    };
+    let part = |vehicles: Range<usize>| {
+        let couplers = &train.couplers[vehicles.start..vehicles.end - 1];
+        steady_forces(&train.vehicles[vehicles.clone()], couplers, &steady.outside_n[vehicles]).0
+    };
+    [part(0..j + 1), vec![0.0], part(j + 1..train.vehicles.len())].concat()
+}
+
+/// What the forces in the couplers just after the event exceed those by that would keep the whole train in one steady motion
+/// under its steady forces, N.
+///
+/// It is 0 for breaks and pulses, which start from that motion, and for impacts under given forces in the couplers, whose forces
+/// from outside balance each part by itself. After other impacts the p_v go on acting on the coupled train, whose steady state F*
+/// has one acceleration: what is left over is `F(0) - F*`, and moves the vehicles unless the two parts' accelerations are equal.
+pub fn unbalanced_n(train: &Train, event: &Event) -> Vec<f64> {
+    if event.joint(train.vehicles.len()).is_none() || train.extras.steady.is_none() {
+        return vec![0.0; train.couplers.len()];
     }
+    let before = initial_force_n(train, event);
+    before.iter().zip(&train.initial_force_n).map(|(before, steady)| before - steady).collect()
 }
 
 /// The whole train with an event; `broken` is the coupler that breaks in a case of a break.
@@ -37,6 +77,7 @@ pub fn play(train: &Train, scenario: &Scenario, broken: Option<usize>, horizon_s
     let dashpot = train.extras.dashpot_n_s_per_m.iter().map(|c| c / damping);
     let mut dashpot: Vec<f64> = dashpot.collect();
     dashpot.resize(last, 0.0);
+    let start = unbalanced_n(train, &scenario.event).into_iter().map(force).collect();
     Play {
         scene: Scene {
             chain: chain_of(train, 0, last, &scales),
@@ -50,9 +91,11 @@ pub fn play(train: &Train, scenario: &Scenario, broken: Option<usize>, horizon_s
         },
         drive,
         dashpot,
+        start,
         velocity,
         broken: broken.into_iter().collect(),
         rule,
+        break_at: (0..last).map(|i| break_loads(train, i).map(|(n, _)| force(n))).collect(),
     }
 }
 

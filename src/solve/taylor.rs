@@ -6,7 +6,10 @@
 //! F_i' = k_i (v_i - v_{i+1})     m_j v_j' = T_{j-1} - T_j + f     T_i = F_i + c_i (v_i - v_{i+1})
 //! ```
 //!
-//! whose derivatives follow from one another, each from its neighbours: a step costs O(n), its series is the force at every
+//! in which F and v are counted from the steady state under the steady forces p_j from outside, `Fs_{j-1} - Fs_j + p_j = m_j a`,
+//! with one acceleration a for the whole chain (0 where a mass is held). A coupler's force is `Fs_i + T_i`. The motion starts at
+//! given speeds and at `F_i(0) = initial_i - Fs_i`. This is 0 unless the forces at t = 0 do not balance p: after an impact of two
+//! parts whose accelerations before it differ. The derivatives follow from one another, each from its neighbours: a step costs O(n), its series is the force at every
 //! instant of it, and nothing but the present state is kept. A step is no longer than `1 / W`, W = largest frequency and damping
 //! rate together, so that the terms fall as `1 / k!`.
 //!
@@ -14,20 +17,21 @@
 //! shorten it. A step's own rounding is, in that norm and in units of half a last place:
 //!
 //! - first terms: 6 roundings of differences, products and sums, each of at most `h S`, `S = (1 + 2 r) D + J sup|f|`; D bounds
-//!   the norm of z' (constant but for the drive's own changes: `D(0) + J TV(f)`), r = max c / sqrt(k m) the dashpots' share,
+//!   the norm of z' (constant but for the drive's own changes: `D(0) + J TV(f)`, D(0) from the speeds and forces F at t = 0), r = max c / sqrt(k m) the dashpots' share,
 //!   J = 1 / sqrt(m) of the source. The later terms carry them on, `e - 1` times in all;
 //! - later terms: 5 roundings each, `sum (k - 1) / k! = 1` times `h S`;
 //! - the sum of the terms from the last to the first: at most `1.72 + 0.72 + 0.22 + ... < 2.8` times; the compensated sum with the
 //!   state `1.72`; the instant of the step's end, `u t`, another 1.
 //!
 //! That is less than 24 units of `h S` a step; the first term left out is `1 / 21! = 2e-20`. Errors add up without growing:
-//! `|error| <= 24 u S t`. A coupler's force is at most `sqrt(k + c^2 (1 / m + 1 / m'))` times the norm off.
+//! `|error| <= 24 u S t`, and beside that, where F(0) is not 0, the rounding of F(0). A coupler's force is at most `sqrt(k + c^2 (1 / m + 1 / m'))` times the norm off.
 //!
 //! **Breaks.** A coupler whose force passes its rating breaks. Its instant is known to within delta, the time in which its computed
 //! force is within the bound of the rating; over that time the computed and the true train differ by that coupler's force T on both
 //! its masses, so that the error's norm grows by at most `delta T sqrt(1 / m + 1 / m')`. Couplers whose intervals overlap break
-//! together. D grows by `T sqrt(1 / m + 1 / m')` at each break.
+//! together. D grows by `T sqrt(1 / m + 1 / m')` at each break. What is parted never touches again: [`gaps`] tells when it would.
 
+mod gaps;
 mod search;
 mod series;
 
@@ -64,6 +68,9 @@ pub struct Outcome {
     /// The first coupler that came within the bound of its rating and was not seen to pass it, and when: from then on what
     /// breaks is not decided.
     pub open: Option<(usize, f64)>,
+    /// The first gap at a broken coupler that closes, and when: the pieces would push each other from then on, which is not
+    /// computed. Looked for with a rule of breaking only.
+    pub gap_closes: Option<(usize, f64)>,
     /// No force is further than this from the exact one.
     pub error_bound: f64,
     /// What it took.
@@ -141,14 +148,15 @@ pub fn solve(play: &Play) -> Result<Outcome, SolveError> {
     let mut work = Work::default();
     march(play, &mut |piece| look(play, &mut watch, piece, &mut work));
     watch.settle_all();
-    let error_bound = searched(first.bound);
-    Ok(Outcome { springs: watch.peaks, breakages: first.breakages, open: first.open, error_bound, work })
+    let March { breakages, open, gap_closes, bound } = first;
+    let error_bound = searched(bound);
+    Ok(Outcome { springs: watch.peaks, breakages, open, gap_closes, error_bound, work })
 }
 
 /// Force of one coupler at given times, ascending; zero once it is broken.
 pub fn history(play: &Play, spring: usize, times: &[f64]) -> Vec<f64> {
     let mut values = Vec::with_capacity(times.len());
-    let steady = play.scene.initial[spring];
+    let steady = play.steady(spring);
     march(play, &mut |piece| {
         let until = piece.from + piece.end * piece.width;
         let whole = piece.state.whole(spring);
@@ -159,7 +167,7 @@ pub fn history(play: &Play, spring: usize, times: &[f64]) -> Vec<f64> {
         }
     });
     // The horizon may round to just before the last time asked for.
-    let last = values.last().copied().unwrap_or(steady);
+    let last = values.last().copied().unwrap_or(play.scene.initial[spring]);
     values.resize(times.len(), last);
     values
 }
@@ -174,7 +182,7 @@ pub fn field(play: &Play, times: &[f64], see: &mut dyn FnMut(usize, usize, f64))
         let from = next;
         next += times[from..].iter().take_while(|t| last || **t <= until).count();
         for i in (0..play.scene.initial.len()).filter(|_| next > from) {
-            let coefficient = piece.series.coupler(i, play.scene.initial[i]);
+            let coefficient = piece.series.coupler(i, play.steady(i));
             for (n, t) in times.iter().enumerate().take(next).skip(from) {
                 let s = (t - piece.from) / piece.width;
                 let force = coefficient.iter().rev().fold(0.0, |sum, c| sum * s + c);
@@ -189,7 +197,7 @@ fn look(play: &Play, watch: &mut Watch, piece: &Piece, work: &mut Work) {
     let springs = play.scene.initial.len();
     work.marched += springs as u64;
     for i in (0..springs).filter(|&i| piece.state.whole(i)) {
-        let coefficient = piece.series.coupler(i, play.scene.initial[i]);
+        let coefficient = piece.series.coupler(i, play.steady(i));
         let at = |s: f64| coefficient.iter().rev().fold(0.0, |sum, c| sum * s + c);
         for negative in [false, true] {
             let sign = if negative { -1.0 } else { 1.0 };
@@ -213,21 +221,22 @@ fn look(play: &Play, watch: &mut Watch, piece: &Piece, work: &mut Work) {
 struct March {
     breakages: Vec<Breakage>,
     open: Option<(usize, f64)>,
+    gap_closes: Option<(usize, f64)>,
     bound: f64,
 }
 
 /// What is known before the first step.
 fn start(play: &Play) -> March {
-    let mut state = State::new(&play.scene.chain, &play.dashpot, &play.velocity, play.scene.source);
+    let mut state = State::new(play);
     let mut series = Series::new(play.scene.chain.mass.len());
     let breaks = Breaks::new(play, Rates::new(play), &mut state, &mut series);
-    March { bound: breaks.bound(), open: None, breakages: Vec::new() }
+    March { bound: breaks.bound(), open: None, gap_closes: None, breakages: Vec::new() }
 }
 
 /// Runs through the horizon and shows every step.
 fn march(play: &Play, see: &mut dyn FnMut(&Piece)) -> March {
     let rates = Rates::new(play);
-    let mut state = State::new(&play.scene.chain, &play.dashpot, &play.velocity, play.scene.source);
+    let mut state = State::new(play);
     let mut series = Series::new(play.scene.chain.mass.len());
     let mut breaks = Breaks::new(play, rates, &mut state, &mut series);
     for stretch in play.drive.stretches(play.scene.horizon) {
@@ -244,6 +253,7 @@ fn march(play: &Play, see: &mut dyn FnMut(&Piece)) -> March {
                 let found = breaks.find(&state, &series, at, width);
                 let end = found.as_ref().map_or(1.0, |f| f.share);
                 see(&Piece { from: at, width, end, state: &state, series: &series });
+                breaks.follow_gaps(&state, &series, at, width, end);
                 series.advance(&mut state, end);
                 if let Some(found) = found {
                     from = at + end * width;
@@ -253,5 +263,6 @@ fn march(play: &Play, see: &mut dyn FnMut(&Piece)) -> March {
             }
         }
     }
-    March { bound: breaks.bound(), open: breaks.open(), breakages: breaks.breakages }
+    let (bound, open) = (breaks.bound(), breaks.open());
+    March { bound, open, gap_closes: breaks.gaps.closes, breakages: breaks.breakages }
 }

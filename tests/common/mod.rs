@@ -25,6 +25,7 @@ pub fn figure_5() -> Train {
         event,
         horizon_s: Some(200.0),
         cascade: Rule::Keep,
+        left_out_in_buff: vec![],
     }];
     train
 }
@@ -65,5 +66,11 @@ pub fn vehicle(label: &str, mass_kg: f64) -> Vehicle {
 
 /// A scenario in which each of these couplers, counted from 0, breaks.
 pub fn breaks(name: &str, couplers: Vec<usize>, horizon_s: Option<f64>) -> Scenario {
-    Scenario { name: name.to_owned(), event: Event::Break { couplers }, horizon_s, cascade: Rule::Keep }
+    Scenario {
+        name: name.to_owned(),
+        event: Event::Break { couplers },
+        horizon_s,
+        cascade: Rule::Keep,
+        left_out_in_buff: vec![],
+    }
 }

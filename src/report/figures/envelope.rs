@@ -1,21 +1,23 @@
 //! The largest draft and buff of every coupler along the train, against the ratings.
 
-use kuva::plot::BandPlot;
-use kuva::plot::scatter::MarkerShape;
-use kuva::render::annotations::{ReferenceLine, TextAnnotation};
-use kuva::render::layout::Layout;
-
-use super::place::{Window, free_beside};
-use super::{
-    BLACK, BLUE, Figure, GREEN, GREY, ORANGE, RATED, TEXT_SIZE, VERMILLION, count_couplers, marker_size,
-    range_with_air, steps,
-};
+use super::reach::{Reach, four_digits};
+use super::{HEIGHT, RATED, along, mark_size, steps};
 use crate::consist::{Coupler, Train};
+use crate::figures::{Axis, Color, Figure, Panel, Point, Sample, Shape, Stroke};
 use crate::findings::ScenarioFindings;
 use crate::report::numbers::{Unit, force_unit};
+use crate::report::words;
+use crate::scenario::initial_force_n;
 
 /// Places that a figure has room for; of more couplers several share one.
 const PLACES: usize = 800;
+/// Steps of a rating narrower than this are drawn as a stroke of this width, in pixels; and so many of them have their numbers.
+const NARROW: f64 = 14.0;
+const NUMBERED: usize = 4;
+
+const DRAFT: Stroke = Stroke::solid(Color::Draft, 2.0);
+const BUFF: Stroke = Stroke::solid(Color::Buff, 2.0);
+const BEFORE: Stroke = Stroke::dashed(Color::Ink, 1.4, "1.5 3");
 
 /// How many couplers share a place in the envelope of a train.
 pub fn couplers_per_place(couplers: usize) -> usize {
@@ -49,74 +51,97 @@ fn extremes(train: &Train, scenario: &ScenarioFindings) -> Vec<Extremes> {
 /// The envelope of a scenario, over all its cases, as SVG: of couplers that share a place the extremes, and the weakest's rating.
 pub fn envelope(train: &Train, scenario: &ScenarioFindings, name: &str) -> String {
     let all = extremes(train, scenario);
-    let share = couplers_per_place(train.couplers.len());
-    let width = share as f64;
-    let forces = || {
-        let ratings = train.couplers.iter().flat_map(|c| [c.rated_draft_n, -c.rated_buff_n]);
-        ratings.chain(all.iter().flat_map(|e| [e.draft, e.buff]).flatten())
-    };
-    let unit = force_unit(forces().fold(0.0, |m: f64, f| m.max(f.abs())));
+    let couplers = train.couplers.len();
+    let share = couplers_per_place(couplers);
+    let ratings = |value: fn(&Coupler) -> f64| train.couplers.iter().map(value).collect::<Vec<_>>();
+    let source = words::source(train, scenario).filter(|_| train.extras.steady.is_some());
+    let before = source.map_or_else(Vec::new, |(_, source)| initial_force_n(train, &source.event));
+    let forces = all.iter().flat_map(|e| [e.draft, e.buff]).flatten().chain(before.iter().copied());
+    let reach = Reach::new(forces, &ratings(|c| c.rated_draft_n), &ratings(|c| c.rated_buff_n));
+    let unit = force_unit(reach.largest());
     let mut figure = Figure::new(name);
-    draw_extremes(&mut figure, &all, unit, width);
-    if train.extras.steady.is_some() && scenario.kind != "impact" {
+    let y_label = format!("force, {} (draft +, buff −)", unit.name);
+    let range = (reach.range.0 / unit.size, reach.range.1 / unit.size);
+    let x = along("coupler, counted from the head", couplers);
+    let mut panel = figure.panel(HEIGHT, x, Axis::new(&y_label, range));
+    draw_extremes(&mut panel, &all, unit, share as f64);
+    figure.explain("largest draft", Sample::Line(DRAFT));
+    figure.explain("largest buff", Sample::Line(BUFF));
+    if !before.is_empty() {
         let largest = |of: &[f64]| of.iter().copied().reduce(|a, b| if b.abs() > a.abs() { b } else { a });
-        let before: Vec<_> = train.initial_force_n.chunks(share).map(|c| largest(c).map(|f| f / unit.size)).collect();
-        figure.line(steps(&before, width).concat(), ORANGE, 1.4, None, Some("before the event"));
+        let before: Vec<_> = before.chunks(share).map(|c| largest(c).map(|f| f / unit.size)).collect();
+        panel.line(&steps(&before, share as f64).concat(), BEFORE);
+        figure.explain("before the event", Sample::Line(BEFORE));
     }
-    draw_ratings(&mut figure, train, unit, share);
+    let marked = mark_exceedances(&mut panel, &all, unit, share as f64);
+    let narrow = draw_ratings(&mut panel, train, &reach, unit);
+    figure.explain("rated", Sample::Line(RATED));
+    if marked {
+        figure.explain("exceeds its rating", Sample::Mark(Shape::Diamond, Color::Over));
+    }
+    reach.tell(&mut panel);
+    if let [case] = &scenario.cases[..]
+        && let Some(broken) = case.broken_coupler
+    {
+        let stroke = Stroke::dashed(Color::Quiet, 1.6, "2 3");
+        panel.name_line(&format!("coupler {broken} breaks"), broken as f64, stroke);
+    }
+    for (label, at) in narrow {
+        panel.name_point(&label, at);
+    }
+    figure.add(panel);
+    figure.svg()
+}
+
+/// Largest draft and buff as lines of steps, and the forces between each and zero as a pale band.
+fn draw_extremes(panel: &mut Panel, all: &[Extremes], unit: Unit, width: f64) {
+    let line = |value: fn(&Extremes) -> Option<f64>| {
+        steps(&all.iter().map(|e| value(e).map(|f| f / unit.size)).collect::<Vec<_>>(), width)
+    };
+    for (runs, stroke) in [(line(|e| e.draft), DRAFT), (line(|e| e.buff), BUFF)] {
+        for run in runs {
+            let zero: Vec<Point> = run.iter().map(|p| (p.0, 0.0)).collect();
+            panel.band(&zero, &run, stroke.color);
+            panel.line(&run, stroke);
+        }
+    }
+}
+
+/// Marks what exceeds, in each sense; whether anything does.
+fn mark_exceedances(panel: &mut Panel, all: &[Extremes], unit: Unit, width: f64) -> bool {
     let over = |(i, e): (usize, &Extremes)| {
         let sides = [e.draft.filter(|_| e.over_draft), e.buff.filter(|_| e.over_buff)];
         sides.into_iter().flatten().map(move |f| (width * (i as f64 + 0.5) + 0.5, f / unit.size))
     };
     let over: Vec<_> = all.iter().enumerate().flat_map(over).collect();
-    let size = marker_size(over.len());
-    figure.markers(over, VERMILLION, MarkerShape::Diamond, size, Some("exceeds its rating"));
-
-    let x = (0.5, train.couplers.len() as f64 + 0.5);
-    let y = range_with_air(forces().map(|f| f / unit.size));
-    let y_label = format!("force, {} (draft +, buff −)", unit.name);
-    let layout = count_couplers(figure.layout(x, y, "coupler, counted from the head", &y_label), train.couplers.len());
-    let broken = if let [case] = &scenario.cases[..] { case.broken_coupler } else { None };
-    let layout = match broken {
-        Some(broken) => mark_broken(layout, broken, &figure.lines, Window { x, y }),
-        None => layout,
-    };
-    figure.svg(layout)
+    panel.marks(&over, Shape::Diamond, mark_size(over.len()), Color::Over);
+    !over.is_empty()
 }
 
-/// Largest draft and buff as lines of steps, and the forces between them as a pale band.
-fn draw_extremes(figure: &mut Figure, all: &[Extremes], unit: Unit, width: f64) {
-    let draft = steps(&all.iter().map(|e| e.draft.map(|f| f / unit.size)).collect::<Vec<_>>(), width);
-    let buff = steps(&all.iter().map(|e| e.buff.map(|f| f / unit.size)).collect::<Vec<_>>(), width);
-    for (high, low) in draft.iter().zip(&buff) {
-        let x = high.iter().map(|p| p.0);
-        let band = BandPlot::new(x, low.iter().map(|p| p.1), high.iter().map(|p| p.1));
-        figure.plots.push(band.with_color(GREY).with_opacity(0.12).into());
-    }
-    for (runs, color, label) in [(draft, BLUE, "largest draft"), (buff, GREEN, "largest buff")] {
-        for (i, run) in runs.into_iter().enumerate() {
-            figure.line(run, color, 2.0, None, (i == 0).then_some(label));
+/// Draws the ratings that are on the axis; returns the labels of those of a few couplers, with their places.
+fn draw_ratings(panel: &mut Panel, train: &Train, reach: &Reach, unit: Unit) -> Vec<(String, Point)> {
+    let share = couplers_per_place(train.couplers.len());
+    let mut named = Vec::new();
+    for sign in [1.0, -1.0] {
+        let value = |c: &Coupler| if sign > 0.0 { c.rated_draft_n } else { c.rated_buff_n };
+        let weakest = |of: &[Coupler]| of.iter().map(value).fold(f64::INFINITY, f64::min);
+        let values: Vec<f64> = train.couplers.chunks(share).map(weakest).collect();
+        let mut at = 0.5;
+        let several = values.iter().any(|v| *v != values[0]);
+        for run in values.chunk_by(|a, b| a == b) {
+            let x = (at, at + (share * run.len()) as f64);
+            at = x.1;
+            let y = sign * run[0] / unit.size;
+            if !reach.shows(sign * run[0]) {
+                continue;
+            }
+            if several && panel.width_of(x) < NARROW {
+                panel.cap(x, y, NARROW, Color::Ink);
+                named.push((four_digits(run[0]), (0.5 * (x.0 + x.1), y)));
+            } else {
+                panel.line(&[(x.0, y), (x.1, y)], RATED);
+            }
         }
     }
-}
-
-fn draw_ratings(figure: &mut Figure, train: &Train, unit: Unit, share: usize) {
-    let line = |value: fn(&Coupler) -> f64, sign: f64| {
-        let weakest = |of: &[Coupler]| of.iter().map(value).reduce(f64::min).map(|f| sign * f / unit.size);
-        let values: Vec<_> = train.couplers.chunks(share).map(weakest).collect();
-        steps(&values, share as f64).concat()
-    };
-    figure.line(line(|c| c.rated_draft_n, 1.0), BLACK, 1.2, Some(RATED), Some("rated"));
-    figure.line(line(|c| c.rated_buff_n, -1.0), BLACK, 1.2, Some(RATED), None);
-}
-
-/// A line where the broken coupler was, with its label.
-fn mark_broken(layout: Layout, broken: usize, lines: &[Vec<(f64, f64)>], window: Window) -> Layout {
-    let at = broken as f64;
-    let label = format!("coupler {broken} breaks");
-    let place = free_beside(&label, at, lines, window);
-    let line = ReferenceLine::vertical(at).with_color(GREY).with_stroke_width(1.4).with_dasharray("2 3");
-    layout
-        .with_reference_line(line)
-        .with_annotation(TextAnnotation::new(label, place.0, place.1).with_font_size(TEXT_SIZE))
+    if named.len() > NUMBERED { Vec::new() } else { named }
 }

@@ -3,12 +3,8 @@
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
+use crate::figures::ramp;
 use crate::findings::{Field, larger};
-
-/// Colours of draft and of buff from nothing to the most, as red, green, blue: blue and orange, which colour-blind readers can
-/// tell apart, each darker the nearer to its end.
-pub const DRAFT: [[u8; 3]; 4] = [[255, 255, 255], [134, 196, 236], [0, 114, 178], [0, 50, 92]];
-pub const BUFF: [[u8; 3]; 4] = [[255, 255, 255], [250, 196, 110], [213, 94, 0], [110, 36, 0]];
 
 /// Steps of colour in each sense.
 const STEPS: usize = 60;
@@ -20,21 +16,13 @@ const WIDE: usize = 1000;
 const TALL: usize = 300;
 const LARGEST: usize = 100_000;
 
-/// Place on a scale from 0 to 1 of four colours, mixed.
-pub fn mixed(colors: &[[u8; 3]; 4], share: f64) -> [u8; 3] {
-    let at = 3.0 * share.clamp(0.0, 1.0);
-    let i = (at as usize).min(2);
-    let part = at - i as f64;
-    std::array::from_fn(|c| (f64::from(colors[i][c]) * (1.0 - part) + f64::from(colors[i + 1][c]) * part).round() as u8)
+/// The whole scale from the largest buff to the largest draft.
+pub fn scale() -> Vec<[u8; 3]> {
+    (0..=2 * STEPS).map(|step| ramp(step as f64 / (2 * STEPS) as f64)).collect()
 }
 
 fn palette() -> Vec<u8> {
-    let steps = STEPS as i32;
-    let color = |step: i32| {
-        let share = f64::from(step.abs()) / f64::from(steps);
-        mixed(if step < 0 { &BUFF } else { &DRAFT }, share)
-    };
-    (-steps..=steps).map(color).chain([[200, 200, 200], [0, 0, 0]]).flatten().collect()
+    scale().into_iter().chain([[200, 200, 200], [0, 0, 0]]).flatten().collect()
 }
 
 /// The field as a PNG, head on top, in base64; `most` is the utilisation of the strongest colour.

@@ -1,15 +1,22 @@
 //! Place against time: force in every coupler, in colours of its utilisation, and the elastic rod's below on the same scale.
 
-use kuva::plot::scatter::MarkerShape;
-use kuva::render::layout::TickFormat;
-
-use super::raster::{BUFF, DRAFT, mixed, png_base64};
-use super::{BLACK, Figure, TEXT_SIZE, VERMILLION, WIDTH, count_couplers, marker_size};
+use super::raster::{png_base64, scale};
+use super::regions::{over_rating, rows_over};
+use super::{RATED, mark_size};
+use crate::figures::{Axis, Color, Figure, Panel, Point, Sample, Shape, Stroke, ticks};
 use crate::findings::{CascadeBreak, Field};
-use crate::report::numbers::time_unit;
+use crate::report::numbers::{Unit, time_unit};
 
 /// Room beyond the ends of the train, as a share of it.
 const MARGIN: f64 = 0.02;
+
+/// Heights of the axes, in pixels: of one picture, and of each of two.
+const ALONE: f64 = 350.0;
+const EACH: f64 = 250.0;
+/// A region over its rating that is thinner than this, in pixels, is marked; marks are no nearer to each other than this.
+const THIN: f64 = 9.0;
+const APART: f64 = 14.0;
+const FORCE: Stroke = Stroke::solid(Color::Ink, 5.0);
 
 /// What is marked over the picture, in couplers from 1 at the head and seconds.
 #[derive(Default)]
@@ -27,131 +34,109 @@ pub struct Marks<'a> {
 /// A picture of the wave, as SVG, with the rod's below it where there is one.
 pub fn wave(field: &Field, rod: Option<&Field>, marks: &Marks, since: &str, couplers: usize, name: &str) -> String {
     let most = rod.into_iter().chain([field]).map(|f| f64::from(f.largest())).fold(0.0, f64::max);
-    let high = if rod.is_some() { 300.0 } else { 380.0 };
-    let titles = ["the chain: every coupler", "the elastic rod, at the couplers' places"];
-    let panels: Vec<(&Field, Option<&str>)> = match rod {
-        Some(rod) => vec![(field, Some(titles[0])), (rod, Some(titles[1]))],
-        None => vec![(field, None)],
-    };
-    let mut body = String::new();
-    let mut top = 0.0;
-    for (i, (field, title)) in panels.iter().enumerate() {
-        let last = i + 1 == panels.len();
-        let high = high + if last { 30.0 } else { 0.0 };
-        if let Some(title) = title {
-            body += &format!(
-                "<text x=\"430\" y=\"{}\" font-size=\"{TEXT_SIZE}\" text-anchor=\"middle\">{title}</text>",
-                top + 15.0
-            );
-            top += 22.0;
-        }
-        let panel = panel(field, marks, since, couplers, (high, last), &format!("{name}-{i}"), most);
-        body += &panel.replacen("<svg ", &format!("<svg y=\"{top}\" "), 1);
-        top += high;
-    }
-    body += &color_bar(top, most, name);
-    let height = top + 52.0;
-    format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH}\" height=\"{height}\" viewBox=\"0 0 {WIDTH} {height}\" \
-         font-family=\"Arial, Helvetica, Liberation Sans, DejaVu Sans, sans-serif\" fill=\"black\">\
-         <rect width=\"100%\" height=\"100%\" fill=\"white\" />{body}</svg>\n"
-    )
-}
-
-fn panel(
-    field: &Field,
-    marks: &Marks,
-    since: &str,
-    couplers: usize,
-    (high, last): (f64, bool),
-    name: &str,
-    most: f64,
-) -> String {
     let until = field.times_s[field.times_s.len() - 1];
     let clock = time_unit(until);
-    let x = (0.0, until / clock.size);
-    // The head on top: places run downward. A margin beyond both ends has room for what is marked there.
-    let margin = MARGIN * couplers as f64;
-    let y = (-(couplers as f64) - 0.5 - margin, -0.5 + margin);
+    let since = format!("{since}, {}", clock.name);
     let mut figure = Figure::new(name);
+    let place = "coupler, from the head";
+    let parts = match rod {
+        Some(rod) => {
+            vec![(field, format!("the chain: {place}"), EACH), (rod, format!("the elastic rod: {place}"), EACH)]
+        }
+        None => vec![(field, place.to_owned(), ALONE)],
+    };
+    let last = parts.len() - 1;
+    let mut over = false;
+    for (i, (field, label, high)) in parts.into_iter().enumerate() {
+        // The head on top: places run downward. A margin beyond both ends has room for what is marked there.
+        let margin = MARGIN * couplers as f64;
+        let y = Axis::counting(&label, (couplers as f64 + 0.5 + margin, 0.5 - margin));
+        let x = Axis::new(if i == last { &since } else { "" }, (0.0, until / clock.size));
+        let mut panel = figure.panel(high, x, y);
+        panel.picture((0.0, until / clock.size), (couplers as f64 + 0.5, 0.5), &png_base64(field, most));
+        draw_marks(&mut panel, marks, until, clock);
+        over |= mark_exceedances(&mut panel, field, marks, clock, high);
+        figure.add(panel);
+    }
+    explain(&mut figure, marks, over);
+    color_bar(&mut figure, most);
+    figure.svg()
+}
+
+/// The event, what it breaks and for how long it acts.
+fn draw_marks(panel: &mut Panel, marks: &Marks, until: f64, clock: Unit) {
     let gone = marks.broken.map(|b| (b as f64, 0.0)).into_iter();
-    let gone: Vec<_> = gone.chain(marks.breaks.iter().map(|b| (b.coupler as f64, b.time_s))).collect();
-    for (i, (place, from)) in gone.into_iter().enumerate() {
-        let line = vec![(from / clock.size, -place), (x.1, -place)];
-        figure.line(line, BLACK, 1.2, Some("2 3"), (last && i == 0).then_some("parted"));
+    for (place, from) in gone.chain(marks.breaks.iter().map(|b| (b.coupler as f64, b.time_s))) {
+        panel.line(&[(from / clock.size, place), (until / clock.size, place)], RATED);
     }
-    let label = |text| last.then_some(text);
     if let Some(place) = marks.event.filter(|_| marks.acts_s > 0.0) {
-        let end = marks.acts_s.min(until) / clock.size;
-        figure.line(vec![(0.0, -place), (end, -place)], BLACK, 5.0, None, label("the force acts"));
+        panel.line(&[(0.0, place), (marks.acts_s.min(until) / clock.size, place)], FORCE);
     }
-    let event = marks.event.map(|p| (0.0, -p)).into_iter().collect();
-    figure.markers(event, BLACK, MarkerShape::Square, 5.0, label("the event"));
-    let broken: Vec<_> = marks.breaks.iter().map(|b| (b.time_s / clock.size, -(b.coupler as f64))).collect();
-    let size = marker_size(broken.len());
-    figure.markers(broken, VERMILLION, MarkerShape::Diamond, size, label("a coupler breaks"));
-    let x_label = if last { format!("{since}, {}", clock.name) } else { String::new() };
-    // There is no coupler 0.
-    let downward = |v: f64| if v < 0.0 { TickFormat::Auto.format(-v) } else { String::new() };
-    let downward = TickFormat::Custom(std::sync::Arc::new(downward));
-    let layout = count_couplers(figure.layout(x, y, &x_label, "coupler, from the head"), couplers)
-        .with_height(high)
-        .with_y_tick_format(downward);
-    let layout = if couplers < 10 { layout.with_y_tick_step(1.0) } else { layout };
-    let layout = if last { layout } else { layout.with_force_margins_y(6.0, 26.0) };
-    with_image(&figure.svg(layout), &png_base64(field, most))
+    let event: Vec<Point> = marks.event.map(|p| (0.0, p)).into_iter().collect();
+    panel.marks(&event, Shape::Square, 6.0, Color::Ink);
+    let breaks: Vec<Point> = marks.breaks.iter().map(|b| (b.time_s / clock.size, b.coupler as f64)).collect();
+    panel.marks(&breaks, Shape::Diamond, mark_size(breaks.len()), Color::Over);
 }
 
-/// The image within the axes, under all that is drawn there.
-fn with_image(svg: &str, png: &str) -> String {
-    let number = |key: &str, of: &str| {
-        let rest = of.split_once(&format!("{key}=\""))?.1;
-        rest.split('"').next()?.parse::<f64>().ok()
+/// Marks couplers over their ratings at the right, and where the outline in the picture is too thin to be seen, the place in it;
+/// whether there is any.
+fn mark_exceedances(panel: &mut Panel, field: &Field, marks: &Marks, clock: Unit, high: f64) -> bool {
+    let place = |row: usize| (row as f64 + 0.5) * field.couplers_per_row as f64 + 0.5;
+    let rows: Vec<f64> = rows_over(field).into_iter().map(place).collect();
+    panel.margin_marks(&rows, Color::Over);
+    let thin = |(rows, columns): (usize, usize)| {
+        let wide = panel.width_of((0.0, columns as f64 * step(field) / clock.size));
+        (rows as f64 * high / field.rows() as f64).min(wide) < THIN
     };
-    let frame = svg
-        .split("<clipPath")
-        .nth(1)
-        .and_then(|c| Some([number(" x", c)?, number(" y", c)?, number("width", c)?, number("height", c)?]));
-    let Some([x, y, width, height]) = frame else { return svg.to_owned() };
-    let (y, height) = (y + height * MARGIN / (1.0 + 2.0 * MARGIN), height / (1.0 + 2.0 * MARGIN));
-    let image = format!(
-        "<image x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" preserveAspectRatio=\"none\" \
-         style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{png}\" />"
-    );
-    let at = svg.find("</defs>").map_or(svg.len(), |i| i + "</defs>".len());
-    format!("{}{image}{}", &svg[..at], &svg[at..])
-}
-
-/// The scale of colours, with the rating marked in both senses.
-fn color_bar(top: f64, most: f64, name: &str) -> String {
-    let (left, width) = (230.0, 400.0);
-    let stop = |i: i32| {
-        let share = f64::from(i) / 12.0;
-        let [r, g, b] = mixed(if i < 0 { &BUFF } else { &DRAFT }, share.abs());
-        format!("<stop offset=\"{}\" stop-color=\"#{r:02x}{g:02x}{b:02x}\"/>", 0.5 + 0.5 * share)
-    };
-    let stops: String = (-12..=12).map(stop).collect();
-    let text = |x: f64, y: f64, anchor: &str, text: &str| {
-        format!("<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"14\" text-anchor=\"{anchor}\">{text}</text>")
-    };
-    let at = |share: f64| left + 0.5 * width * (1.0 + share / most);
-    let step = [0.1, 0.25, 0.5, 1.0, 2.0, 5.0].into_iter().find(|s| most / s <= 4.5).unwrap_or(most / 4.0);
-    let count = (most / step + 0.01).floor() as i32;
-    let mut out = format!(
-        "<defs><linearGradient id=\"{name}-scale\">{stops}</linearGradient></defs>\
-         <rect x=\"{left}\" y=\"{}\" width=\"{width}\" height=\"14\" fill=\"url(#{name}-scale)\" stroke=\"#000000\" stroke-width=\"0.6\"/>",
-        top + 8.0
-    );
-    for i in -count..=count {
-        let share = f64::from(i) * step;
-        let label = format!("{} %", (100.0 * share.abs()).round());
-        out += &text(at(share), top + 38.0, "middle", &label);
-    }
-    if most > 0.99 {
-        for x in [at(-1.0), at(1.0)] {
-            out += &format!("<path d=\"M{x:.1} {}v18\" stroke=\"#000000\" stroke-width=\"2\"/>", top + 6.0);
+    let pixels = |p: Point| (panel.width_of((0.0, p.0)), p.1 * high / (field.rows() * field.couplers_per_row) as f64);
+    let taken: Vec<Point> = marks.breaks.iter().map(|b| (b.time_s / clock.size, b.coupler as f64)).collect();
+    let mut all = taken.clone();
+    for region in over_rating(field).iter().filter(|r| thin(r.size)) {
+        let at = (field.times_s[region.peak.1] / clock.size, place(region.peak.0));
+        let here = pixels(at);
+        let near = |p: &Point| {
+            let there = pixels(*p);
+            (here.0 - there.0).hypot(here.1 - there.1) < APART
+        };
+        if !all.iter().any(near) {
+            all.push(at);
         }
     }
-    out += &text(left - 12.0, top + 20.0, "end", "buff");
-    out + &text(left + width + 12.0, top + 20.0, "start", "draft, of the rating")
+    let found = all.split_off(taken.len());
+    panel.marks(&found, Shape::OpenDiamond, 6.0, Color::Over);
+    !rows.is_empty()
+}
+
+fn step(field: &Field) -> f64 {
+    field.times_s.get(1).map_or(0.0, |t| t - field.times_s[0])
+}
+
+fn explain(figure: &mut Figure, marks: &Marks, over: bool) {
+    if marks.event.is_some() {
+        figure.explain("the event", Sample::Mark(Shape::Square, Color::Ink));
+    }
+    if marks.event.is_some() && marks.acts_s > 0.0 {
+        figure.explain("the force acts", Sample::Line(FORCE));
+    }
+    if marks.broken.is_some() || !marks.breaks.is_empty() {
+        figure.explain("parted", Sample::Line(RATED));
+    }
+    if !marks.breaks.is_empty() {
+        figure.explain("a coupler breaks", Sample::Mark(Shape::Diamond, Color::Over));
+    }
+    if over {
+        figure.explain("coupler over its rating", Sample::Mark(Shape::Left, Color::Over));
+        figure.explain("where and when, if small", Sample::Mark(Shape::OpenDiamond, Color::Over));
+    }
+}
+
+/// The scale of colours, in percent of the rating.
+fn color_bar(figure: &mut Figure, most: f64) {
+    let end = 100.0 * most;
+    let numbers = ticks((-end, end), 8, false);
+    let share = |(value, label): (f64, String)| {
+        (0.5 + 0.5 * value / end, format!("{} %", label.trim_start_matches('\u{2212}')))
+    };
+    let ticks: Vec<(f64, String)> = numbers.into_iter().map(share).collect();
+    figure.color_bar(&scale(), &ticks, ["buff", "draft"]);
 }

@@ -1,5 +1,6 @@
 //! Couplers that pass their rating on the way, and what their breaking does to the error.
 
+use super::gaps::Gaps;
 use super::series::{Series, State, centred, reach};
 use super::{DEGREE, ROUNDINGS, Rates, U};
 use crate::play::{Play, Rule};
@@ -53,6 +54,8 @@ pub struct Breaks<'a> {
     rates: Rates,
     /// What broke so far.
     pub breakages: Vec<Breakage>,
+    /// Where couplers broke; followed with a rule of breaking only.
+    pub gaps: Gaps,
     /// Per coupler and sign: since when it may be over its rating.
     near: Vec<[Option<f64>; 2]>,
     /// Per coupler and sign: it has been certainly under its rating.
@@ -72,15 +75,17 @@ impl<'a> Breaks<'a> {
             play,
             rates,
             breakages: Vec::new(),
+            gaps: Gaps::default(),
             near: vec![[None; 2]; springs],
             departed: vec![[true; 2]; springs],
-            error: 0.0,
+            error: start_error(play),
             motion: 0.0,
             derivative: 0.0,
             since: 0.0,
         };
         for &b in &play.broken {
-            state.break_spring(b, play.scene.initial[b]);
+            breaks.gaps.add(b, play.scene.initial[b] / state.stiffness[b + 1], 0.0, 0.0);
+            state.break_spring(b, play.steady(b));
         }
         let over = |i: usize| breaks.sides().iter().any(|&side| breaks.signed(i, side) > breaks.rating(i, side));
         let torn: Vec<_> = (0..springs).filter(|&i| state.whole(i) && over(i)).collect();
@@ -108,8 +113,10 @@ impl<'a> Breaks<'a> {
         SIGN[side] * self.play.scene.initial[spring]
     }
 
+    /// The force at which a side breaks.
     fn rating(&self, spring: usize, side: usize) -> f64 {
-        [&self.play.scene.rated_draft, &self.play.scene.rated_buff][side][spring]
+        let rated = || [&self.play.scene.rated_draft, &self.play.scene.rated_buff][side][spring];
+        self.play.break_at.get(spring).map_or_else(rated, |at| at[side])
     }
 
     /// Norms of the motion and its derivative as they are now.
@@ -130,9 +137,26 @@ impl<'a> Breaks<'a> {
 
     /// Bound on the error of every force up to the horizon if nothing more breaks.
     pub fn bound(&self) -> f64 {
-        let steady = self.play.scene.initial.iter().fold(0.0f64, |a, f| a.max(f.abs()));
-        let error = self.error + self.growth() * (self.play.scene.horizon - self.since);
-        self.rates.force * (error + SHOWN * U * self.motion) + SHOWN * U * steady
+        let sizes = (0..self.near.len()).map(|i| self.play.scene.initial[i].abs().max(self.play.steady(i).abs()));
+        let steady = sizes.fold(0.0, f64::max);
+        self.rates.force * (self.norm_error() + SHOWN * U * self.motion) + SHOWN * U * steady
+    }
+
+    /// Follows the gaps over a share of a step.
+    pub fn follow_gaps(&mut self, state: &State, series: &Series, from: f64, width: f64, share: f64) {
+        if self.sides().is_empty() {
+            return;
+        }
+        let (error, horizon) = (self.norm_error(), self.play.scene.horizon);
+        let stiffness = &self.play.scene.chain.stiffness;
+        self.gaps.follow(series, from, width, share, |i| {
+            error * (1.0 / stiffness[i].sqrt() + 2.0 * horizon * jolt(state, i))
+        });
+    }
+
+    /// Bound on the norm of the error up to the horizon if nothing more breaks.
+    fn norm_error(&self) -> f64 {
+        self.error + self.growth() * (self.play.scene.horizon - self.since)
     }
 
     /// The first coupler that may have passed its rating and was not seen to, and when.
@@ -146,7 +170,7 @@ impl<'a> Breaks<'a> {
         let bound = self.bound();
         let mut passing: Vec<Passing> = Vec::new();
         for i in (0..self.near.len()).filter(|&i| !self.sides().is_empty() && state.whole(i)) {
-            let coefficient = series.coupler(i, self.play.scene.initial[i]);
+            let coefficient = series.coupler(i, self.play.steady(i));
             for &side in self.sides() {
                 if reach(&coefficient, SIGN[side]) > self.rating(i, side) - bound {
                     passing.extend(self.passes(i, side, coefficient, from, width));
@@ -195,7 +219,7 @@ impl<'a> Breaks<'a> {
         for i in 0..self.departed.len() {
             for &side in self.sides() {
                 if !self.departed[i][side] && state.whole(i) {
-                    let coefficient = series.coupler(i, self.play.scene.initial[i]);
+                    let coefficient = series.coupler(i, self.play.steady(i));
                     let value = SIGN[side] * coefficient.iter().rev().fold(0.0, |sum, c| sum * share + c);
                     self.departed[i][side] = value < self.rating(i, side) - 4.0 * bound;
                 }
@@ -214,11 +238,14 @@ impl<'a> Breaks<'a> {
     }
 
     fn tear(&mut self, found: Found, time: f64, state: &mut State) {
-        let steady = &self.play.scene.initial;
+        let steady: &[f64] = &(0..self.near.len()).map(|i| self.play.steady(i)).collect::<Vec<_>>();
         let before = strain(state, steady);
         let own = |i: usize| 0.5 * (steady[i] + state.force[0][i + 1]).powi(2) / state.stiffness[i + 1];
         let energy = found.torn.iter().map(|t| own(t.0)).collect();
+        let error = self.norm_error();
         for (i, ..) in &found.torn {
+            let k = state.stiffness[i + 1];
+            self.gaps.add(*i, (steady[*i] + state.force[0][i + 1]) / k, time, error / k.sqrt());
             state.break_spring(*i, steady[*i]);
             self.near[*i] = [None; 2];
         }
@@ -237,6 +264,16 @@ impl<'a> Breaks<'a> {
 
 /// Of draft and buff.
 const SIGN: [f64; 2] = [1.0, -1.0];
+
+/// Norm of what rounding did to the start: the forces at t = 0 and the steady ones were each rounded once, and so was their
+/// difference. Where there is no difference the two are one number.
+fn start_error(play: &Play) -> f64 {
+    let off = |i: usize| match play.start[i] {
+        0.0 => 0.0,
+        start => U * (play.scene.initial[i].abs() + play.steady(i).abs() + start.abs()),
+    };
+    play.scene.chain.stiffness.iter().enumerate().map(|(i, k)| off(i).powi(2) / k).sum::<f64>().sqrt()
+}
 
 /// `sqrt(1 / m + 1 / m')` of the masses at a spring.
 fn jolt(state: &State, i: usize) -> f64 {

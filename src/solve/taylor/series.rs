@@ -1,7 +1,7 @@
 //! One step: the Taylor series of every spring and mass about an instant.
 
 use super::DEGREE;
-use crate::chain::Chain;
+use crate::play::Play;
 use crate::solve::local::{COEFFICIENTS, Local};
 
 /// The chain as it is now, and where its motion stands: spring `i` at `i + 1` with a zero at either end, so that mass `v`
@@ -23,17 +23,18 @@ pub struct State {
 }
 
 impl State {
-    /// At rest in the steady state.
-    pub fn new(chain: &Chain, dashpot: &[f64], velocity: &[f64], source: usize) -> State {
+    /// At t = 0.
+    pub fn new(play: &Play) -> State {
+        let chain = &play.scene.chain;
         let masses = chain.mass.len();
         let padded = |x: &[f64]| std::iter::once(0.0).chain(x.iter().copied()).chain([0.0]).collect::<Vec<f64>>();
         State {
             stiffness: padded(&chain.stiffness),
-            dashpot: padded(dashpot),
+            dashpot: padded(&play.dashpot),
             inverse_mass: (0..masses).map(|v| if chain.live(v) { 1.0 / chain.mass[v] } else { 0.0 }).collect(),
-            force: [vec![0.0; masses + 1], vec![0.0; masses + 1]],
-            velocity: [velocity.to_vec(), vec![0.0; masses]],
-            source,
+            force: [padded(&play.start), vec![0.0; masses + 1]],
+            velocity: [play.velocity.clone(), vec![0.0; masses]],
+            source: play.scene.source,
         }
     }
 
@@ -128,6 +129,11 @@ impl Series {
                 (main[i], rest[i]) = add(main[i], rest[i] + change);
             }
         }
+    }
+
+    /// Coefficients of `v_i - v_{i+1}` over the step from 0 to 1.
+    pub fn apart(&self, i: usize) -> [f64; DEGREE + 1] {
+        std::array::from_fn(|k| self.velocity[k][i] - self.velocity[k][i + 1])
     }
 
     /// Coefficients of coupler `i`'s force, the steady one included, over the step from 0 to 1.

@@ -1,0 +1,125 @@
+//! Doubts about scenarios.
+
+use super::{Doubt, more, overloaded};
+use crate::consist::Train;
+use crate::scenario::{
+    Event, Scenario, horizon_s, initial_force_n, last_change_s, longest_horizon_s, longest_transit_s,
+};
+use crate::units::{Dimension, shown};
+
+/// Speeds over this are doubtful, m/s: 200 km/h.
+const FAST_M_PER_S: f64 = 200.0 / 3.6;
+/// A record that ends at a larger share of its largest force ends too early.
+const CUT: f64 = 0.01;
+
+/// Every doubt about a scenario.
+pub(super) fn of_scenario(train: &Train, scenario: &Scenario) -> Vec<Doubt> {
+    let found = match &scenario.event {
+        Event::Break { couplers } => breaks(train, scenario, couplers),
+        Event::Pulse { .. } | Event::Shaped { .. } => pulse(train, scenario),
+        Event::Impact { .. } => impact(train, scenario),
+    };
+    let found = found.into_iter().map(|(code, text)| Doubt::of_scenario(code, scenario, text));
+    found.chain(short_horizon(train, scenario)).collect()
+}
+
+fn breaks(train: &Train, scenario: &Scenario, couplers: &[usize]) -> Vec<(&'static str, String)> {
+    let mut found = vec![];
+    let load = |b: usize| train.initial_force_n[b];
+    if train.couplers.len() == 1 && !couplers.is_empty() {
+        found.push(("nothing-left", "once its only coupler is broken the train has none left to look at".to_owned()));
+    } else if couplers.iter().any(|&b| load(b) == 0.0) {
+        let advice = if train.extras.steady.is_some() {
+            "check the forces on the vehicles: a tractive_effort, a brake_force or a held vehicle may be missing"
+        } else {
+            "give [load] a uniform force"
+        };
+        found.push(("no-load", format!("a coupler without load breaks and nothing changes; {advice}")));
+    }
+    let mut in_buff = couplers.iter().filter(|&&b| load(b) < 0.0);
+    if let Some(first) = in_buff.next() {
+        let which = format!("coupler {}{}", first + 1, more(in_buff.count(), "coupler"));
+        let text = "carries buff and breaks as if the parts could pass through each other; in a train they stay pressed together";
+        found.push(("breaks-in-buff", format!("{which} {text}")));
+    }
+    let left_out = &scenario.left_out_in_buff;
+    if let Some(first) = left_out.first() {
+        let which = format!("coupler {}{}", first + 1, more(left_out.len() - 1, "coupler"));
+        let text = format!(
+            "{which} is left out: it carries buff, and its vehicles stay pressed together when it breaks; \
+             buff_breaks = true computes it as if the parts could pass through each other"
+        );
+        found.push(("breaks-in-buff-left-out", text));
+    }
+    found
+}
+
+fn pulse(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
+    let mut found = vec![];
+    let (end_s, until_s) = (last_change_s(&scenario.event), longest_horizon_s(train, scenario));
+    let time = |s: f64| shown(s, Dimension::Time);
+    if end_s > until_s {
+        let [begins_s, peaks_s] = match &scenario.event {
+            Event::Shaped { drive, .. } => [drive.begins(), drive.peaks()],
+            _ => [0.0; 2],
+        };
+        let unseen = if begins_s >= until_s {
+            format!("has not begun at the horizon of {}, so nothing of it is seen", time(until_s))
+        } else if peaks_s >= until_s {
+            format!("has not reached its largest value at the horizon of {}", time(until_s))
+        } else {
+            format!("outlasts the horizon of {}, so what its end does is not seen", time(until_s))
+        };
+        let whole_s = horizon_s(train, &Scenario { horizon_s: None, ..scenario.clone() }, None);
+        found.push(("pulse-beyond-horizon", format!("the pulse {unseen}; a horizon of {} covers it", time(whole_s))));
+        if train.vehicles.iter().all(|v| !v.held) {
+            let text =
+                "the force does not end within the horizon and nothing holds the train, so it is pulled along for ever";
+            found.push(("force-never-ends", format!("{text}; hold an end, or let the force end")));
+        }
+    }
+    if let Event::Shaped { shape: "record", drive, force_n, duration_s, .. } = &scenario.event
+        && drive.ends_at().abs() > CUT * force_n.abs()
+    {
+        let [force, end] = [shown(drive.ends_at(), Dimension::Force), time(*duration_s)];
+        let text = format!(
+            "the record ends at {force}, and the force drops to 0 there, at {end}; end it with a row of force 0"
+        );
+        found.push(("record-ends-at-a-force", text));
+    }
+    found
+}
+
+fn impact(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
+    let mut found = vec![];
+    let before = initial_force_n(train, &scenario.event);
+    found.extend(overloaded(train, &before).map(|text| ("load-over-rating", text)));
+    let joint = scenario.event.joint(train.vehicles.len());
+    let (Some(joint), Event::Impact { speed_m_per_s, .. }) = (joint, &scenario.event) else { return found };
+    if *speed_m_per_s > FAST_M_PER_S {
+        let speed = shown(*speed_m_per_s, Dimension::Speed);
+        found.push(("speed", format!("the vehicles arrive at {speed}, over 200 km/h; check the number and its unit")));
+    }
+    if let Some(&c) = train.extras.dashpot_n_s_per_m.get(joint).filter(|c| **c > 0.0) {
+        let force = shown(c * speed_m_per_s, Dimension::Force);
+        let text = format!(
+            "the dashpot of coupler {} carries {force} at the instant of contact, its damping times the speed, while the force of \
+             a draft gear begins at 0; compare with the impact without damping",
+            joint + 1
+        );
+        found.push(("dashpot-at-contact", text));
+    }
+    found
+}
+
+fn short_horizon(train: &Train, scenario: &Scenario) -> Option<Doubt> {
+    let (ends, what) = match &scenario.event {
+        Event::Break { couplers } => ([couplers.iter().min(), couplers.iter().max()], "the longest part"),
+        _ => ([None; 2], "the train"),
+    };
+    let transit_s = ends.into_iter().map(|b| longest_transit_s(train, b.copied())).fold(0.0, f64::max);
+    let horizon_s = longest_horizon_s(train, scenario);
+    let [horizon, transit] = [horizon_s, transit_s].map(|t| shown(t, Dimension::Time));
+    let text = format!("the horizon of {horizon} ends before a wave has crossed {what}, {transit}");
+    (horizon_s < transit_s).then(|| Doubt::of_scenario("short-horizon", scenario, text))
+}

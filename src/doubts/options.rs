@@ -1,0 +1,40 @@
+//! Options that do nothing for a train.
+
+use crate::consist::Train;
+use crate::findings::Options;
+use crate::scenario::{self, Event, Scenario};
+
+/// What to tell of options that are given and change nothing, scenario by scenario: one sentence each without its full stop.
+pub fn idle_options(train: &Train, options: &Options) -> Vec<String> {
+    let chosen = train.scenarios.iter().filter(|s| options.scenario.as_ref().is_none_or(|name| *name == s.name));
+    chosen.flat_map(|s| of_scenario(train, s, options).into_iter().map(|text| format!("{}: {text}", s.name))).collect()
+}
+
+fn of_scenario(train: &Train, scenario: &Scenario, options: &Options) -> Vec<String> {
+    let mut told = vec![];
+    if options.map && matches!(scenario.event, Event::Impact { .. }) {
+        told.push(
+            "--map does nothing for an impact: its safe factor on the speed says all that a map would".to_owned(),
+        );
+    }
+    let damped = train.extras.damping_ratio > 0.0;
+    if !damped && !scenario::beyond_steps(&train.extras.dashpot_n_s_per_m, &scenario.event) {
+        return told;
+    }
+    let event = match &scenario.event {
+        Event::Impact { .. } => "an impact",
+        Event::Shaped { .. } => "a pulse of this shape",
+        _ if damped => "a train with a damping_ratio",
+        _ => "a train with dashpots",
+    };
+    for (given, option) in [(options.all_time_bound, "--all-time-bound"), (options.verdict_only, "--verdict-only")] {
+        if given {
+            let why = "bounds over all time are known for undamped breaks and rectangular pulses only";
+            told.push(format!("{option} does nothing for {event}: {why}"));
+        }
+    }
+    if options.tolerance != Options::default().tolerance {
+        told.push(format!("--tolerance does nothing for {event}: its forces are computed to rounding whatever it is"));
+    }
+    told
+}

@@ -1,0 +1,94 @@
+//! Numbers of a train that no railway has: probably a wrong unit or a slip.
+
+use super::{Doubt, more};
+use crate::consist::{Train, Vehicle};
+use crate::units::{Dimension, shown};
+
+/// Masses of vehicles, kg: 5 t and 400 t.
+const LIGHT_KG: f64 = 5e3;
+const HEAVY_KG: f64 = 400e3;
+/// Stiffness of a connection, N/m.
+const SOFT_N_PER_M: f64 = 1e6;
+/// How far a connection is stretched or compressed by the load, m.
+const STRETCH_M: f64 = 0.5;
+/// Largest mass and stiffness of a model in units of its own.
+const UNIT_KG: f64 = 10.0;
+const UNIT_N_PER_M: f64 = 100.0;
+/// Acceleration of a train, m/s2.
+const ACCELERATION_M_PER_S2: f64 = 0.3;
+/// Grade of a track, as a share.
+pub(crate) const STEEP: f64 = 0.1;
+
+/// Every doubt about the size of a train's numbers, one a kind.
+pub(super) fn of_train(train: &Train) -> Vec<Doubt> {
+    let sizes = if in_own_units(train) { [None, None, None] } else { [masses(train), soft(train), stretch(train)] };
+    sizes.into_iter().chain([acceleration(train), modal_damping(train)]).flatten().collect()
+}
+
+/// Whether it is a model in units of its own, such as the paper's with masses and stiffnesses of 1, whose sizes mean nothing. No
+/// slip of a unit in a railway's numbers makes both so small.
+fn in_own_units(train: &Train) -> bool {
+    let small = |v: &Vehicle| v.held || v.mass_kg <= UNIT_KG;
+    train.vehicles.iter().all(small) && train.couplers.iter().all(|c| c.stiffness_n_per_m <= UNIT_N_PER_M)
+}
+
+fn masses(train: &Train) -> Option<Doubt> {
+    let mut odd = train.vehicles.iter().filter(|v| !v.held && !(LIGHT_KG..=HEAVY_KG).contains(&v.mass_kg));
+    let first = odd.next()?;
+    let mass = shown(first.mass_kg, Dimension::Mass);
+    let others = more(odd.count(), "vehicle");
+    let text = format!(
+        "the mass of {}{others} is {mass}, under 5 t or over 400 t; check the number and its unit",
+        first.label
+    );
+    Some(Doubt::of_train("mass", text))
+}
+
+fn soft(train: &Train) -> Option<Doubt> {
+    let mut soft = (0..train.couplers.len()).filter(|&i| train.couplers[i].stiffness_n_per_m < SOFT_N_PER_M);
+    let first = soft.next()?;
+    let text = format!(
+        "the stiffness of coupler {}{} is {}, under 1 MN/m; check the number and its unit (kN/m for kN/mm?)",
+        first + 1,
+        more(soft.count(), "coupler"),
+        shown(train.couplers[first].stiffness_n_per_m, Dimension::Stiffness)
+    );
+    Some(Doubt::of_train("soft-coupler", text))
+}
+
+fn stretch(train: &Train) -> Option<Doubt> {
+    let stretch_m = |i: usize| train.initial_force_n[i].abs() / train.couplers[i].stiffness_n_per_m;
+    let lengths = |i: usize| [i, i + 1].into_iter().filter_map(|v| train.vehicles[v].length_m);
+    let mut long = (0..train.couplers.len()).filter(|&i| stretch_m(i) > lengths(i).fold(STRETCH_M, f64::min));
+    let first = long.next()?;
+    let text = format!(
+        "the load changes the length of coupler {}{} by {}, more than 0.5 m or a vehicle's length; check the load, the stiffness \
+         and their units",
+        first + 1,
+        more(long.count(), "coupler"),
+        shown(stretch_m(first), Dimension::Length)
+    );
+    Some(Doubt::of_train("stretch", text))
+}
+
+fn acceleration(train: &Train) -> Option<Doubt> {
+    let a = train.extras.steady.as_ref()?.acceleration_m_per_s2;
+    let text = format!(
+        "the train accelerates at {a:.2} m/s2 before the event, over 0.3 m/s2; check the forces on the vehicles, or hold an end to \
+         keep its speed"
+    );
+    (a.abs() > ACCELERATION_M_PER_S2).then(|| Doubt::of_train("acceleration", text))
+}
+
+/// A damping ratio of every mode is easily taken for that of a dashpot.
+fn modal_damping(train: &Train) -> Option<Doubt> {
+    let ratio = train.extras.damping_ratio;
+    let mass = train.vehicles.iter().filter(|v| !v.held).map(|v| v.mass_kg).fold(f64::INFINITY, f64::min);
+    let dashpot = 2.0 * ratio * (train.couplers.first()?.stiffness_n_per_m * mass).sqrt();
+    let text = format!(
+        "damping_ratio = {ratio} damps every mode of vibration by that share, which no device does and which takes off more than \
+         dashpots of that ratio; the published 0.05 to 0.26 are dashpots' c / 2 sqrt(k m): for them give [coupler] damping = {:?}",
+        shown(dashpot, Dimension::Damping)
+    );
+    (ratio > 0.0).then(|| Doubt::of_train("modal-damping", text))
+}

@@ -1,0 +1,62 @@
+//! The safe factor on the speed of an impact under forces that go on acting.
+//!
+//! ```text
+//! F_i(t) = R_i(t) + factor V_i(t)        R: from speeds 0, under the forces on the vehicles        V: from the speeds alone
+//! ```
+//!
+//! Where the two parts had one acceleration, R_i(t) is the load before the blow and [`super::safe_factor`] knows the factor from
+//! the peaks. Else R changes with time, and a peak at one factor says nothing of another: the motion is followed at several. The
+//! largest excess over a rating, of all couplers and instants, is a maximum of straight lines in the factor, so convex: it has
+//! one root above a factor that is safe, and a chord through two safe factors meets 0 at a factor that is not.
+
+use crate::play::Play;
+use crate::solve::{SolveError, taylor};
+
+/// Factors at which the motion is followed, at most, and about.
+const MOST: usize = 60;
+pub(super) const ABOUT: f64 = 14.0;
+/// The factor is as near as this, as a share of it.
+const NEAR: f64 = 1e-10;
+
+/// The largest factor on the speeds at which no coupler exceeds; 0 where one does without any speed.
+///
+/// # Errors
+/// As for [`taylor::solve`].
+pub(super) fn find(play: &Play) -> Result<f64, SolveError> {
+    let excess = |factor: f64| -> Result<f64, SolveError> {
+        let velocity = play.velocity.iter().map(|v| factor * v).collect();
+        let springs = taylor::solve(&Play { velocity, ..play.clone() })?.springs;
+        let ratings = play.scene.rated_draft.iter().zip(&play.scene.rated_buff);
+        let over = springs
+            .iter()
+            .zip(ratings)
+            .flat_map(|(s, (draft, buff))| [s.draft.best.value / draft - 1.0, s.buff.best.value / buff - 1.0]);
+        Ok(over.fold(f64::NEG_INFINITY, f64::max))
+    };
+    let (mut low, mut high) = ((0.0, excess(0.0)?), (1.0, excess(1.0)?));
+    if low.1 > 0.0 {
+        return Ok(0.0);
+    }
+    let chord = |a: (f64, f64), b: (f64, f64)| a.0 - a.1 * (b.0 - a.0) / (b.1 - a.1);
+    let mut tried = 2;
+    while high.1 <= 0.0 && tried < MOST {
+        let next = if high.1 > low.1 { chord(low, high) * (1.0 + NEAR) } else { 2.0 * high.0 };
+        (low, high) = (high, (next, excess(next)?));
+        tried += 1;
+    }
+    // The chord's own rule, with half the weight of an end that stays (Illinois).
+    let (mut weight, mut stayed) = ([low.1, high.1], 0);
+    while high.0 - low.0 > NEAR * high.0 && tried < MOST {
+        let at = chord((low.0, weight[0]), (high.0, weight[1])).clamp(low.0, high.0);
+        let found = excess(at)?;
+        tried += 1;
+        if found <= 0.0 {
+            weight[1] *= if stayed == 1 { 0.5 } else { 1.0 };
+            (low, weight[0], stayed) = ((at, found), found, 1);
+        } else {
+            weight[0] *= if stayed == -1 { 0.5 } else { 1.0 };
+            (high, weight[1], stayed) = ((at, found), found, -1);
+        }
+    }
+    Ok(low.0)
+}

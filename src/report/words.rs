@@ -285,8 +285,8 @@ fn impact(case: &CaseFindings) -> String {
     };
     let of = |sense: &str, found: Option<_>| found.map_or(String::new(), |f| format!(" Largest {sense}: {}.", told(f)));
     let rebound = if draft.is_some() {
-        " Draft after the collision is the rebound of springs without losses; a draft gear absorbs up to 87 % of the work, so \
-         it is not to be believed as it stands."
+        " Draft after the collision includes the rebound of the springs; a real draft gear absorbs up to 87 % of the work, so unless the \
+         damping given stands for that, the draft is not to be believed as it stands."
     } else {
         ""
     };

@@ -90,7 +90,7 @@ fn put_all(
 /// Two values of an input that differ.
 fn two_values(input: &Input) -> [toml::Value; 2] {
     let ends = [input.spread.at(0.01), input.spread.at(0.99)];
-    match (&ends[0] == &ends[1], input.key.dimension()) {
+    match (ends[0] == ends[1], input.key.dimension()) {
         (true, Some(dimension)) => {
             let double = number(&ends[0], Some(dimension)).map(|x| 2.0 * x * dimension.si_size());
             let other = double.map_or_else(|| ends[1].clone(), |x| written(x, dimension, false));

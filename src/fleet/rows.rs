@@ -49,8 +49,18 @@ pub const BACK: [&str; 32] = [
 pub const ERRORS: [&str; 5] = ["file", "variation", "scenario", "broken_coupler", "error"];
 
 /// Columns of text, here and in `errors.csv`.
-pub const TEXTS: [&str; 9] =
-    ["file", "train", "scenario", "kind", "between_front", "between_rear", "method", "doubts", "error"];
+pub const TEXTS: [&str; 10] = [
+    "file",
+    "train",
+    "scenario",
+    "kind",
+    "between_front",
+    "between_rear",
+    "method",
+    "first_passage_exceeds",
+    "doubts",
+    "error",
+];
 
 /// Columns of whole numbers.
 #[cfg(feature = "parquet")]

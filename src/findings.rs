@@ -3,6 +3,7 @@
 mod cascade;
 mod estimate;
 mod field;
+mod first_passage;
 mod general;
 mod history;
 mod limits;
@@ -10,6 +11,7 @@ mod map;
 mod safe_factor;
 mod safe_speed;
 
+use std::collections::HashMap;
 use std::time::Instant;
 
 pub use cascade::{CascadeBreak, CascadeFindings};
@@ -17,6 +19,7 @@ pub(crate) use estimate::case_estimate_s;
 pub use estimate::{estimate_s, memory_bytes};
 pub(crate) use field::larger;
 pub use field::{Field, Of, field};
+pub use first_passage::FirstPassage;
 use general::Solved;
 pub use history::{history, rod_history};
 pub use limits::{LimitFindings, LimitInSense};
@@ -25,7 +28,8 @@ use rayon::prelude::*;
 use safe_factor::safe_load_factor;
 use serde::Serialize;
 
-use crate::consist::Train;
+use crate::consist::{Source, Train};
+use crate::doubts::{Doubt, doubts};
 use crate::play::Rule;
 use crate::rod::Rod;
 use crate::scenario::{self, Event, Part, Scales, Scenario};
@@ -72,6 +76,16 @@ impl Default for Options {
 /// All scenarios of one train.
 #[derive(Clone, Debug, Serialize)]
 pub struct Analysis {
+    /// Version of this form of results.
+    pub schema_version: u32,
+    /// The program that found them.
+    pub program: Program,
+    /// Every file that the train was read from.
+    pub inputs: Vec<InputFile>,
+    /// How the analysis was done.
+    pub options: OptionFindings,
+    /// What is probably not meant, of the train and of the scenarios that were run.
+    pub doubts: Vec<Doubt>,
     /// The train's name.
     pub train: String,
     /// Number of vehicles.
@@ -80,6 +94,33 @@ pub struct Analysis {
     pub couplers: usize,
     /// One entry per scenario that was run, in the file's order.
     pub scenarios: Vec<ScenarioFindings>,
+}
+
+/// A program and its version.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Program {
+    /// Its name.
+    pub name: &'static str,
+    /// Its version.
+    pub version: &'static str,
+}
+
+/// A file that was read.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct InputFile {
+    /// Its path, as it was given.
+    pub path: String,
+    /// SHA-256 of its bytes, in hexadecimal.
+    pub sha256: String,
+}
+
+/// The options that decide the numbers.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct OptionFindings {
+    /// The error each force may have, as a share of the largest rating.
+    pub tolerance: f64,
+    /// The method that was asked for; `None`: the program chose.
+    pub method: Option<&'static str>,
 }
 
 /// One scenario: a single event, or each coupler of a list in turn.
@@ -125,6 +166,12 @@ pub struct CaseFindings {
     /// Largest factor on the load (break), the force (pulse) or the speed (impact) at which no coupler exceeds; `None` where
     /// none bounds it.
     pub safe_load_factor: Option<f64>,
+    /// End of the first passage, s: the wave has run to the far end of the longest part and back once.
+    pub first_passage_s: f64,
+    /// Couplers that exceed their rating in the first passage.
+    pub exceeding_first_passage: usize,
+    /// The coupler with the largest utilisation in the first passage, with its forces there.
+    pub worst_first_passage: Option<CouplerFindings>,
     /// The coupler with the largest utilisation; `None` where no coupler is left.
     pub worst: Option<CouplerFindings>,
     /// Every coupler but the broken one, from the head.
@@ -178,6 +225,8 @@ pub struct CouplerFindings {
     pub first_exceeds_s: Option<f64>,
     /// Over which rating it is then, `"draft"` or `"buff"`.
     pub first_exceeds_in: Option<&'static str>,
+    /// The same over the first passage.
+    pub first_passage: Option<FirstPassage>,
     /// Bound on |force| over all time, N, where asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub all_time_bound_n: Option<f64>,
@@ -255,9 +304,27 @@ pub enum AnalyzeError {
 /// ```
 pub fn analyze(train: &Train, options: &Options) -> Result<Analysis, AnalyzeError> {
     let memo = Memo::new(REMEMBERED);
-    let scenarios = chosen(train, options)?.into_iter().map(|s| scenario_findings(train, s, options, &memo));
+    let chosen = chosen(train, options)?;
+    let about = |d: &Doubt| d.scenario.as_ref().is_none_or(|name| chosen.iter().any(|s| s.name == *name));
+    let doubts = doubts(train).into_iter().filter(about).collect();
+    let file = |source: &Source| InputFile {
+        path: source.path.display().to_string(),
+        sha256: source.sha256.iter().map(|byte| format!("{byte:02x}")).collect(),
+    };
+    let inputs = train.origin.sources.iter().map(file).collect();
+    let scenarios = chosen.into_iter().map(|s| scenario_findings(train, s, options, &memo));
     let (vehicles, couplers) = (train.vehicles.len(), train.couplers.len());
-    Ok(Analysis { train: train.name.clone(), vehicles, couplers, scenarios: scenarios.collect::<Result<_, _>>()? })
+    Ok(Analysis {
+        schema_version: 2,
+        program: Program { name: env!("CARGO_PKG_NAME"), version: env!("CARGO_PKG_VERSION") },
+        inputs,
+        options: OptionFindings { tolerance: options.tolerance, method: options.method.map(Method::name) },
+        doubts,
+        train: train.name.clone(),
+        vehicles,
+        couplers,
+        scenarios: scenarios.collect::<Result<_, _>>()?,
+    })
 }
 
 /// The scenarios to run.
@@ -326,12 +393,14 @@ pub(crate) fn case_findings(
     let horizon_s = scenario::horizon_s(train, scenario, broken);
     let tolerance_n = ask(train, options).tolerance * Scales::of(train).force_n;
     let beyond_steps = scenario::beyond_steps(&train.extras.dashpot_n_s_per_m, &scenario.event);
-    let parts = |train: &Train| scenario::parts(train, &scenario.event, broken, horizon_s);
-    let solve = |train: &Train, options: &Options| match beyond_steps {
-        true => general::solved(train, scenario, broken, horizon_s, options),
-        false => solved_by_parts(train, &parts(train), options, memo),
+    let parts = |train: &Train, until_s: f64| scenario::parts(train, &scenario.event, broken, until_s);
+    let solve_until = |train: &Train, until_s: f64, options: &Options| match beyond_steps {
+        true => general::solved(train, scenario, broken, until_s, options),
+        false => solved_by_parts(train, &parts(train, until_s), options, memo),
     };
-    let rod = if beyond_steps || train.extras.damping_ratio > 0.0 { None } else { rod_findings(&parts(train)) };
+    let solve = |train: &Train, options: &Options| solve_until(train, horizon_s, options);
+    let rod =
+        if beyond_steps || train.extras.damping_ratio > 0.0 { None } else { rod_findings(&parts(train, horizon_s)) };
     // After a break the coupler of the largest utilisation is the one that bounds the load; it need not be under a pulse.
     let wanted = if broken.is_some() { options.wanted } else { Wanted::Everything };
     let solved = solve(train, &Options { wanted, ..options.clone() })?;
@@ -347,7 +416,35 @@ pub(crate) fn case_findings(
         let wanted = Wanted::Everything;
         Ok(solve(rated, &Options { tolerance, wanted, verdict_only: false, ..options.clone() })?.couplers)
     })?;
+    let first_passage_s = first_passage::end_s(train, scenario, broken, horizon_s);
+    let all_in_it = match wanted {
+        // Extremes of other couplers than the worst are not exact then, and first exceedances may be late.
+        Wanted::Worst => {
+            couplers.iter().all(|c| c.exceeds == Some(false))
+                && worst.is_none_or(|i| couplers[i].peak_time_s <= first_passage_s)
+        }
+        Wanted::Everything => couplers.iter().all(|c| first_passage::has_all(c, first_passage_s)),
+    };
+    let shorter = match all_in_it || first_passage_s >= horizon_s {
+        true => None,
+        false => {
+            let options = Options { wanted, ..options.clone() };
+            let shorter = solve_until(train, first_passage_s, &options)?;
+            Some((shorter.couplers, shorter.worst))
+        }
+    };
+    let (within, worst_within) = shorter.unwrap_or_else(|| (couplers.clone(), worst));
+    let passages: HashMap<usize, FirstPassage> = within.iter().map(|c| (c.coupler, FirstPassage::of(c))).collect();
+    for c in &mut couplers {
+        c.first_passage = passages.get(&c.coupler).cloned();
+    }
+    let exceeding_first_passage = within.iter().filter(|c| c.exceeds == Some(true)).count();
+    let worst_first_passage = worst_within
+        .map(|i| CouplerFindings { first_passage: passages.get(&within[i].coupler).cloned(), ..within[i].clone() });
     Ok(CaseFindings {
+        first_passage_s,
+        exceeding_first_passage,
+        worst_first_passage,
         kind: scenario.event.kind(),
         broken_coupler: broken.map(|b| b + 1),
         method,
@@ -432,7 +529,11 @@ fn coupler_findings(
     let (draft, buff) = (extreme(&peaks.draft, 1.0), extreme(&peaks.buff, -1.0));
     let use_of = |peak: Option<(f64, f64)>, rating: f64| peak.map_or(0.0, |(f, _)| f.abs() / rating);
     let (in_draft, in_buff) = (use_of(draft, coupler.rated_draft_n), use_of(buff, coupler.rated_buff_n));
-    let (peak_force_n, peak_time_s) = if in_buff > in_draft { buff } else { draft }.unwrap_or((0.0, 0.0));
+    // Of equal ones the earliest; what differs by rounding is equal.
+    let equal = (in_buff - in_draft).abs() <= 1e-12 * in_buff;
+    let buff_first = buff.zip(draft).is_some_and(|(b, d)| b.1 < d.1);
+    let from_buff = if equal { buff_first } else { in_buff > in_draft };
+    let (peak_force_n, peak_time_s) = if from_buff { buff } else { draft }.unwrap_or((0.0, 0.0));
     let exceeds_in = [&peaks.draft, &peaks.buff].map(|side| side.exceeds());
     let extremes_n = [&peaks.draft, &peaks.buff].map(|side| side.best.value * scales.force_n);
     let exceeds = match exceeds_in {
@@ -461,6 +562,7 @@ fn coupler_findings(
         extremes_n,
         first_exceeds_s: first.map(|(t, _)| t * scales.time_s),
         first_exceeds_in: first.map(|(_, sense)| sense),
+        first_passage: None,
         all_time_bound_n,
         limits: None,
     }

@@ -74,3 +74,32 @@ fn a_bound_over_all_time_is_never_below_a_force_that_is_reached() {
         assert!(bound >= reached * (1.0 - 4.0 * f64::EPSILON) && bound < reached * (1.0 + 1e-13), "{bound} {reached}");
     }
 }
+
+/// Peaks whose exact values are known to 20 digits and more lie within the stated bound of them.
+#[test]
+fn peaks_at_hard_instants_are_within_their_bounds() {
+    let near = |name: &str, coupler: usize, draft: bool, due: f64| {
+        let case = case(&train(name), &Options::default());
+        let c = &case.couplers[coupler - 1];
+        let peak = if draft { c.peak_draft_n } else { c.peak_buff_n }.expect("a peak");
+        // The value that is due is itself rounded to a double.
+        let room = case.error_bound_n + 0.5 * f64::EPSILON * due.abs();
+        assert!((peak - due).abs() <= room, "{name}: {peak} for {due}, bound {}", case.error_bound_n);
+        case.couplers[coupler - 1].exceeds
+    };
+    // After a pulse with a damping ratio, at two horizons.
+    near("3-damping-ratio-after-a-pulse-times-are-rounded.toml", 4, true, 1_399_451.498_810_379);
+    near("3-damping-ratio-after-a-pulse-times-are-rounded-long.toml", 3, true, 749_049.922_788_397_5);
+    // A rise that ends at the horizon, over the rating by 8e-8 N.
+    let exceeds = near("4-modal-misses-what-lies-at-the-horizon.toml", 3, true, 1_999_903.710_604_579_5);
+    assert_ne!(exceeds, Some(false));
+    // A mode that turns 6e11 times a second.
+    near("11-peaks-of-very-fast-modes-are-taken-at-doubles.toml", 1, false, -683_229.367_304_102);
+}
+
+/// A rating three bounds above the peak is not "within the bound of the peak".
+#[test]
+fn a_rating_three_bounds_away_is_decided() {
+    let case = case(&train("10-undecided-three-bounds-from-the-rating.toml"), &Options::default());
+    assert_eq!(case.couplers[4].exceeds, Some(false), "bound {}", case.error_bound_n);
+}

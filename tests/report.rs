@@ -233,17 +233,17 @@ fn the_json_has_the_contract_s_fields_in_order() {
     let value: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     let case = &value["scenarios"][0]["cases"][0];
     let keys = |v: &serde_json::Value| v.as_object().expect("an object").keys().cloned().collect::<Vec<_>>().join(" ");
-    assert_eq!(keys(&value), "train vehicles couplers scenarios");
+    assert_eq!(keys(&value), "schema_version program inputs options doubts train vehicles couplers scenarios");
     assert_eq!(keys(&value["scenarios"][0]), "name kind cases left_out_in_buff");
     assert_eq!(
         keys(case),
         "broken_coupler method method_reason horizon_s error_bound_n tolerance_n run_time_s exceeding undecided \
-         safe_load_factor worst couplers left_out"
+         safe_load_factor first_passage_s exceeding_first_passage worst_first_passage worst couplers left_out"
     );
     assert_eq!(
         keys(&case["couplers"][0]),
         "coupler between rated_draft_n rated_buff_n initial_force_n peak_force_n peak_time_s utilisation peak_draft_n \
-         peak_draft_time_s peak_buff_n peak_buff_time_s exceeds first_exceeds_s first_exceeds_in"
+         peak_draft_time_s peak_buff_n peak_buff_time_s exceeds first_exceeds_s first_exceeds_in first_passage"
     );
     assert_eq!(case["couplers"].as_array().map(Vec::len), Some(103));
     let worst = &analysis.scenarios[0].cases[0].worst;
@@ -297,7 +297,8 @@ fn the_csv_reads_back_to_the_same_bits() {
         rows[0].join(","),
         "scenario,broken_coupler,coupler,between_front,between_rear,rated_draft_n,rated_buff_n,initial_force_n,\
          peak_force_n,peak_time_s,utilisation,peak_draft_n,peak_draft_time_s,peak_buff_n,peak_buff_time_s,exceeds,\
-         first_exceeds_s,first_exceeds_in"
+         first_exceeds_s,first_exceeds_in,first_passage_peak_draft_n,first_passage_peak_draft_time_s,\
+         first_passage_peak_buff_n,first_passage_peak_buff_time_s,first_passage_exceeds"
     );
     let case = &analysis.scenarios[0].cases[0];
     assert_eq!(rows.len(), 1 + case.couplers.len());

@@ -195,6 +195,9 @@ const ONLY_BY_READER: &[&str] = &[
     "load.uniform \"-1 kN\"",
     "load.uniform \"-50%\"",
     "load.uniform left out",
+    // The break that is asked for would be of a coupler in buff.
+    "load.uniform \"-1 kN\"",
+    "load.uniform \"-50%\"",
     "scenario[1].at 1",
     "scenario[1].cascade left out",
     "scenario[1].fall \"1 s\"",

@@ -53,7 +53,7 @@ pub(super) fn read(root: &Table, context: &Context) -> Read<Vec<Scenario>> {
     let tables = root.get("scenario").map_or(Ok(vec![]), |v| v.tables())?;
     if tables.is_empty() {
         let (event, left_out_in_buff) = context.each(false);
-        let name = EACH.to_owned();
+        let name = default_name(&event, &left_out_in_buff, context.labels.vehicles.len());
         return Ok(vec![Scenario { name, event, horizon_s: None, cascade: Rule::Keep, left_out_in_buff }]);
     }
     if let Some(beyond) = tables.get(MOST_SCENARIOS) {
@@ -305,8 +305,7 @@ fn named(scenarios: Vec<Unnamed>, vehicles: usize) -> Read<Vec<Scenario>> {
         let name = match scenario.name {
             Some((name, _)) => name.to_owned(),
             None => {
-                let each = !scenario.left_out_in_buff.is_empty();
-                let plain = if each { EACH.to_owned() } else { default_name(&scenario.event, vehicles) };
+                let plain = default_name(&scenario.event, &scenario.left_out_in_buff, vehicles);
                 let again = (2..).map(|i| format!("{plain} ({i})"));
                 let mut candidates = std::iter::once(plain.clone()).chain(again);
                 let free = candidates.find(|name| !taken.contains_key(name)).unwrap_or(plain);
@@ -324,8 +323,9 @@ fn named(scenarios: Vec<Unnamed>, vehicles: usize) -> Read<Vec<Scenario>> {
 const EACH: &str = "each coupler breaks in turn";
 
 /// What a scenario is called that has no name.
-fn default_name(event: &Event, vehicles: usize) -> String {
+fn default_name(event: &Event, left_out: &[usize], vehicles: usize) -> String {
     match event {
+        Event::Break { .. } if !left_out.is_empty() => EACH.to_owned(),
         Event::Break { couplers } => match couplers.as_slice() {
             [one] => format!("break of coupler {}", one + 1),
             all if all.len() + 1 == vehicles => EACH.to_owned(),

@@ -5,7 +5,6 @@ use crate::chain::Scene;
 use crate::consist::Train;
 use crate::play::Rule;
 use crate::scenario::{self, Event, Scales, Scenario};
-use crate::solve::watch::Watch;
 use crate::solve::{Ask, Method, Solution, SolveError, damped_modes, taylor};
 
 /// What was found of every coupler.
@@ -44,7 +43,7 @@ pub(super) fn solved(
         ..coupler_findings(train, i, peaks, &scales, None)
     });
     let couplers: Vec<CouplerFindings> = couplers.collect();
-    let error_bound_n = Watch::reported(outcome.error_bound) * scales.force_n;
+    let error_bound_n = outcome.error_bound * scales.force_n;
     Ok(Solved {
         method: "taylor",
         reason: reason(train, &scenario.event).to_owned(),
@@ -74,7 +73,7 @@ pub(super) fn damped(scene: &Scene, ratio: f64, ask: &Ask) -> Result<Solution, S
     Ok(Solution {
         method: Method::Modal,
         reason: "every mode has the same damping ratio".to_owned(),
-        error_bound: Watch::reported(damped.error_bound()),
+        error_bound: damped.error_bound(),
         springs: springs.into_iter().map(Some).collect(),
         all_time_bounds: None,
         work,

@@ -10,7 +10,7 @@ use crate::scenario::Scenario;
 pub const FRONT: [&str; 4] = ["file", "train", "vehicles", "variation"];
 
 /// Columns after those of a study's inputs, named as in `couplers.csv` and `result.json`.
-pub const BACK: [&str; 22] = [
+pub const BACK: [&str; 32] = [
     "scenario",
     "kind",
     "broken_coupler",
@@ -27,6 +27,16 @@ pub const BACK: [&str; 22] = [
     "first_exceeds_s",
     "exceeding",
     "undecided",
+    "first_passage_s",
+    "exceeding_first_passage",
+    "first_passage_worst_coupler",
+    "first_passage_utilisation",
+    "first_passage_peak_force_n",
+    "first_passage_peak_draft_n",
+    "first_passage_peak_draft_time_s",
+    "first_passage_peak_buff_n",
+    "first_passage_peak_buff_time_s",
+    "first_passage_exceeds",
     "safe_load_factor",
     "error_bound_n",
     "horizon_s",
@@ -39,12 +49,22 @@ pub const BACK: [&str; 22] = [
 pub const ERRORS: [&str; 5] = ["file", "variation", "scenario", "broken_coupler", "error"];
 
 /// Columns of text, here and in `errors.csv`.
-pub const TEXTS: [&str; 9] =
-    ["file", "train", "scenario", "kind", "between_front", "between_rear", "method", "error", "doubts"];
+pub const TEXTS: [&str; 10] = [
+    "file",
+    "train",
+    "scenario",
+    "kind",
+    "between_front",
+    "between_rear",
+    "method",
+    "first_passage_exceeds",
+    "doubts",
+    "error",
+];
 
 /// Columns of whole numbers.
 #[cfg(feature = "parquet")]
-pub const WHOLE: [&str; 8] = [
+pub const WHOLE: [&str; 10] = [
     "vehicles",
     "variation",
     "broken_coupler",
@@ -52,6 +72,8 @@ pub const WHOLE: [&str; 8] = [
     "first_coupler",
     "exceeding",
     "undecided",
+    "exceeding_first_passage",
+    "first_passage_worst_coupler",
     "rod_exceeding",
 ];
 
@@ -75,8 +97,19 @@ pub struct Place {
     pub variation: Option<usize>,
     /// Cells of the study's inputs.
     pub inputs: Vec<String>,
-    /// The doubts about the variation.
+    /// What is doubtful about the train and its scenarios.
     pub doubts: Vec<Doubt>,
+}
+
+impl Place {
+    /// The codes of the doubts about the train and one of its scenarios, each once.
+    fn codes(&self, scenario: &Scenario) -> String {
+        let about = |d: &&Doubt| d.scenario.as_ref().is_none_or(|name| *name == scenario.name);
+        let mut codes: Vec<&str> = self.doubts.iter().filter(about).map(|d| d.code).collect();
+        codes.sort_unstable();
+        codes.dedup();
+        codes.join(" ")
+    }
 }
 
 impl Chunk {
@@ -89,7 +122,7 @@ impl Chunk {
     pub fn add(&mut self, place: &Place, train: &Train, scenario: &Scenario, case: &CaseFindings) {
         let front = [text(&place.file), text(&train.name), train.vehicles.len().to_string(), whole(place.variation)];
         let inputs = place.inputs.iter().map(|cell| text_or_number(cell));
-        line(&mut self.rows, front.into_iter().chain(inputs).chain(back(scenario, case, &place.doubts)));
+        line(&mut self.rows, front.into_iter().chain(inputs).chain(back(scenario, case, place.codes(scenario))));
     }
 
     /// A train or a case that could not be computed.
@@ -111,8 +144,8 @@ pub fn file_cell(file: &std::path::Path) -> String {
     text(&file.display().to_string())
 }
 
-fn back(scenario: &Scenario, case: &CaseFindings, doubts: &[Doubt]) -> [String; BACK.len()] {
-    let worst = case.worst.as_ref();
+fn back(scenario: &Scenario, case: &CaseFindings, doubts: String) -> [String; BACK.len()] {
+    let (worst, passage) = (case.worst.as_ref(), case.worst_first_passage.as_ref());
     let value = |of: fn(&crate::findings::CouplerFindings) -> f64| optional(worst.map(of));
     // Not always the worst one: a weaker wave may have met another coupler before.
     let times = case.couplers.iter().filter_map(|c| Some((c.first_exceeds_s?, c.coupler)));
@@ -134,24 +167,23 @@ fn back(scenario: &Scenario, case: &CaseFindings, doubts: &[Doubt]) -> [String; 
         optional(first.map(|(time_s, _)| time_s)),
         case.exceeding.to_string(),
         case.undecided.to_string(),
+        number(case.first_passage_s),
+        case.exceeding_first_passage.to_string(),
+        whole(passage.map(|w| w.coupler)),
+        optional(passage.map(|w| w.utilisation)),
+        optional(passage.map(|w| w.peak_force_n)),
+        optional(passage.and_then(|w| w.peak_draft_n)),
+        optional(passage.and_then(|w| w.peak_draft_time_s)),
+        optional(passage.and_then(|w| w.peak_buff_n)),
+        optional(passage.and_then(|w| w.peak_buff_time_s)),
+        passage.and_then(|w| w.exceeds).map(|e| e.to_string()).unwrap_or_default(),
         optional(case.safe_load_factor),
         number(case.error_bound_n),
         number(case.horizon_s),
         case.method.to_owned(),
         whole(case.rod.as_ref().map(|rod| rod.exceeding)),
-        codes(scenario, doubts),
+        doubts,
     ]
-}
-
-/// The kinds of the doubts about a train and one of its scenarios, each once.
-fn codes(scenario: &Scenario, doubts: &[Doubt]) -> String {
-    let mut codes: Vec<&str> = vec![];
-    for doubt in doubts.iter().filter(|d| d.scenario.as_ref().is_none_or(|name| *name == scenario.name)) {
-        if !codes.contains(&doubt.code) {
-            codes.push(doubt.code);
-        }
-    }
-    codes.join(" ")
 }
 
 fn whole(number: Option<usize>) -> String {

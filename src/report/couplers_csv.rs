@@ -5,7 +5,7 @@ use std::io::Write;
 use super::cells::{number, optional, text};
 use crate::findings::{Analysis, CaseFindings, CouplerFindings, ScenarioFindings};
 
-const COLUMNS: [&str; 21] = [
+const COLUMNS: [&str; 26] = [
     "scenario",
     "broken_coupler",
     "coupler",
@@ -24,6 +24,11 @@ const COLUMNS: [&str; 21] = [
     "exceeds",
     "first_exceeds_s",
     "first_exceeds_in",
+    "first_passage_peak_draft_n",
+    "first_passage_peak_draft_time_s",
+    "first_passage_peak_buff_n",
+    "first_passage_peak_buff_time_s",
+    "first_passage_exceeds",
     "all_time_bound_n",
     "limits_passed",
     "limits_undecided",
@@ -61,6 +66,7 @@ pub fn csv(analysis: &Analysis, writer: impl Write) -> Result<(), csv::Error> {
 }
 
 fn row(scenario: &ScenarioFindings, case: &CaseFindings, c: &CouplerFindings) -> [String; COLUMNS.len()] {
+    let passage = c.first_passage.as_ref();
     [
         text(&scenario.name),
         case.broken_coupler.map(|b| b.to_string()).unwrap_or_default(),
@@ -80,6 +86,11 @@ fn row(scenario: &ScenarioFindings, case: &CaseFindings, c: &CouplerFindings) ->
         c.exceeds.map(|e| e.to_string()).unwrap_or_default(),
         optional(c.first_exceeds_s),
         c.first_exceeds_in.unwrap_or_default().to_owned(),
+        optional(passage.and_then(|p| p.peak_draft_n)),
+        optional(passage.and_then(|p| p.peak_draft_time_s)),
+        optional(passage.and_then(|p| p.peak_buff_n)),
+        optional(passage.and_then(|p| p.peak_buff_time_s)),
+        passage.and_then(|p| p.exceeds).map(|e| e.to_string()).unwrap_or_default(),
         optional(c.all_time_bound_n),
         c.limits.as_ref().map(|l| l.passed.join(" ")).unwrap_or_default(),
         c.limits.as_ref().map(|l| l.undecided.join(" ")).unwrap_or_default(),

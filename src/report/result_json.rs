@@ -15,6 +15,10 @@ pub fn json(analysis: &Analysis) -> Result<String, serde_json::Error> {
     let shortened = Analysis {
         train: analysis.train.clone(),
         scenarios: analysis.scenarios.iter().map(shorten).collect(),
+        program: analysis.program.clone(),
+        inputs: analysis.inputs.clone(),
+        options: analysis.options.clone(),
+        doubts: analysis.doubts.clone(),
         ..*analysis
     };
     let mut value = serde_json::to_value(&shortened)?;
@@ -39,6 +43,7 @@ fn shorten(scenario: &ScenarioFindings) -> ScenarioFindings {
         couplers: if many { Vec::new() } else { c.couplers.clone() },
         method_reason: c.method_reason.clone(),
         worst: c.worst.clone(),
+        worst_first_passage: c.worst_first_passage.clone(),
         rod: c.rod.clone(),
         cascade: c.cascade.clone(),
         ..*c

@@ -106,7 +106,7 @@ pub fn event(train: &Train, scenario: &Scenario) -> String {
             let before = match scenario.event.joint(train.vehicles.len()) {
                 Some(joint) if train.initial_force_n.iter().any(|f| *f != 0.0) => {
                     format!(
-                        "each part carries its own load before, and coupler {}, which joins them, carries none",
+                        "before it each part carries its own load, while coupler {}, which joins them, carries none",
                         joint + 1
                     )
                 }
@@ -226,9 +226,71 @@ pub fn interval(c: &CouplerFindings, error_n: f64) -> String {
     format!("between {low} N and {high} N in {}", sense(c.peak_force_n))
 }
 
-/// The verdict on a scenario, in one sentence.
+/// The verdict on a scenario: over the horizon, over the first passage where that differs, and both senses of an impact.
 pub fn verdict_of(scenario: &ScenarioFindings) -> String {
-    if let [case] = &scenario.cases[..] { verdict(case) } else { verdict_each(scenario) }
+    let [case] = &scenario.cases[..] else { return verdict_each(scenario) + &first_passages(scenario) };
+    verdict(case) + &first_passage(case) + &impact(case)
+}
+
+const LOSSES: &str = "come after reflections from the ends, which the losses of a real train reduce";
+
+/// What differs in the first passage; empty where nothing does.
+fn first_passage(case: &CaseFindings) -> String {
+    let later = case.exceeding.saturating_sub(case.exceeding_first_passage);
+    let (Some(worst), true) = (&case.worst_first_passage, later > 0) else { return String::new() };
+    let end = time(case.first_passage_s);
+    let largest = format!(
+        "the largest force there is {} % of its rating in {}, in {}, {}",
+        percent(worst.utilisation),
+        sense(worst.peak_force_n),
+        place(worst),
+        moment(worst.peak_time_s, case)
+    );
+    match case.exceeding_first_passage {
+        0 => format!(" In the first passage, to {end}, none exceeds: {largest}. The exceedances {LOSSES}."),
+        n => format!(" In the first passage, to {end}, {n} of them exceed; {largest}. The others {LOSSES}."),
+    }
+}
+
+/// The same of several breaks.
+fn first_passages(scenario: &ScenarioFindings) -> String {
+    let harmful = |of: fn(&CaseFindings) -> usize| scenario.cases.iter().filter(|c| of(c) > 0).count();
+    let (all, early) = (harmful(|c| c.exceeding), harmful(|c| c.exceeding_first_passage));
+    match all - early.min(all) {
+        0 => String::new(),
+        later => {
+            let does = if later == 1 { "does" } else { "do" };
+            format!(
+                " {early} of them {} so in the first passage; of {later} the exceedances {does} not: they {LOSSES}.",
+                if early == 1 { "does" } else { "do" }
+            )
+        }
+    }
+}
+
+/// The largest buff and draft of an impact: the collision, and the rebound of springs that give back all that they took.
+fn impact(case: &CaseFindings) -> String {
+    if case.kind != "impact" {
+        return String::new();
+    }
+    let largest = |value: fn(&CouplerFindings) -> Option<(f64, f64, f64)>| {
+        let found = case.couplers.iter().filter_map(|c| value(c).map(|v| (c, v)));
+        found.reduce(|a, b| if b.1.2 > a.1.2 { b } else { a })
+    };
+    let buff = largest(|c| Some((c.peak_buff_n?, c.peak_buff_time_s?, -c.peak_buff_n? / c.rated_buff_n)));
+    let draft = largest(|c| Some((c.peak_draft_n?, c.peak_draft_time_s?, c.peak_draft_n? / c.rated_draft_n)));
+    let told = |(c, (newtons, at, share)): (&CouplerFindings, (f64, f64, f64))| {
+        let force = super::numbers::force(newtons.abs(), case.error_bound_n);
+        format!("{force} ({} % of the rating) in coupler {}, {}", percent(share), c.coupler, moment(at, case))
+    };
+    let of = |sense: &str, found: Option<_>| found.map_or(String::new(), |f| format!(" Largest {sense}: {}.", told(f)));
+    let rebound = if draft.is_some() {
+        " Draft after the collision includes the rebound of the springs; a real draft gear absorbs up to 87 % of the work, so unless the \
+         damping given stands for that, the draft is not to be believed as it stands."
+    } else {
+        ""
+    };
+    of("buff", buff) + &of("draft", draft) + rebound
 }
 
 /// The verdict on a scenario of many cases, in one sentence.

@@ -24,8 +24,6 @@ pub const PHASE: f64 = 1.5;
 /// vectors.
 const WINDOW: usize = 32;
 const CENTRE: usize = 15;
-/// A push from the rating, in bounds, that counts: ahead of the front rounding is far smaller than the bound.
-const PUSH: f64 = 1e-8;
 /// Steps of one side of one spring kept open before they are looked into.
 const MOST_OPEN: usize = 48;
 
@@ -376,12 +374,10 @@ impl<'a> Search<'a> {
         if negative { -value } else { value }
     }
 
-    /// A side that stood at its rating and is pushed on before it has left it may pass it by less than can be told.
+    /// A side that stood at its rating and has not left it: G, what the event has added, may push it on.
     fn mind_push(&mut self, spring: usize, negative: bool, g: f64) {
-        let pushed = if negative { -g } else { g };
-        if pushed > PUSH * self.watch.bound() {
-            self.watch.leave_open(spring, negative, f64::INFINITY);
-        }
+        let value = self.value(spring, negative, g);
+        self.watch.mind_push(spring, negative, if negative { -g } else { g }, value);
     }
 
     /// Whether a side that stood at its rating is well below it; if so it is marked.
@@ -412,8 +408,7 @@ impl<'a> Search<'a> {
             let mut local = self.local(&open.step, spring, &self.store[open.window]);
             local.coefficient[0] += self.scene.initial[spring];
             let end = ((self.scene.horizon - local.center) / local.radius).min(1.0);
-            let exact = |t: f64| local.value_and_slope((t - local.center) / local.radius).0;
-            self.watch.note(spring, negative, &local, end, exact);
+            self.watch.note(spring, negative, &local, end, |t| local.value_at(t));
         }
         let best = self.watch.peaks[spring].side(negative).best.value;
         let side = &mut self.sides[spring][usize::from(negative)];

@@ -16,7 +16,7 @@ use super::dd::Dd;
 use super::local::{COEFFICIENTS, Local};
 use super::statics;
 use super::sums::Modes;
-use super::watch::{SpringPeaks, Watch};
+use super::watch::{SpringPeaks, Watch, searched};
 use super::{Work, closed_form, modal};
 use crate::chain::Scene;
 
@@ -44,6 +44,13 @@ struct Stretch {
     mean: Vec<f64>,
 }
 
+impl Stretch {
+    /// Time since its beginning: in one number it would be off by half a unit of t's last place, which a fast mode feels.
+    fn since(&self, t: f64) -> Dd {
+        Dd::from(t) - Dd::from(self.from)
+    }
+}
+
 /// Estimated time, s.
 pub fn estimate_s(scene: &Scene) -> f64 {
     let n = scene.initial.len() as f64;
@@ -58,12 +65,18 @@ impl<'a> Damped<'a> {
         Damped { scene, ratio, modes, mean: statics::unit_force(&scene.chain, scene.source) }
     }
 
+    /// Bound on the error of every extreme up to the horizon.
+    pub fn error_bound(&self) -> f64 {
+        searched(self.bound_of_values())
+    }
+
     /// Bound on the error of every force up to the horizon.
     ///
     /// A mode's coordinate is at most `1 / sqrt(1 - z^2)` and is wrong by 16 roundings of an exponential, a cosine and what they
     /// are multiplied with; a sum over m modes by m roundings of its terms. What numerical modes leave of the equations of motion
-    /// acts as without damping, which makes nothing larger.
-    pub fn error_bound(&self) -> f64 {
+    /// acts as without damping, which makes nothing larger. Times since the beginning of a stretch are
+    /// differences in two numbers and cost nothing.
+    fn bound_of_values(&self) -> f64 {
         let m = self.modes.omega.len() as f64;
         let swing = 1.0 / (1.0 - self.ratio * self.ratio);
         let stretches = if self.scene.duration < self.scene.horizon { 2.0 } else { 1.0 };
@@ -77,11 +90,11 @@ impl<'a> Damped<'a> {
     }
 
     /// A mode's q and q' / w after a time, from those at its beginning.
-    fn swing(&self, omega: Dd, [q, p]: [f64; 2], time: f64) -> [f64; 2] {
+    fn swing(&self, omega: Dd, [q, p]: [f64; 2], time: Dd) -> [f64; 2] {
         let z = self.ratio;
         let root = (Dd::ONE - Dd::product(z, z)).sqrt();
-        let (sin, cos) = (omega * root).phase_of(Dd::from(time)).sin_cos();
-        let decay = (-z * omega.hi * time).exp();
+        let (sin, cos) = (omega * root).phase_of(time).sin_cos();
+        let decay = (-z * omega.hi * time.hi).exp();
         let sine = sin / root.hi;
         [decay * (q * cos + (p + z * q) * sine), decay * (p * cos - (q + z * p) * sine)]
     }
@@ -113,14 +126,19 @@ impl<'a> Damped<'a> {
 
     /// Extremes of every spring's force.
     pub fn peaks(&self) -> (Vec<SpringPeaks>, Work) {
-        let mut watch = Watch::new(self.scene, self.error_bound());
+        let mut watch = Watch::new(self.scene, self.bound_of_values());
         let mut work = Work::default();
         let fastest = self.modes.omega.last().map_or(1.0, |w| w.hi);
         for stretch in self.stretches() {
             let count = ((stretch.to - stretch.from) * fastest / (2.0 * PHASE)).ceil().max(1.0);
             let radius = 0.5 * (stretch.to - stretch.from) / count;
+            let edge = |n: u64| if n == count as u64 { stretch.to } else { stretch.from + 2.0 * n as f64 * radius };
             for n in 0..count as u64 {
-                let center = stretch.from + (2 * n + 1) as f64 * radius;
+                // Edges and centre are rounded: the cell reaches to both edges, and ends at the second one.
+                let (a, b) = (edge(n), edge(n + 1));
+                let center = 0.5 * (a + b);
+                let radius = (b - center).max(center - a);
+                let end = (b - center) / radius;
                 let series = &self.modes.share * self.series(&stretch, center, radius);
                 work.mode_sums += (series.len() * self.modes.omega.len()) as u64;
                 for i in 0..stretch.mean.len() {
@@ -128,10 +146,11 @@ impl<'a> Damped<'a> {
                     coefficient.iter_mut().enumerate().for_each(|(k, c)| *c = series[(i, k)]);
                     coefficient[0] += stretch.mean[i];
                     let local = Local { coefficient, terms: COEFFICIENTS, center, radius };
-                    show(&mut watch, i, &local, &mut work);
+                    show(&mut watch, i, &local, end, &mut work);
                 }
             }
         }
+        watch.settle_all();
         (watch.peaks, work)
     }
 
@@ -139,7 +158,7 @@ impl<'a> Damped<'a> {
     fn series(&self, stretch: &Stretch, center: f64, radius: f64) -> DMatrix<f64> {
         let mut all = DMatrix::zeros(self.modes.omega.len(), COEFFICIENTS);
         for (j, (w, start)) in self.modes.omega.iter().zip(&stretch.start).enumerate() {
-            let [q, p] = self.swing(*w, *start, center - stretch.from);
+            let [q, p] = self.swing(*w, *start, stretch.since(center));
             let turn = w.hi * radius;
             (all[(j, 0)], all[(j, 1)]) = (q, turn * p);
             for k in 0..COEFFICIENTS - 2 {
@@ -156,7 +175,7 @@ impl<'a> Damped<'a> {
         let at = |&t: &f64| {
             let stretch = stretches.iter().rev().find(|s| t >= s.from).unwrap_or(&stretches[0]);
             let mode = |j: usize| {
-                self.modes.share[(spring, j)] * self.swing(self.modes.omega[j], stretch.start[j], t - stretch.from)[0]
+                self.modes.share[(spring, j)] * self.swing(self.modes.omega[j], stretch.start[j], stretch.since(t))[0]
             };
             stretch.mean[spring] + (0..self.modes.omega.len()).map(mode).sum::<f64>()
         };
@@ -169,7 +188,7 @@ impl<'a> Damped<'a> {
         for (n, &t) in times.iter().enumerate() {
             let stretch = stretches.iter().rev().find(|s| t >= s.from).unwrap_or(&stretches[0]);
             let modes = self.modes.omega.iter().zip(&stretch.start);
-            let swings = modes.map(|(w, start)| self.swing(*w, *start, t - stretch.from)[0]);
+            let swings = modes.map(|(w, start)| self.swing(*w, *start, stretch.since(t))[0]);
             let change = &self.modes.share * DVector::from_iterator(self.modes.omega.len(), swings);
             stretch.mean.iter().zip(&change).enumerate().for_each(|(s, (mean, c))| see(n, s, mean + c));
         }
@@ -177,15 +196,14 @@ impl<'a> Damped<'a> {
 }
 
 /// Shows a cell of a spring's force to the watch, where it may matter.
-fn show(watch: &mut Watch, spring: usize, local: &Local, work: &mut Work) {
+fn show(watch: &mut Watch, spring: usize, local: &Local, end: f64, work: &mut Work) {
     let ends = [local.value_and_slope(-1.0).0, local.value_and_slope(1.0).0];
     let bend: f64 = (2..local.terms).map(|k| (k * (k - 1)) as f64 * local.coefficient[k].abs()).sum();
     for negative in [false, true] {
         let sign = if negative { -1.0 } else { 1.0 };
         if (sign * ends[0]).max(sign * ends[1]) + 0.5 * bend > watch.level(spring, negative) {
             work.refinements += 1;
-            let exact = |t: f64| local.value_and_slope((t - local.center) / local.radius).0;
-            watch.note(spring, negative, local, 1.0, exact);
+            watch.note(spring, negative, local, end, |t| local.value_at(t));
         } else if watch.at_rating(spring, negative) {
             watch.departs(spring, negative, sign * ends[1]);
         }

@@ -5,6 +5,8 @@
 //! bound cannot matter are dropped; none is dropped on a guess. A piece that is certainly concave is not split any more:
 //! Newton's steps lead to its only top, and their last slope says how far from it they ended.
 
+use super::dd::Dd;
+
 /// Number of coefficients: degree 24 carries `cos` over two radians to 1e-17.
 pub const COEFFICIENTS: usize = 25;
 
@@ -51,6 +53,12 @@ impl Local {
     #[inline]
     pub fn time(&self, x: f64) -> f64 {
         (self.center + self.radius * x).max(0.0)
+    }
+
+    /// Value at a time that is a sum of two numbers.
+    #[inline]
+    pub fn value_at(&self, time: Dd) -> f64 {
+        self.value_and_slope((time - Dd::from(self.center)).to_f64() / self.radius).0
     }
 
     /// Value and slope (per unit of x) at x.

@@ -203,7 +203,8 @@ impl Form {
                 }
             }
             for bound in own.all_time_bounds.iter_mut().flatten() {
-                *bound *= force;
+                // Rounded up: the units of force and time and the numbers in them round a few times.
+                *bound *= force * (1.0 + 8.0 * f64::EPSILON);
             }
         }
         if self.mirrored {

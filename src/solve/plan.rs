@@ -3,7 +3,7 @@
 //! Every method's work is counted before it is done; a price per unit of work, measured once on one machine and the same
 //! for everyone, makes the counts comparable. The choice therefore depends on the scene alone, never on the machine's mood.
 
-use super::watch::Watch;
+use super::watch::{hazy, searched};
 use super::{Ask, Method, Solution, SolveError, Work, closed_form, fronts, modal, propagator, search, sums};
 use crate::chain::Scene;
 
@@ -65,12 +65,12 @@ fn offers(scene: &Scene, omega_max: f64) -> Vec<Offer> {
     let cells = (scene.horizon * summed_frequency(scene, omega_max) / 1.5).ceil() + 1.0;
     let sums = search::MODE_SUM * springs * springs * cells + look;
     let swing = scene.force.abs() * (omega_max * scene.duration).min(2.0);
-    let bound_of_sums = 0.5 * f64::EPSILON * swing * (20.0 + springs.log2()) * (2.0 + springs.ln());
+    let bound_of_sums = searched(hazy(0.5 * f64::EPSILON * swing * (20.0 + springs.log2()) * (2.0 + springs.ln())));
     let memory_of_modes = |bytes: f64| bytes * springs * springs / 1e9;
     let mut offers = vec![Offer {
         method: Method::Propagator,
         nanoseconds: STEP * springs * propagator::steps(scene, omega_max) + look,
-        bound: propagator::error_bound(scene, omega_max),
+        bound: searched(propagator::error_bound(scene, omega_max)),
         gigabytes: 0.0,
     }];
     if equal {
@@ -85,7 +85,7 @@ fn offers(scene: &Scene, omega_max: f64) -> Vec<Offer> {
         offers.push(Offer {
             method: Method::Fronts,
             nanoseconds: FRONT * springs * passing * fronts::instants(scene) + look,
-            bound: fronts::error_bound(scene),
+            bound: searched(fronts::error_bound(scene)),
             gigabytes: 0.0,
         });
     }
@@ -117,9 +117,7 @@ pub fn choose(scene: &Scene, ask: &Ask) -> Result<Plan, SolveError> {
     }
     let cheapest =
         |of: &mut dyn Iterator<Item = &Offer>| of.min_by(|a, b| a.nanoseconds.total_cmp(&b.nanoseconds)).copied();
-    let within = cheapest(
-        &mut offers.iter().filter(|o| Watch::reported(o.bound) <= ask.tolerance && o.gigabytes <= MOST_GIGABYTES),
-    );
+    let within = cheapest(&mut offers.iter().filter(|o| o.bound <= ask.tolerance && o.gigabytes <= MOST_GIGABYTES));
     let best = within.or_else(|| {
         offers.iter().filter(|o| o.gigabytes <= MOST_GIGABYTES).min_by(|a, b| a.bound.total_cmp(&b.bound)).copied()
     });
@@ -188,7 +186,8 @@ pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
     let bounds = modes.as_ref().filter(|_| ask.all_time_bound || bounds_pay).map(|m| sums::all_time_bounds(scene, m));
     let safe = |i: usize| {
         let bound = bounds.as_ref().filter(|_| ask.verdict_only).map(|b| b[i]);
-        bound.is_some_and(|b| b <= scene.rated_draft[i].min(scene.rated_buff[i]))
+        // With room for what the units of a canonical scene round.
+        bound.is_some_and(|b| (1.0 + 16.0 * f64::EPSILON) * b <= scene.rated_draft[i].min(scene.rated_buff[i]))
     };
     let springs = 0..scene.initial.len();
     let all_safe = springs.clone().all(safe);
@@ -205,15 +204,15 @@ pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
                 reason += "; its search among millions of fast swings was given up: the bound is widened, and first exceedances \
                            may come earlier than they are told";
             }
-            (found.peaks, found.work, Watch::reported(bound) + found.missed)
+            (found.peaks, found.work, bound + found.missed)
         }
         (Method::Fronts, _) => {
             let (peaks, work) = fronts::peaks(scene, ask.wanted);
-            (peaks, work, Watch::reported(fronts::error_bound(scene)))
+            (peaks, work, searched(fronts::error_bound(scene)))
         }
         _ => {
             let (peaks, work) = propagator::peaks(scene, plan.omega_max, ask.wanted);
-            (peaks, work, Watch::reported(propagator::error_bound(scene, plan.omega_max)))
+            (peaks, work, searched(propagator::error_bound(scene, plan.omega_max)))
         }
     };
     Solution {

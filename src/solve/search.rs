@@ -14,9 +14,10 @@ use std::collections::BinaryHeap;
 use nalgebra::DMatrix;
 
 use super::Work;
+use super::dd::Dd;
 use super::local::{Local, hermite_top};
 use super::sums::{Coordinates, Field, Modes, RESOLVED, ROUNDOFF, Stretch};
-use super::watch::{SpringPeaks, Watch};
+use super::watch::{SpringPeaks, Watch, hazy};
 use crate::chain::Scene;
 use interval::Interval;
 
@@ -56,7 +57,8 @@ pub struct Found {
     pub peaks: Vec<SpringPeaks>,
     /// The work done.
     pub work: Work,
-    /// How much further than its bound an extreme can be because the search for it was eased, by a tenth of the tolerance, or
+    /// How much further than its bound an extreme can be because of what the search does not look into: by an eighth of what the
+    /// watch was told, and the difference between that and the bound; more where it was eased, by a tenth of the tolerance, or
     /// given up.
     pub missed: f64,
     /// The search for an extreme or for a first exceedance was given up: that time is then an upper limit.
@@ -64,6 +66,8 @@ pub struct Found {
 }
 
 /// Extremes of every spring's force in a scene from values that are within `bound` of the truth.
+///
+/// The watch is told that they are within a quarter more ([`hazy`]): cells leave out modes, or round, by up to the fineness.
 ///
 /// Modes beyond a wide gap are left to looks first. Where so many cells want a look that a grid which resolves all modes would
 /// have taken less, it is laid.
@@ -122,7 +126,7 @@ struct Scan<'a> {
 
 impl Scan<'_> {
     fn run(field: &Field, resolved: usize, bound: f64, tolerance: f64, most_looks: u64) -> Found {
-        let watch = Watch::new(field.scene, bound);
+        let watch = Watch::new(field.scene, hazy(bound));
         let lowest = watch.peaks.iter().map(|p| [p.draft.best.value, p.buff.best.value]).collect();
         let (work, eased) = (Work::default(), EASED * tolerance);
         let mut scan =
@@ -141,7 +145,7 @@ impl Scan<'_> {
                 scan.watch.settle(spring, negative, scan.lowest[spring][usize::from(negative)]);
             }
         }
-        let missed = if scan.looks > MOST_FINE_LOOKS { scan.missed.max(scan.watch.grain()) } else { scan.missed };
+        let missed = scan.watch.bound() - bound + scan.missed.max(scan.watch.grain());
         Found { peaks: scan.watch.peaks, work: scan.work, missed, given_up: scan.given_up }
     }
 
@@ -175,10 +179,10 @@ impl Scan<'_> {
                 continue;
             }
             if centre.0 != c.cell {
-                centre = (c.cell, self.field.coordinates(stretch, 0.5 * (a + b)));
+                centre = (c.cell, self.field.coordinates(stretch, Dd::from(0.5 * (a + b))));
             }
             let (local, _) = self.look(stretch, c.spring, &centre.1, a, b);
-            let exact = |t: f64| self.field.value(stretch, c.spring, t);
+            let exact = |t: Dd| self.field.value(stretch, c.spring, t);
             self.watch.note(c.spring, c.negative, &local, 1.0, exact);
         }
         with_fast_modes.sort_by_key(|c| (c.spring, c.negative, c.cell));
@@ -259,7 +263,9 @@ impl Scan<'_> {
 
     /// A side's polynomial on [a, b] from the modes that its width resolves, and how far the others can move it.
     fn look(&mut self, stretch: &Stretch, spring: usize, at: &[Coordinates], a: f64, b: f64) -> (Local, f64) {
-        let (center, radius) = (0.5 * (a + b), 0.5 * (b - a));
+        // The centre is rounded: the polynomial reaches to the end that is further away.
+        let center = 0.5 * (a + b);
+        let radius = (b - center).max(center - a);
         let resolved = self.field.omega.partition_point(|w| w * radius <= RESOLVED);
         self.work.refinements += 1;
         self.looks += self.field.omega.len().max(FEWEST_MODES) as u64;
@@ -272,10 +278,10 @@ impl Scan<'_> {
     /// Looks into an interval: splits it in four, each with its bound, or takes note of it when all modes are resolved.
     fn split(&mut self, stretch: &Stretch, (spring, negative): (usize, bool), of: &Interval) -> Vec<Interval> {
         let (a, b) = (of.from, of.to);
-        let at = self.field.coordinates(stretch, 0.5 * (a + b));
+        let at = self.field.coordinates(stretch, Dd::from(0.5 * (a + b)));
         let (local, slack) = self.look(stretch, spring, &at, a, b);
         if slack <= self.watch.fineness() {
-            let exact = |t: f64| self.field.value(stretch, spring, t);
+            let exact = |t: Dd| self.field.value(stretch, spring, t);
             self.watch.note_peak(spring, negative, &local, 1.0, exact);
             return Vec::new();
         }
@@ -315,7 +321,7 @@ impl Scan<'_> {
                 break;
             }
             let (a, b) = (interval.from, interval.to);
-            let at = self.field.coordinates(stretch, 0.5 * (a + b));
+            let at = self.field.coordinates(stretch, Dd::from(0.5 * (a + b)));
             let (local, slack) = self.look(stretch, spring, &at, a, b);
             if slack > self.watch.fineness() {
                 let turned = if negative { local.negated() } else { local };
@@ -333,7 +339,7 @@ impl Scan<'_> {
     fn give_up(&mut self, stretch: &Stretch, (spring, negative): (usize, bool), interval: &Interval) {
         self.given_up = true;
         let t = 0.5 * (interval.from + interval.to);
-        let value = self.field.value(stretch, spring, t);
+        let value = self.field.value(stretch, spring, Dd::from(t));
         self.watch.take(spring, negative, t, if negative { -value } else { value });
         self.watch.leave_open(spring, negative, interval.upper);
         let best = self.watch.peaks[spring].side(negative).best.value;
@@ -392,7 +398,11 @@ impl Grid {
             let cubic: f64 = (0..resolved).map(|j| amplitude(i, j) * (field.omega[j] * width).powi(4)).sum();
             let fast: f64 = (resolved..field.omega.len()).map(|j| amplitude(i, j)).sum();
             let swinging: f64 = (0..resolved).map(|j| amplitude(i, j)).sum();
-            let rounding = 1e-12 * swinging + 8.0 * ROUNDOFF * stretch.mean[i].abs();
+            let rate: f64 = (0..resolved).map(|j| amplitude(i, j) * field.omega[j]).sum();
+            // Rotation loses a few units over a block; and a sample is not where the cell ends, but up to four units of the time's
+            // last place beside it, during which the force changes.
+            let beside = 4.0 * f64::EPSILON * stretch.to * rate;
+            let rounding = 1e-12 * swinging + beside + 8.0 * ROUNDOFF * stretch.mean[i].abs();
             [cubic / 384.0 + fast + rounding, fast + rounding]
         };
         let slow = field.omega.partition_point(|w| 0.5 * w * width <= RESOLVED);
@@ -408,7 +418,8 @@ impl Grid {
 
     /// Coordinates and their rates of the resolved modes at grid points `start..start + columns`, modes x columns.
     ///
-    /// The first is exact; the others follow by rotation, which loses a few units of rounding over a block.
+    /// The first is exact; the others follow by rotation: they are whole widths from the first, and those are not quite the cells'
+    /// ends, which are rounded. [`Grid::bound`] allows for both.
     fn coordinates(
         &self,
         field: &Field,
@@ -416,7 +427,7 @@ impl Grid {
         start: usize,
         columns: usize,
     ) -> (DMatrix<f64>, DMatrix<f64>) {
-        let first = field.coordinates(stretch, self.cell(start).0);
+        let first = field.coordinates(stretch, Dd::from(self.cell(start).0));
         let (mut q, mut dq) = (DMatrix::zeros(self.resolved, columns), DMatrix::zeros(self.resolved, columns));
         for j in 0..self.resolved {
             let (sin, cos) = (field.omega[j] * self.width).sin_cos();

@@ -83,20 +83,25 @@ fn swing(scene: &Scene, omega: Dd) -> f64 {
     scene.force.abs() * (omega.hi * scene.duration).min(2.0)
 }
 
-/// Bound on |F_i| over all time.
+/// Bound on |F_i| over all time, rounded up.
 ///
-/// The sum has m + 4 roundings of terms that all have one sign, so `1 + (8 + m) eps` covers them twice over, those of the shares
-/// and of the initial force included; what the modes' own residual adds is counted up to the horizon.
+/// The sizes are sums in `f64`: of shares (5 roundings each), their swings (3), masses or compliances (m + 2) and of m + 2 terms. That
+/// is less than `(16 + 2 m) eps / 2` of all of them together. What numerical modes leave of the equations of motion counts as it
+/// does up to the horizon.
 pub fn all_time_bounds(scene: &Scene, modes: &Modes) -> Vec<f64> {
     let mean = statics::unit_force(&scene.chain, scene.source);
     let bound = |i: usize| {
         let added = |j: usize| modes.share[(i, j)].abs() * swing(scene, modes.omega[j]);
-        let pulse = scene.initial[i].abs() + (0..modes.omega.len()).map(added).sum::<f64>();
+        let before = scene.initial[i].abs();
+        let pulse = before + (0..modes.omega.len()).map(added).sum::<f64>();
         let step = (scene.initial[i] + scene.force * mean[i]).abs()
             + scene.force.abs() * modes.share.row(i).iter().map(|a| a.abs()).sum::<f64>();
-        let bound = if scene.duration.is_finite() { pulse } else { step.max(scene.initial[i].abs()) };
-        let room = 1.0 + (8.0 + modes.omega.len() as f64) * f64::EPSILON;
-        bound * room + scene.force.abs() * modes.defect[i] * scene.horizon
+        let (bound, sizes) = if scene.duration.is_finite() {
+            (pulse, pulse)
+        } else {
+            (step.max(before), step + 2.0 * (before + scene.force.abs() * mean[i].abs()))
+        };
+        bound + (8.0 + modes.omega.len() as f64) * f64::EPSILON * sizes + missed(scene, modes, i)
     };
     (0..scene.initial.len()).map(bound).collect()
 }
@@ -107,7 +112,7 @@ pub fn history(scene: &Scene, modes: &Modes, spring: usize, times: &[f64]) -> Ve
     let stretches = field.stretches();
     let at = |&t: &f64| {
         let stretch = stretches.iter().rev().find(|s| t >= s.from).unwrap_or(&stretches[0]);
-        field.value(stretch, spring, t)
+        field.value(stretch, spring, Dd::from(t))
     };
     times.iter().map(at).collect()
 }
@@ -118,7 +123,7 @@ pub fn field(scene: &Scene, modes: &Modes, times: &[f64], see: &mut dyn FnMut(us
     let stretches = field.stretches();
     for (n, &t) in times.iter().enumerate() {
         let stretch = stretches.iter().rev().find(|s| t >= s.from).unwrap_or(&stretches[0]);
-        let added = field.coordinates(stretch, t).into_iter().map(|c| c[0]);
+        let added = field.coordinates(stretch, Dd::from(t)).into_iter().map(|c| c[0]);
         let change = &modes.share * DVector::from_iterator(modes.omega.len(), added);
         scene.initial.iter().zip(&change).enumerate().for_each(|(s, (steady, c))| see(n, s, steady + c));
     }
@@ -127,20 +132,23 @@ pub fn field(scene: &Scene, modes: &Modes, times: &[f64], see: &mut dyn FnMut(us
 /// Bound on the error of every force that [`super::search::peaks`] reports, up to the scene's horizon.
 pub fn error_bound(scene: &Scene, modes: &Modes) -> f64 {
     let m = modes.omega.len() as f64;
-    let fastest = modes.omega.last().map_or(0.0, |&w| swing(scene, w));
-    let acting = scene.force.abs() * scene.duration.min(scene.horizon);
     let spring = |i: usize| {
         let size: f64 =
             modes.omega.iter().zip(modes.share.row(i).iter()).map(|(&w, a)| a.abs() * swing(scene, w)).sum();
         // Rounding of a_ij (5), the amplitude (2), the reduced phase (2), its sine (1), the product (1), and the sum by halves.
         let swing = size * (11.0 + m.min(PAIRWISE as f64) + (m / PAIRWISE as f64).max(1.0).log2() + 1.0);
-        // What the modes miss of the force drives an error while it acts, their residuals as long as they swing.
-        let missed = modes.defect[i] * (acting + fastest * scene.horizon);
-        (swing + 2.0 * scene.initial[i].abs()) * ROUNDOFF + missed
+        (swing + 2.0 * scene.initial[i].abs()) * ROUNDOFF + missed(scene, modes, i)
     };
     // What is no number is no bound.
     let largest = |a: f64, b: f64| if b.is_nan() { f64::INFINITY } else { a.max(b) };
     (0..scene.initial.len()).map(spring).fold(0.0, largest)
+}
+
+/// What the modes miss of the force drives an error while it acts, their residuals as long as they swing.
+fn missed(scene: &Scene, modes: &Modes, spring: usize) -> f64 {
+    let fastest = modes.omega.last().map_or(0.0, |&w| swing(scene, w));
+    let acting = scene.force.abs() * scene.duration.min(scene.horizon);
+    modes.defect[spring] * (acting + fastest * scene.horizon)
 }
 
 /// The forces as functions of time.
@@ -185,8 +193,8 @@ impl<'a> Field<'a> {
     /// Every mode at an instant.
     ///
     /// During the force `1 - cos = 2 sin^2` of half the phase: a short and hard pulse loses no digits to its mean.
-    pub(super) fn coordinates(&self, stretch: &Stretch, t: f64) -> Vec<Coordinates> {
-        let tau = Dd::from(t) - Dd::from(stretch.reference);
+    pub(super) fn coordinates(&self, stretch: &Stretch, t: Dd) -> Vec<Coordinates> {
+        let tau = t - Dd::from(stretch.reference);
         let at = |(w, &a): (&Dd, &f64)| {
             let phase = w.phase_of(tau);
             let (sin, cos) = phase.sin_cos();
@@ -200,7 +208,7 @@ impl<'a> Field<'a> {
     }
 
     /// One spring's force at an instant, all modes, to rounding.
-    pub(super) fn value(&self, stretch: &Stretch, spring: usize, t: f64) -> f64 {
+    pub(super) fn value(&self, stretch: &Stretch, spring: usize, t: Dd) -> f64 {
         let coordinates = self.coordinates(stretch, t);
         let row = self.modes.share.row(spring);
         self.scene.initial[spring] + pairwise(&|j| row[j] * coordinates[j][0], 0, coordinates.len())

@@ -29,14 +29,15 @@
 //! **Breaks.** A coupler whose force passes its rating breaks. Its instant is known to within delta, the time in which its computed
 //! force is within the bound of the rating; over that time the computed and the true train differ by that coupler's force T on both
 //! its masses, so that the error's norm grows by at most `delta T sqrt(1 / m + 1 / m')`. Couplers whose intervals overlap break
-//! together. D grows by `T sqrt(1 / m + 1 / m')` at each break. What is parted never touches again: [`gaps`] tells when it would.
+//! together. D grows by `T sqrt(1 / m + 1 / m')` at each break. What is parted never touches again: `gaps.rs` tells when it would.
 
 mod gaps;
 mod search;
 mod series;
 
+use super::dd::Dd;
 use super::path::Path;
-use super::watch::{SpringPeaks, Watch};
+use super::watch::{SpringPeaks, Watch, searched};
 use super::{SolveError, Work};
 use crate::play::{Play, Rule, Stretch};
 use series::{Series, State, centred, reach};
@@ -146,7 +147,9 @@ pub fn solve(play: &Play) -> Result<Outcome, SolveError> {
     let mut watch = Watch::new(&play.scene, first.bound);
     let mut work = Work::default();
     march(play, &mut |piece| look(play, &mut watch, piece, &mut work));
-    let March { breakages, open, gap_closes, bound: error_bound } = first;
+    watch.settle_all();
+    let March { breakages, open, gap_closes, bound } = first;
+    let error_bound = searched(bound);
     Ok(Outcome { springs: watch.peaks, breakages, open, gap_closes, error_bound, work })
 }
 
@@ -198,10 +201,14 @@ fn look(play: &Play, watch: &mut Watch, piece: &Piece, work: &mut Work) {
         let at = |s: f64| coefficient.iter().rev().fold(0.0, |sum, c| sum * s + c);
         for negative in [false, true] {
             let sign = if negative { -1.0 } else { 1.0 };
+            if watch.at_rating(i, negative) {
+                let force = at(piece.end);
+                watch.mind_push(i, negative, sign * (force - play.scene.initial[i]), sign * force);
+            }
             if reach(&coefficient, sign) > watch.level(i, negative) {
                 work.refinements += 1;
                 let local = centred(&coefficient, piece.from, piece.width);
-                let exact = |t: f64| at((t - piece.from) / piece.width);
+                let exact = |t: Dd| at((t - Dd::from(piece.from)).to_f64() / piece.width);
                 watch.note(i, negative, &local, 2.0 * piece.end - 1.0, exact);
             } else if watch.at_rating(i, negative) {
                 watch.departs(i, negative, sign * at(piece.end));

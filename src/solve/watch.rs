@@ -3,8 +3,32 @@
 //! A scan of the forces, by whatever method, shows the watch pieces of a force as polynomials. The watch says beforehand
 //! which level a piece has to reach to be worth showing.
 
+use super::dd::Dd;
 use super::local::{Local, Point};
 use crate::chain::Scene;
+
+/// A difference in force that is not worth more work, as a share of the bound of the forces that are shown.
+const GRAIN: f64 = 0.125;
+/// How far a piece that is shown may be from the force, as a share of the same bound.
+const FINENESS: f64 = 0.1;
+/// A push from the rating, in bounds, that counts: ahead of the front rounding is far smaller than the bound.
+const PUSH: f64 = 1e-8;
+
+/// Bound on the error of an extreme that is found among forces which are themselves within `bound` of the truth: one that is
+/// larger than the best by less than the grain is not taken.
+pub fn searched(bound: f64) -> f64 {
+    (1.0 + GRAIN) * bound
+}
+
+/// What the forces that are shown are within, where pieces leave out motion of up to the fineness (modes too fast for them) and
+/// `bound` is that of the values at single instants.
+///
+/// With s the fineness: a piece is within `bound + s` of the truth. Where its largest value is, the force is at most s less, and
+/// nowhere is it more than s over it: a value there is at most `2 s` under the largest one. `bound + 2 s` covers both, and
+/// s is a tenth of that sum.
+pub fn hazy(bound: f64) -> f64 {
+    bound / (1.0 - 2.0 * FINENESS)
+}
 
 /// One sign of one spring's force: of F (draft), or of -F (buff).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,16 +109,16 @@ impl Watch {
     pub fn new(scene: &Scene, bound: f64) -> Watch {
         let ratings: Vec<[f64; 2]> =
             (0..scene.initial.len()).map(|i| [scene.rated_draft[i], scene.rated_buff[i]]).collect();
-        // A forward force pushes what is before it together and pulls at what is behind it, before anything comes back.
-        let draws = |i: usize| (i >= scene.source) == (scene.force > 0.0);
+        // A forward force pushes what is before it together and pulls at what is behind it, before anything comes back. Without a
+        // force nothing is known of the first push: who shows the forces minds it ([`Watch::mind_push`]).
+        let pushes =
+            |i: usize, negative: bool| scene.force != 0.0 && ((i >= scene.source) == (scene.force > 0.0)) != negative;
         let at_rest = |(i, r): (usize, &[f64; 2])| SpringPeaks {
-            draft: Side::at_rest(scene.initial[i], r[0], bound, draws(i)),
-            buff: Side::at_rest(-scene.initial[i], r[1], bound, !draws(i)),
+            draft: Side::at_rest(scene.initial[i], r[0], bound, pushes(i, false)),
+            buff: Side::at_rest(-scene.initial[i], r[1], bound, pushes(i, true)),
         };
         let peaks = ratings.iter().enumerate().map(at_rest).collect();
-        let mut watch = Watch { peaks, ratings, horizon: scene.horizon, bound, grain: 0.0 };
-        watch.ease(watch.fineness());
-        watch
+        Watch { peaks, ratings, horizon: scene.horizon, bound, grain: GRAIN * bound }
     }
 
     /// Every side of every spring.
@@ -157,6 +181,23 @@ impl Watch {
         self.side_mut(spring, negative).near |= undecided && near;
     }
 
+    /// A side that stood at its rating and is pushed on by `push` to a value before it has left it: it may pass the rating by less
+    /// than can be told, if the value comes within the bound of it.
+    pub fn mind_push(&mut self, spring: usize, negative: bool, push: f64, value: f64) {
+        if push > PUSH * self.bound {
+            self.leave_open(spring, negative, value);
+        }
+    }
+
+    /// At the end, where every instant at which a side was well under its rating has been noted ([`Watch::departs`]).
+    pub fn settle_all(&mut self) {
+        for (spring, negative) in self.sides() {
+            if self.at_rating(spring, negative) {
+                self.settle(spring, negative, self.rating(spring, negative));
+            }
+        }
+    }
+
     /// What could not be looked into leaves it open whether a side passes its rating.
     pub fn leave_open(&mut self, spring: usize, negative: bool, upper: f64) {
         let near = upper > self.cautious_rating(spring, negative);
@@ -189,19 +230,13 @@ impl Watch {
     /// How far a piece that is shown may be from the force, lest a verdict depend on it.
     #[inline]
     pub fn fineness(&self) -> f64 {
-        0.125 * self.bound
+        FINENESS * self.bound
     }
 
     /// A difference in force that is not worth more work: an eighth of the bound, unless [`Watch::ease`] said otherwise.
     #[inline]
     pub fn grain(&self) -> f64 {
         self.grain
-    }
-
-    /// The error bound of what is reported: that of the forces, and an eighth of it for each of two things that the search leaves
-    /// undone, a peak that is larger by less than [`Watch::grain`], and a piece shown to [`Watch::fineness`].
-    pub fn reported(bound: f64) -> f64 {
-        1.25 * bound
     }
 
     /// From here on a difference of `grain` is not worth more work. Verdicts do not depend on it.
@@ -225,8 +260,8 @@ impl Watch {
     }
 
     /// Takes note of a force over -1 <= x <= `end`, whose polynomial is right to well within the bound.
-    /// `exact` gives the force at one instant as well as the method can.
-    pub fn note(&mut self, spring: usize, negative: bool, local: &Local, end: f64, exact: impl Fn(f64) -> f64) {
+    /// `exact` gives the force at one instant, a sum of two numbers, as well as the method can.
+    pub fn note(&mut self, spring: usize, negative: bool, local: &Local, end: f64, exact: impl Fn(Dd) -> f64) {
         let level = self.level(spring, negative);
         if self.see(spring, negative, local, [end, level], exact) {
             self.note_crossing(spring, negative, local);
@@ -234,7 +269,7 @@ impl Watch {
     }
 
     /// The same where pieces do not come in the order of time: nothing is said of the first exceedance.
-    pub fn note_peak(&mut self, spring: usize, negative: bool, local: &Local, end: f64, exact: impl Fn(f64) -> f64) {
+    pub fn note_peak(&mut self, spring: usize, negative: bool, local: &Local, end: f64, exact: impl Fn(Dd) -> f64) {
         let level = self.peaks[spring].side(negative).best.value.min(self.cautious_rating(spring, negative));
         self.see(spring, negative, local, [end, level], exact);
     }
@@ -264,7 +299,7 @@ impl Watch {
         negative: bool,
         local: &Local,
         [end, level]: [f64; 2],
-        exact: impl Fn(f64) -> f64,
+        exact: impl Fn(Dd) -> f64,
     ) -> bool {
         let turned;
         let (local, sign) = if negative {
@@ -278,10 +313,12 @@ impl Watch {
         let was_departed = side.departed;
         side.departed |= local.value_and_slope(end).0 < rating - 4.0 * bound;
         let Some(top) = local.largest(-1.0, end, level) else { return false };
-        // A piece that ends at the horizon ends there to the last bit, whatever its own times round to.
-        let t = local.time(top.at);
-        let t = if t > horizon * (1.0 - 8.0 * f64::EPSILON) { horizon } else { t };
-        let value = sign * exact(t);
+        // A piece that ends at the horizon ends there to the last bit, whatever its own times round to. Anywhere else the force is
+        // taken at the instant itself, which for fast modes is not that of the nearest number.
+        let at = Dd::from(local.center) + Dd::product(local.radius, top.at);
+        let ends = top.at >= end && at.hi > horizon * (1.0 - 8.0 * f64::EPSILON);
+        let at = if ends || at > Dd::from(horizon) { Dd::from(horizon) } else { at };
+        let (t, value) = (at.hi.max(0.0), sign * exact(at));
         // However small the step past a limit of the verdict, it counts.
         let passes = |limit: f64| value > limit && side.best.value <= limit;
         if value > side.best.value + grain || passes(rating - bound) || passes(rating + bound) {

@@ -1,0 +1,195 @@
+//! Doubts about numbers that no railway has, loads that are rounding, and options that do nothing.
+
+use std::path::Path;
+
+use trainsafe::doubts::{doubts, idle_options};
+use trainsafe::{Options, Train, analyze, consist};
+
+fn parse(text: &str) -> Train {
+    consist::parse(text, Path::new("train.toml")).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn codes(train: &Train) -> Vec<&'static str> {
+    doubts(train).iter().map(|d| d.code).collect()
+}
+
+/// A sound train: a held locomotive and 60 cars.
+const SOUND: &str = "damping_ratio = 0
+[coupler]
+stiffness = \"11.1 MN/m\"
+rated_load = \"1.2 MN\"
+[[vehicle]]
+label = \"loco\"
+mass = \"196 t\"
+length = \"22 m\"
+held = true
+[[vehicle]]
+label = \"car\"
+count = 60
+mass = \"120 t\"
+length = \"16 m\"
+[load]
+uniform = \"0.7 MN\"
+[[scenario]]
+kind = \"break\"
+coupler = 5
+";
+
+/// The sound train with one line changed.
+fn with(from: &str, to: &str) -> Train {
+    assert!(SOUND.contains(from), "{from}");
+    parse(&SOUND.replace(from, to))
+}
+
+/// Each slip has its doubt, and the sound train has none.
+#[test]
+fn implausible_numbers_are_doubted() {
+    assert!(codes(&parse(SOUND)).is_empty());
+    for (from, to, expected) in [
+        ("11.1 MN/m", "11.1 kN/m", &["soft-coupler", "stretch"][..]),
+        ("11.1 MN/m", "0.9 MN/m", &["soft-coupler", "stretch"]),
+        ("11.1 MN/m", "1.2 MN/m", &["stretch"]),
+        ("11.1 MN/m", "1.5 MN/m", &[]),
+        ("length = \"16 m\"", "length = \"60 mm\"", &["stretch"]),
+        ("120 t", "120 kg", &["mass"]),
+        ("120 t", "4.9 t", &["mass"]),
+        ("120 t", "401 t", &["mass"]),
+        ("120 t", "5 t", &[]),
+        ("196 t", "900 t", &[]),
+        ("damping_ratio = 0\n", "damping_ratio = 0.05\n", &["modal-damping"]),
+        ("damping_ratio = 0\n", "damping_ratio = 0.14\n", &["modal-damping"]),
+        ("damping_ratio = 0\n", "damping_ratio = 0.9\n", &["modal-damping"]),
+        ("uniform = \"0.7 MN\"", "grade = \"12 %\"", &["load-over-rating", "grade", "stretch"]),
+        ("uniform = \"0.7 MN\"", "grade = \"10 %\"", &["load-over-rating", "stretch"]),
+    ] {
+        let train = with(from, to);
+        let mut found = codes(&train);
+        let mut expected = expected.to_vec();
+        found.sort_unstable();
+        expected.sort_unstable();
+        assert_eq!(found, expected, "{to}: {:?}", doubts(&train));
+    }
+    // A vehicle's own grade.
+    let text = SOUND.replace("length = \"16 m\"\n", "length = \"16 m\"\ngrade = \"-11 %\"\n");
+    let text = text
+        .replace("[load]\nuniform = \"0.7 MN\"\n", "")
+        .replace("coupler = 5\n", "coupler = 5\nbuff_breaks = true\n");
+    assert!(codes(&parse(&text)).contains(&"grade"));
+    // The published ratio is a dashpot's: c = 2 z sqrt(k m).
+    let told = doubts(&with("damping_ratio = 0\n", "damping_ratio = 0.05\n"))[0].to_string();
+    assert!(told.contains("damping = \"115.41 kN*s/m\""), "{told}");
+    // One doubt for all alike.
+    let told = doubts(&with("11.1 MN/m", "11.1 kN/m"))[1].to_string();
+    assert!(told.contains("coupler 1 (and 59 more couplers) by 63.063 m"), "{told}");
+}
+
+/// A train that runs away, vehicles that arrive too fast, a dashpot that is struck.
+#[test]
+fn implausible_motions_are_doubted() {
+    let free = |effort: &str| {
+        let text = SOUND.replace("held = true", effort).replace("[load]\nuniform = \"0.7 MN\"\n", "");
+        parse(&text.replace("1.2 MN", "9 MN").replace("11.1 MN/m", "100 MN/m"))
+    };
+    assert_eq!(codes(&free("tractive_effort = \"2.3 MN\"")), ["acceleration"]);
+    assert_eq!(codes(&free("tractive_effort = \"2 MN\"")), [""; 0]);
+    let impact = |speed: &str, damping: &str| {
+        let event = format!("kind = \"impact\"\nat = \"tail\"\nvehicles = 3\nspeed = \"{speed}\"");
+        let text = SOUND.replace("kind = \"break\"\ncoupler = 5", &event);
+        parse(&text.replace("rated_load", &format!("damping = \"{damping} kN*s/m\"\nrated_load")))
+    };
+    assert_eq!(codes(&impact("201 km/h", "0")), ["speed"]);
+    assert_eq!(codes(&impact("199 km/h", "0")), [""; 0]);
+    for (speed, damping, jump) in [("2 m/s", "100", "200 kN"), ("0.5 m/s", "500", "250 kN"), ("3 m/s", "1000", "3 MN")]
+    {
+        let train = impact(speed, damping);
+        let [only] = &doubts(&train)[..] else { panic!("{speed}") };
+        assert_eq!(only.code, "dashpot-at-contact");
+        assert!(only.text.contains(&format!("coupler 58 carries {jump} at the instant of contact")), "{only}");
+        // The force that is computed begins with that jump.
+        let start = trainsafe::findings::history(&train, 0, None, 57, &[0.0])[0];
+        let right: f64 = speed.trim_end_matches(" m/s").parse::<f64>().expect("a number")
+            * 1e3
+            * damping.parse::<f64>().expect("one");
+        assert!((start + right).abs() < 1e-6 * right, "{start}, right {right}");
+    }
+}
+
+/// Forces that cancel but for their rounding leave none: in the load, in the acceleration, and in what is told.
+#[test]
+fn rounding_of_a_cancellation_is_no_load() {
+    let probe = |first: &str, others: &str, load: &str| {
+        parse(&format!(
+            "[coupler]\nstiffness = \"11.1 MN/m\"\nrated_load = \"390 kip\"\n[[vehicle]]\nmass = \"196 t\"\n{first}\n
+             [[vehicle]]\ncount = 7\nmass = \"130.3 t\"\n{others}\n{load}"
+        ))
+    };
+    for (first, others, load) in [
+        ("", "", "[load]\ngrade = \"1.0 %\""),
+        ("", "", "[load]\ngrade = \"-0.7 %\"\nrolling_resistance = \"13 N/t\""),
+        ("held = true", "tractive_effort = \"1.9545 kN\"\nrolling_resistance = \"15 N/t\"", ""),
+        ("tractive_effort = \"0.3 kN\"\nbrake_force = \"0.3 kN\"", "brake_force = \"0 N\"", ""),
+        (
+            "",
+            "rolling_resistance = \"11 N/t\"\ngrade = \"2 %\"",
+            "[load]\ngrade = \"2 %\"\nrolling_resistance = \"11 N/t\"",
+        ),
+    ] {
+        let train = probe(first, others, load);
+        assert!(
+            train.initial_force_n.iter().all(|f| *f == 0.0),
+            "{first} {others} {load}: {:?}",
+            train.initial_force_n
+        );
+        assert_eq!(codes(&train), ["no-load"]);
+        assert!(consist::describe(&train).contains("load before the event: none"));
+        let cases = &analyze(&train, &Options::default()).expect("sound").scenarios[0].cases;
+        assert!(cases.iter().all(|c| c.safe_load_factor.is_none()));
+    }
+    // A small force that is real stays: 1 N from the one vehicle that is different.
+    let train = probe("", "", "[load]\ngrade = \"1.0 %\"");
+    let mut outside_n = train.extras.steady.expect("forces").outside_n;
+    outside_n[0] += 1.0;
+    let (forces, _) = consist::steady_forces(&train.vehicles, &train.couplers, &outside_n);
+    assert!((forces[0] - 0.823).abs() < 1e-3, "{forces:?}");
+}
+
+/// Options that change nothing for a scenario are told, and only they.
+#[test]
+fn idle_options_are_told() {
+    let all = Options { all_time_bound: true, verdict_only: true, map: true, tolerance: 1e-6, ..Options::default() };
+    let idle = |train: &Train, options: &Options| -> Vec<String> {
+        idle_options(train, options)
+            .iter()
+            .map(|t| t.split(" does nothing").next().unwrap_or_default().to_owned())
+            .collect()
+    };
+    assert!(idle(&parse(SOUND), &all).is_empty());
+    assert!(idle(&with("rated_load", "damping = \"100 kN*s/m\"\nrated_load"), &Options::default()).is_empty());
+    let name = "break of coupler 5";
+    let some = ["--all-time-bound", "--verdict-only", "--tolerance"].map(|o| format!("{name}: {o}"));
+    assert_eq!(idle(&with("rated_load", "damping = \"100 kN*s/m\"\nrated_load"), &all), some);
+    assert_eq!(idle(&with("damping_ratio = 0\n", "damping_ratio = 0.05\n"), &all), some);
+    let event = "kind = \"impact\"\nat = \"tail\"\nvehicles = 3\nspeed = \"2 m/s\"";
+    assert_eq!(idle(&with("kind = \"break\"\ncoupler = 5", event), &all).len(), 4);
+    let pulse = "kind = \"pulse\"\nat = \"tail\"\nforce = \"1 kN\"\nduration = \"1 s\"\nshape = \"half-sine\"";
+    assert_eq!(idle(&with("kind = \"break\"\ncoupler = 5", pulse), &all).len(), 3);
+    // Only of the scenario that is run.
+    let two = parse(&format!("{SOUND}[[scenario]]\n{event}"));
+    let options = |scenario: &str| Options { scenario: Some(scenario.to_owned()), ..all.clone() };
+    assert!(idle(&two, &options(name)).is_empty());
+    assert_eq!(idle(&two, &options("impact at the tail")).len(), 4);
+}
+
+/// The trains that come with the program have no doubt but one, which its file explains.
+#[test]
+fn the_sample_trains_have_few_doubts() {
+    for entry in std::fs::read_dir("trains").expect("the folder").map(|e| e.expect("an entry").path()) {
+        let Some(name) = entry.file_stem().filter(|_| entry.extension().is_some_and(|e| e == "toml")) else { continue };
+        let found = codes(&consist::read(&entry).unwrap_or_else(|e| panic!("{e}")));
+        match name.to_string_lossy() {
+            name if name.starts_with("hauled") => assert_eq!(found, ["dashpot-at-contact"], "{name}"),
+            name => assert!(found.is_empty(), "{name}: {found:?}"),
+        }
+    }
+    assert!(codes(&parse(consist::TEMPLATE)).is_empty());
+}

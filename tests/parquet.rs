@@ -82,7 +82,17 @@ mod with_the_feature {
         let of = |kind: Type| columns.iter().filter(|(_, k)| *k == kind).map(|(n, _)| n.as_str()).collect::<Vec<_>>();
         assert_eq!(
             of(Type::BYTE_ARRAY),
-            ["file", "train", "scenario", "kind", "between_front", "between_rear", "method"]
+            [
+                "file",
+                "train",
+                "scenario",
+                "kind",
+                "between_front",
+                "between_rear",
+                "first_passage_exceeds",
+                "method",
+                "doubts"
+            ]
         );
         assert_eq!(
             of(Type::INT64),
@@ -94,6 +104,8 @@ mod with_the_feature {
                 "first_coupler",
                 "exceeding",
                 "undecided",
+                "exceeding_first_passage",
+                "first_passage_worst_coupler",
                 "rod_exceeding"
             ]
         );

@@ -1,6 +1,7 @@
 //! What an analysis found: utilisations, exceedances, safe load factors, in SI units, named as in `result.json`.
 
 mod cascade;
+mod case;
 mod estimate;
 mod field;
 mod first_passage;
@@ -11,28 +12,22 @@ mod map;
 mod safe_factor;
 mod safe_speed;
 
-use std::collections::HashMap;
-use std::time::Instant;
-
 pub use cascade::{CascadeBreak, CascadeFindings};
+pub(crate) use case::case_findings;
 pub(crate) use estimate::case_estimate_s;
 pub use estimate::{estimate_s, memory_bytes};
 pub(crate) use field::larger;
 pub use field::{Field, Of, field};
 pub use first_passage::FirstPassage;
-use general::Solved;
 pub use history::{history, rod_history};
 pub use limits::{LimitFindings, LimitInSense};
 pub use map::{MapFindings, MapPoint};
 use rayon::prelude::*;
-use safe_factor::safe_load_factor;
 use serde::Serialize;
 
 use crate::consist::{Source, Train};
 use crate::doubts::{Doubt, doubts};
-use crate::play::Rule;
-use crate::rod::Rod;
-use crate::scenario::{self, Event, Part, Scales, Scenario};
+use crate::scenario::{Event, Scales, Scenario};
 use crate::solve::memo::Memo;
 use crate::solve::watch::{Side, SpringPeaks};
 use crate::solve::{Ask, Method, SolveError, Wanted};
@@ -381,125 +376,9 @@ fn scenario_findings(
     Ok(ScenarioFindings { name: scenario.name.clone(), kind: scenario.event.kind(), cases, left_out_in_buff, map })
 }
 
-/// One case of a train: what the event, or the break of one coupler, does to every coupler.
-pub(crate) fn case_findings(
-    train: &Train,
-    scenario: &Scenario,
-    broken: Option<usize>,
-    options: &Options,
-    memo: &Memo,
-) -> Result<CaseFindings, SolveError> {
-    let start = Instant::now();
-    let horizon_s = scenario::horizon_s(train, scenario, broken);
-    let tolerance_n = ask(train, options).tolerance * Scales::of(train).force_n;
-    let beyond_steps = scenario::beyond_steps(&train.extras.dashpot_n_s_per_m, &scenario.event);
-    let parts = |train: &Train, until_s: f64| scenario::parts(train, &scenario.event, broken, until_s);
-    let solve_until = |train: &Train, until_s: f64, options: &Options| match beyond_steps {
-        true => general::solved(train, scenario, broken, until_s, options),
-        false => solved_by_parts(train, &parts(train, until_s), options, memo),
-    };
-    let solve = |train: &Train, options: &Options| solve_until(train, horizon_s, options);
-    let rod =
-        if beyond_steps || train.extras.damping_ratio > 0.0 { None } else { rod_findings(&parts(train, horizon_s)) };
-    // After a break the coupler of the largest utilisation is the one that bounds the load; it need not be under a pulse.
-    let wanted = if broken.is_some() { options.wanted } else { Wanted::Everything };
-    let solved = solve(train, &Options { wanted, ..options.clone() })?;
-    let Solved { method, reason, error_bound_n, mut couplers, worst, left_out } = solved;
-    let safe_load_factor = match scenario::unbalanced_n(train, &scenario.event).iter().all(|f| *f == 0.0) {
-        true => safe_load_factor(train, &scenario.event, &couplers, &left_out),
-        false => Some(safe_speed::find(&scenario::play(train, scenario, broken, horizon_s, Rule::Keep))?),
-    };
-    let cascade = cascade::find(train, scenario, broken, horizon_s)?;
-    limits::find(train, &mut couplers, error_bound_n, |rated| {
-        // The tolerance is a share of the largest rating, and stays what it is.
-        let tolerance = options.tolerance * largest_rating_n(train) / largest_rating_n(rated);
-        let wanted = Wanted::Everything;
-        Ok(solve(rated, &Options { tolerance, wanted, verdict_only: false, ..options.clone() })?.couplers)
-    })?;
-    let first_passage_s = first_passage::end_s(train, scenario, broken, horizon_s);
-    let all_in_it = match wanted {
-        // Extremes of other couplers than the worst are not exact then, and first exceedances may be late.
-        Wanted::Worst => {
-            couplers.iter().all(|c| c.exceeds == Some(false))
-                && worst.is_none_or(|i| couplers[i].peak_time_s <= first_passage_s)
-        }
-        Wanted::Everything => couplers.iter().all(|c| first_passage::has_all(c, first_passage_s)),
-    };
-    let shorter = match all_in_it || first_passage_s >= horizon_s {
-        true => None,
-        false => {
-            let options = Options { wanted, ..options.clone() };
-            let shorter = solve_until(train, first_passage_s, &options)?;
-            Some((shorter.couplers, shorter.worst))
-        }
-    };
-    let (within, worst_within) = shorter.unwrap_or_else(|| (couplers.clone(), worst));
-    let passages: HashMap<usize, FirstPassage> = within.iter().map(|c| (c.coupler, FirstPassage::of(c))).collect();
-    for c in &mut couplers {
-        c.first_passage = passages.get(&c.coupler).cloned();
-    }
-    let exceeding_first_passage = within.iter().filter(|c| c.exceeds == Some(true)).count();
-    let worst_first_passage = worst_within
-        .map(|i| CouplerFindings { first_passage: passages.get(&within[i].coupler).cloned(), ..within[i].clone() });
-    Ok(CaseFindings {
-        first_passage_s,
-        exceeding_first_passage,
-        worst_first_passage,
-        kind: scenario.event.kind(),
-        broken_coupler: broken.map(|b| b + 1),
-        method,
-        method_reason: reason,
-        horizon_s,
-        error_bound_n,
-        tolerance_n,
-        run_time_s: start.elapsed().as_secs_f64(),
-        exceeding: couplers.iter().filter(|c| c.exceeds == Some(true)).count(),
-        undecided: couplers.iter().filter(|c| c.exceeds.is_none()).count(),
-        safe_load_factor,
-        worst: worst.map(|i| couplers[i].clone()),
-        couplers,
-        left_out: left_out.len(),
-        rod,
-        cascade,
-    })
-}
-
-/// Extremes of every coupler in the parts that a break or a rectangular pulse leaves.
-fn solved_by_parts(train: &Train, parts: &[Part], options: &Options, memo: &Memo) -> Result<Solved, SolveError> {
-    let scales = Scales::of(train);
-    let ask = ask(train, options);
-    let (mut couplers, mut worst_of_parts) = (Vec::new(), Vec::new());
-    let (mut method, mut reason, mut telling) = ("none", "no coupler is left to watch".to_owned(), (false, 0));
-    let (mut error_bound_n, mut left_out) = (0.0f64, Vec::new());
-    for part in parts {
-        let solution = match train.extras.damping_ratio {
-            0.0 => memo.solve(&part.scene, &ask)?,
-            ratio => general::damped(&part.scene, ratio, &ask)?,
-        };
-        let tells = (solution.error_bound > ask.tolerance, part.scene.initial.len());
-        if tells > telling {
-            telling = tells;
-            method = if train.extras.damping_ratio > 0.0 { "damped-modes" } else { solution.method.name() };
-            reason = solution.reason.clone();
-        }
-        error_bound_n = error_bound_n.max(solution.error_bound * scales.force_n);
-        let first = couplers.len();
-        for (i, spring) in solution.springs.iter().enumerate() {
-            let (index, bound) =
-                (part.first_coupler + i, solution.all_time_bounds.as_ref().map(|b| b[i] * scales.force_n));
-            match (spring, bound) {
-                (Some(peaks), bound) => {
-                    let bound = bound.filter(|_| options.all_time_bound);
-                    couplers.push(coupler_findings(train, index, peaks, &scales, bound));
-                }
-                (None, Some(bound)) => left_out.push((index, bound)),
-                (None, None) => {}
-            }
-        }
-        worst_of_parts.extend(worst(&couplers, first..couplers.len(), solution.error_bound * scales.force_n));
-    }
-    let worst = worst(&couplers, worst_of_parts, error_bound_n);
-    Ok(Solved { method, reason, error_bound_n, couplers, worst, left_out })
+/// The findings of the coupler of that number, if they are among these, which are in order from the head.
+fn of_number(couplers: &[CouplerFindings], number: usize) -> Option<&CouplerFindings> {
+    couplers.binary_search_by_key(&number, |c| c.coupler).ok().map(|i| &couplers[i])
 }
 
 /// Of some couplers the first whose utilisation the error bound does not tell from the largest: symmetry makes many alike.
@@ -566,19 +445,4 @@ fn coupler_findings(
         all_time_bound_n,
         limits: None,
     }
-}
-
-/// What the rod says of every coupler; `None` if a part's vehicles or couplers differ, or none is left.
-fn rod_findings(parts: &[Part]) -> Option<RodFindings> {
-    let mut findings = RodFindings { exceeding: 0, utilisation: 0.0 };
-    for Part { scene, .. } in parts {
-        let rod = Rod::new(scene)?;
-        for (i, (draft, buff)) in scene.rated_draft.iter().zip(&scene.rated_buff).enumerate() {
-            let (high, low) = rod.extremes(i);
-            let utilisation = (high / draft).max(-low / buff);
-            findings.exceeding += usize::from(utilisation > 1.0);
-            findings.utilisation = findings.utilisation.max(utilisation);
-        }
-    }
-    (!parts.is_empty()).then_some(findings)
 }

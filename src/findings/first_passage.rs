@@ -9,9 +9,10 @@
 
 use serde::Serialize;
 
-use super::CouplerFindings;
-use crate::consist::Train;
-use crate::scenario::{self, Scenario};
+use super::case::Case;
+use super::{CouplerFindings, of_number};
+use crate::scenario;
+use crate::solve::{SolveError, Wanted};
 
 /// One coupler's largest forces over the first passage, t = 0 included.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -29,7 +30,7 @@ pub struct FirstPassage {
 }
 
 impl FirstPassage {
-    pub(super) fn of(c: &CouplerFindings) -> FirstPassage {
+    fn of(c: &CouplerFindings) -> FirstPassage {
         FirstPassage {
             peak_draft_n: c.peak_draft_n,
             peak_draft_time_s: c.peak_draft_time_s,
@@ -40,13 +41,51 @@ impl FirstPassage {
     }
 }
 
-/// When the first passage of a case ends, s.
-pub(super) fn end_s(train: &Train, scenario: &Scenario, broken: Option<usize>, horizon_s: f64) -> f64 {
-    let transit_s = scenario::longest_transit_s(train, broken);
-    horizon_s.min(scenario::last_change_s(&scenario.event) + 2.0 * transit_s)
+/// The first passage of a case.
+pub(super) struct Passage {
+    /// When it ends, s.
+    pub end_s: f64,
+    /// Couplers that exceed in it.
+    pub exceeding: usize,
+    /// The coupler with the largest utilisation in it, with its forces there.
+    pub worst: Option<CouplerFindings>,
 }
 
-/// Whether all of a coupler's extremes lie in the first passage, so that the larger part of the horizon adds nothing.
-pub(super) fn has_all(c: &CouplerFindings, end_s: f64) -> bool {
-    [c.peak_draft_time_s, c.peak_buff_time_s].into_iter().flatten().all(|t| t <= end_s)
+/// Finds it for couplers that are known up to the horizon, `worst` among them, and notes it with each of them.
+///
+/// The case is solved again up to its end, unless the horizon ends there or no extreme lies beyond it.
+///
+/// # Errors
+/// As for [`Case::solve`].
+pub(super) fn find(case: &Case, couplers: &mut [CouplerFindings], worst: Option<usize>) -> Result<Passage, SolveError> {
+    let transit_s = scenario::longest_transit_s(case.train, case.broken);
+    let end_s = case.horizon_s.min(scenario::last_change_s(&case.scenario.event) + 2.0 * transit_s);
+    if end_s >= case.horizon_s || has_all(case.options.wanted, couplers, worst, end_s) {
+        couplers.iter_mut().for_each(|c| c.first_passage = Some(FirstPassage::of(c)));
+        return Ok(passage(end_s, couplers, worst));
+    }
+    let mut within = case.solve(end_s)?;
+    within.couplers.iter_mut().for_each(|c| c.first_passage = Some(FirstPassage::of(c)));
+    for c in couplers {
+        c.first_passage = of_number(&within.couplers, c.coupler).and_then(|c| c.first_passage.clone());
+    }
+    Ok(passage(end_s, &within.couplers, within.worst))
+}
+
+fn passage(end_s: f64, within: &[CouplerFindings], worst: Option<usize>) -> Passage {
+    let exceeding = within.iter().filter(|c| c.exceeds == Some(true)).count();
+    Passage { end_s, exceeding, worst: worst.map(|i| within[i].clone()) }
+}
+
+/// Whether no extreme that is asked for lies beyond a time.
+fn has_all(wanted: Wanted, couplers: &[CouplerFindings], worst: Option<usize>, end_s: f64) -> bool {
+    let peaks =
+        |c: &CouplerFindings| [c.peak_draft_time_s, c.peak_buff_time_s].into_iter().flatten().all(|t| t <= end_s);
+    match wanted {
+        // Extremes of other couplers than the worst are not exact then, and first exceedances may be late.
+        Wanted::Worst => {
+            couplers.iter().all(|c| c.exceeds == Some(false)) && worst.is_none_or(|i| couplers[i].peak_time_s <= end_s)
+        }
+        Wanted::Everything => couplers.iter().all(peaks),
+    }
 }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::CouplerFindings;
+use super::{CouplerFindings, of_number};
 use crate::consist::{LIMITS, SENSES, Train};
 use crate::solve::SolveError;
 
@@ -140,8 +140,7 @@ fn settle(
     let found = solve(&rated)?;
     for (at, side) in asked {
         let number = couplers[at.place].coupler;
-        let own = found.binary_search_by_key(&number, |c| c.coupler).ok().map(|i| &found[i]);
-        all[at.place][at.entry].passed = own.and_then(|c| c.exceeds_in[side]);
+        all[at.place][at.entry].passed = of_number(&found, number).and_then(|c| c.exceeds_in[side]);
     }
     *open = later;
     Ok(())

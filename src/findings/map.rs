@@ -3,7 +3,8 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::{Options, case_findings, safe_factor};
+use super::case::Case;
+use super::{Options, safe_factor};
 use crate::consist::Train;
 use crate::rod::Rod;
 use crate::scenario::{self, Event, Part, Scenario};
@@ -71,7 +72,8 @@ pub(super) fn find(
             Event::Pulse { force_n, .. } | Event::Shaped { force_n, .. } => *force_n,
             _ => 1.0,
         };
-        let chain = case_findings(train, &variant, broken, options, memo)?.safe_load_factor;
+        let case = Case::new(train, &variant, broken, options, memo);
+        let chain = case.safe_load_factor(&case.solve(case.horizon_s)?)?;
         let rod = rod_factor(train, &variant, broken);
         let scaled = |factor: Option<f64>| factor.map(|f| f * unit);
         Ok(MapPoint { at, chain: scaled(chain), rod: scaled(rod) })

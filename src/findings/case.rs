@@ -1,0 +1,182 @@
+//! One case of a train: what an event, or the break of one coupler, does to every coupler.
+
+use std::time::Instant;
+
+use super::general::{self, Solved};
+use super::{
+    CaseFindings, Options, RodFindings, ask, cascade, coupler_findings, first_passage, largest_rating_n, limits,
+    safe_factor, safe_speed, worst,
+};
+use crate::consist::Train;
+use crate::play::Rule;
+use crate::rod::Rod;
+use crate::scenario::{self, Part, Scales, Scenario};
+use crate::solve::memo::Memo;
+use crate::solve::{SolveError, Wanted};
+
+/// What is to be solved.
+pub(super) struct Case<'a> {
+    pub train: &'a Train,
+    pub scenario: &'a Scenario,
+    /// The coupler that breaks, from 0.
+    pub broken: Option<usize>,
+    pub horizon_s: f64,
+    pub options: Options,
+    memo: &'a Memo,
+}
+
+impl<'a> Case<'a> {
+    pub fn new(
+        train: &'a Train,
+        scenario: &'a Scenario,
+        broken: Option<usize>,
+        options: &Options,
+        memo: &'a Memo,
+    ) -> Case<'a> {
+        // After a break the coupler of the largest utilisation is the one that bounds the load; it need not be under a pulse.
+        let wanted = if broken.is_some() { options.wanted } else { Wanted::Everything };
+        let horizon_s = scenario::horizon_s(train, scenario, broken);
+        Case { train, scenario, broken, horizon_s, options: Options { wanted, ..options.clone() }, memo }
+    }
+
+    /// Whether steps of force on undamped chains cannot stand for it.
+    fn beyond_steps(&self) -> bool {
+        scenario::beyond_steps(&self.train.extras.dashpot_n_s_per_m, &self.scenario.event)
+    }
+
+    /// Extremes of every coupler up to a time.
+    ///
+    /// # Errors
+    /// A method that does not fit, or one that would take too long.
+    pub fn solve(&self, until_s: f64) -> Result<Solved, SolveError> {
+        self.solve_on(self.train, until_s, &self.options)
+    }
+
+    /// The same of a train that has other ratings, and with other options.
+    fn solve_on(&self, train: &Train, until_s: f64, options: &Options) -> Result<Solved, SolveError> {
+        if self.beyond_steps() {
+            return general::solved(train, self.scenario, self.broken, until_s, options);
+        }
+        let parts = scenario::parts(train, &self.scenario.event, self.broken, until_s);
+        solved_by_parts(train, &parts, options, self.memo)
+    }
+
+    /// The largest factor on the load, the force or the speed at which no coupler exceeds; `solved` is up to the horizon.
+    ///
+    /// # Errors
+    /// As for [`Case::solve`].
+    pub fn safe_load_factor(&self, solved: &Solved) -> Result<Option<f64>, SolveError> {
+        let Case { train, scenario, broken, horizon_s, .. } = *self;
+        match scenario::unbalanced_n(train, &scenario.event).iter().all(|f| *f == 0.0) {
+            true => Ok(safe_factor::safe_load_factor(train, &scenario.event, &solved.couplers, &solved.left_out)),
+            false => safe_speed::find(&scenario::play(train, scenario, broken, horizon_s, Rule::Keep)).map(Some),
+        }
+    }
+
+    /// What an elastic rod would have said, where there is one.
+    fn rod(&self) -> Option<RodFindings> {
+        let none = self.beyond_steps() || self.train.extras.damping_ratio > 0.0;
+        let parts = || scenario::parts(self.train, &self.scenario.event, self.broken, self.horizon_s);
+        if none { None } else { rod_findings(&parts()) }
+    }
+}
+
+/// One case of a train: what the event, or the break of one coupler, does to every coupler.
+pub(crate) fn case_findings(
+    train: &Train,
+    scenario: &Scenario,
+    broken: Option<usize>,
+    options: &Options,
+    memo: &Memo,
+) -> Result<CaseFindings, SolveError> {
+    let start = Instant::now();
+    let case = Case::new(train, scenario, broken, options, memo);
+    let horizon_s = case.horizon_s;
+    let rod = case.rod();
+    let solved = case.solve(horizon_s)?;
+    let safe_load_factor = case.safe_load_factor(&solved)?;
+    let Solved { method, reason, error_bound_n, mut couplers, worst, left_out } = solved;
+    let cascade = cascade::find(train, scenario, broken, horizon_s)?;
+    limits::find(train, &mut couplers, error_bound_n, |rated| {
+        // The tolerance is a share of the largest rating, and stays what it is.
+        let tolerance = options.tolerance * largest_rating_n(train) / largest_rating_n(rated);
+        let wanted = Wanted::Everything;
+        let options = Options { tolerance, wanted, verdict_only: false, ..options.clone() };
+        Ok(case.solve_on(rated, horizon_s, &options)?.couplers)
+    })?;
+    let passage = first_passage::find(&case, &mut couplers, worst)?;
+    Ok(CaseFindings {
+        first_passage_s: passage.end_s,
+        exceeding_first_passage: passage.exceeding,
+        worst_first_passage: passage.worst,
+        kind: scenario.event.kind(),
+        broken_coupler: broken.map(|b| b + 1),
+        method,
+        method_reason: reason,
+        horizon_s,
+        error_bound_n,
+        tolerance_n: ask(train, options).tolerance * Scales::of(train).force_n,
+        run_time_s: start.elapsed().as_secs_f64(),
+        exceeding: couplers.iter().filter(|c| c.exceeds == Some(true)).count(),
+        undecided: couplers.iter().filter(|c| c.exceeds.is_none()).count(),
+        safe_load_factor,
+        worst: worst.map(|i| couplers[i].clone()),
+        couplers,
+        left_out: left_out.len(),
+        rod,
+        cascade,
+    })
+}
+
+/// Extremes of every coupler in the parts that a break or a rectangular pulse leaves.
+fn solved_by_parts(train: &Train, parts: &[Part], options: &Options, memo: &Memo) -> Result<Solved, SolveError> {
+    let scales = Scales::of(train);
+    let ask = ask(train, options);
+    let (mut couplers, mut worst_of_parts) = (Vec::new(), Vec::new());
+    let (mut method, mut reason, mut telling) = ("none", "no coupler is left to watch".to_owned(), (false, 0));
+    let (mut error_bound_n, mut left_out) = (0.0f64, Vec::new());
+    for part in parts {
+        let solution = match train.extras.damping_ratio {
+            0.0 => memo.solve(&part.scene, &ask)?,
+            ratio => general::damped(&part.scene, ratio, &ask)?,
+        };
+        let tells = (solution.error_bound > ask.tolerance, part.scene.initial.len());
+        if tells > telling {
+            telling = tells;
+            method = if train.extras.damping_ratio > 0.0 { "damped-modes" } else { solution.method.name() };
+            reason = solution.reason.clone();
+        }
+        error_bound_n = error_bound_n.max(solution.error_bound * scales.force_n);
+        let first = couplers.len();
+        for (i, spring) in solution.springs.iter().enumerate() {
+            let (index, bound) =
+                (part.first_coupler + i, solution.all_time_bounds.as_ref().map(|b| b[i] * scales.force_n));
+            match (spring, bound) {
+                (Some(peaks), bound) => {
+                    let bound = bound.filter(|_| options.all_time_bound);
+                    couplers.push(coupler_findings(train, index, peaks, &scales, bound));
+                }
+                (None, Some(bound)) => left_out.push((index, bound)),
+                (None, None) => {}
+            }
+        }
+        worst_of_parts.extend(worst(&couplers, first..couplers.len(), solution.error_bound * scales.force_n));
+    }
+    let worst = worst(&couplers, worst_of_parts, error_bound_n);
+    Ok(Solved { method, reason, error_bound_n, couplers, worst, left_out })
+}
+
+/// What the rod says of every coupler; `None` if a part's vehicles or couplers differ, or none is left.
+fn rod_findings(parts: &[Part]) -> Option<RodFindings> {
+    let mut findings = RodFindings { exceeding: 0, utilisation: 0.0 };
+    for Part { scene, .. } in parts {
+        let rod = Rod::new(scene)?;
+        for (i, (draft, buff)) in scene.rated_draft.iter().zip(&scene.rated_buff).enumerate() {
+            let (high, low) = rod.extremes(i);
+            let utilisation = (high / draft).max(-low / buff);
+            findings.exceeding += usize::from(utilisation > 1.0);
+            findings.utilisation = findings.utilisation.max(utilisation);
+        }
+    }
+    (!parts.is_empty()).then_some(findings)
+}

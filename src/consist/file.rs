@@ -382,7 +382,7 @@ fn spelt_out(found: &Found, root: &Table) -> Read<Vec<Group>> {
     Ok(groups)
 }
 
-/// Reads a group; a row of a table of vehicles is read as well, as the `[[vehicle]]` that it stands for.
+/// Reads a group: a `[[vehicle]]`, or a row of a table of vehicles, which has the same keys.
 pub(super) fn group(table: &Table) -> Read<Group> {
     let label = table.get("label").map(|v| v.name()).transpose();
     let right = format!("expected a whole number from 1 to {MOST_VEHICLES}, how many of them follow each other");

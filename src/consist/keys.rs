@@ -148,7 +148,7 @@ const PROOF: Key = Key::optional(LIMITS[1], RATING, "The force that leaves no la
 const ULTIMATE: Key = Key::optional(
     LIMITS[2],
     RATING,
-    "The force at which the coupler breaks, in a cascade as well; its rating stands for it if absent.",
+    "The force at which the coupler breaks, also in a cascade; if absent, a cascade uses the rating.",
     "2.9 MN",
 );
 

@@ -93,7 +93,7 @@ impl<'v> Labels<'v> {
         Err(value.wrong(format!("no vehicle has the label {}", quoted(label)), help))
     }
 
-    /// Keeps what a label stands for, to be shown.
+    /// Notes which coupler or vehicle a label names, for `check` to print.
     pub(super) fn note(&self, text: String) {
         let mut named = self.named.borrow_mut();
         if named.len() < 100 && !named.contains(&text) {

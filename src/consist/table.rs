@@ -7,7 +7,7 @@
 //! ```
 //!
 //! A column has the name of a key of `[[vehicle]]`, or of a key of `[coupler]`, which is then that of the coupler behind the vehicle. An
-//! empty cell leaves what `[coupler]` or `[load]` says. Each row is read as the two tables that it stands for, by what reads those.
+//! empty cell leaves what `[coupler]` or `[load]` says. Each row is read as a `[[vehicle]]` and a `[[coupler_override]]`, by the same code as those tables.
 
 use std::borrow::Cow;
 use std::collections::HashSet;
@@ -228,7 +228,7 @@ impl Reader<'_> {
                 rows.behind.push(own);
             }
         }
-        // Every row is there, be it with a value in place of a wrong one.
+        // No row was dropped; a wrong value has been replaced by some right one.
         if rows.groups.len() == records.len() {
             self.check(&rows, &seen);
         }

@@ -53,8 +53,8 @@ impl Files {
         text.map_err(|[title, help]| InputError::of_file(path, title, help))
     }
 
-    /// The text of a file that a train file names. A pipe could wait for ever, and a device has no end: whoever wrote the train file
-    /// need not be the one who reads it.
+    /// The text of a file that a train file names. Pipes and devices are refused: the train file may come from somebody else, and
+    /// reading them may never end.
     pub(super) fn beside(&self, path: &Path) -> Text {
         let give = "give the path of a CSV file";
         self.text(path, || {

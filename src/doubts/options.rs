@@ -34,7 +34,7 @@ fn of_scenario(train: &Train, scenario: &Scenario, options: &Options) -> Vec<Str
         }
     }
     if options.tolerance != Options::default().tolerance {
-        told.push(format!("--tolerance does nothing for {event}: its forces are computed to rounding whatever it is"));
+        told.push(format!("--tolerance does nothing for {event}: its forces are always computed to within rounding"));
     }
     told
 }

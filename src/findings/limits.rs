@@ -13,7 +13,7 @@ pub struct LimitFindings {
     pub largest_n: f64,
     /// Names of those that it certainly passes, in draft or in buff.
     pub passed: Vec<&'static str>,
-    /// Names of those of which it cannot be told whether it passes them, and which it certainly passes in neither sense.
+    /// Names of those that it certainly passes in neither sense, and for which it is not decided in at least one.
     pub undecided: Vec<&'static str>,
     /// Each capacity that was given, in each sense in which it was.
     pub by_sense: Vec<LimitInSense>,

@@ -15,7 +15,7 @@ use crate::solve::{SolveError, taylor};
 /// Factors at which the motion is followed, at most, and about.
 const MOST: usize = 60;
 pub(super) const ABOUT: f64 = 14.0;
-/// The factor is as near as this, as a share of it.
+/// Relative error of the factor, at most.
 const NEAR: f64 = 1e-10;
 
 /// The largest factor on the speeds at which no coupler exceeds; 0 where one does without any speed.

@@ -259,16 +259,13 @@ fn first_passages(scenario: &ScenarioFindings) -> String {
     match all - early.min(all) {
         0 => String::new(),
         later => {
-            let does = if later == 1 { "does" } else { "do" };
-            format!(
-                " {early} of them {} so in the first passage; of {later} the exceedances {does} not: they {LOSSES}.",
-                if early == 1 { "does" } else { "do" }
-            )
+            let other = count(later, "other break");
+            format!(" In the first passage, {early} would; the exceedances after the {other} {LOSSES}.")
         }
     }
 }
 
-/// The largest buff and draft of an impact: the collision, and the rebound of springs that give back all that they took.
+/// The largest buff and draft of an impact: those of the collision and of the rebound.
 fn impact(case: &CaseFindings) -> String {
     if case.kind != "impact" {
         return String::new();
@@ -285,8 +282,8 @@ fn impact(case: &CaseFindings) -> String {
     };
     let of = |sense: &str, found: Option<_>| found.map_or(String::new(), |f| format!(" Largest {sense}: {}.", told(f)));
     let rebound = if draft.is_some() {
-        " Draft after the collision includes the rebound of the springs; a real draft gear absorbs up to 87 % of the work, so unless the \
-         damping given stands for that, the draft is not to be believed as it stands."
+        " The draft after the collision includes the rebound of the springs. A real draft gear absorbs up to 87 % of the work, so this \
+         draft is too large unless the damping in the file represents that loss."
     } else {
         ""
     };

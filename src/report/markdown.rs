@@ -5,7 +5,7 @@ use minijinja::value::{Serde, Value};
 use minijinja::{AutoEscape, Environment, Error, Output, State};
 use serde::Serialize;
 
-use super::section::{Section, section};
+use super::section::{Section, overview_row, section};
 use super::train_facts::train_facts;
 use crate::consist::Train;
 use crate::doubts::doubts;
@@ -35,6 +35,8 @@ struct Report {
     damped: &'static str,
     cascades: bool,
     sections: Vec<Section>,
+    /// The verdict on each of several scenarios in one row.
+    overview: Vec<Vec<String>>,
     train: Vec<[String; 2]>,
     /// What a reader should know beforehand: loads over ratings, horizons that end before a wave has crossed the train.
     warnings: Vec<String>,
@@ -56,6 +58,7 @@ pub fn markdown(train: &Train, analysis: &Analysis, pictures: &Pictures) -> Resu
         },
         cascades: analysis.scenarios.iter().flat_map(|s| &s.cases).any(|c| c.cascade.is_some()),
         sections: analysis.scenarios.iter().enumerate().map(|(i, s)| section(train, s, of(i))).collect(),
+        overview: analysis.scenarios.iter().map(|s| overview_row(train, s)).collect(),
         train: train_facts(train),
         warnings: doubts(train).iter().map(ToString::to_string).collect(),
     };

@@ -36,7 +36,9 @@ pub struct Section {
     left_out: usize,
     methods: Vec<String>,
     accuracy: String,
-    horizon: String,
+    /// What was computed after each of several breaks: "28 s to 31.2 s".
+    horizons: String,
+    map: String,
     run_time: String,
 }
 
@@ -78,9 +80,33 @@ pub fn section(train: &Train, scenario: &ScenarioFindings, pictures: &[Picture])
         left_out: cases.iter().map(|c| c.left_out).sum(),
         methods: methods(cases),
         accuracy: accuracy(cases),
-        horizon: horizon(cases),
+        horizons: if cases.len() > 1 { horizon(cases) } else { String::new() },
+        map: words::map_of_breaks(scenario),
         run_time: run_time(cases),
     }
+}
+
+/// A row of the table of all scenarios: the verdict in figures.
+pub fn overview_row(train: &Train, scenario: &ScenarioFindings) -> Vec<String> {
+    let exceeding = |of: fn(&CaseFindings) -> usize| match &scenario.cases[..] {
+        [case] => of(case).to_string(),
+        cases => format!("in {} of {}", cases.iter().filter(|c| of(c) > 0).count(), words::count(cases.len(), "break")),
+    };
+    let worst = words::worst_case(scenario).map_or([const { String::new() }; 4], |(case, c)| {
+        let after = case.broken_coupler.filter(|_| scenario.cases.len() > 1);
+        let after = after.map_or(String::new(), |b| format!(", when {b} breaks"));
+        [
+            format!("{}{after}", c.coupler),
+            demand(c, case),
+            format!("{} %", percent(c.utilisation)),
+            time(c.peak_time_s),
+        ]
+    });
+    let factor = scenario.cases.iter().filter_map(|c| c.safe_load_factor).reduce(f64::min).map_or(String::new(), down);
+    let of = words::source(train, scenario).map_or("", |(_, s)| words::cause(&s.event));
+    let factor = if factor.is_empty() { factor } else { format!("{factor} on the {of}") };
+    let head = [scenario.name.clone(), exceeding(|c| c.exceeding), exceeding(|c| c.exceeding_first_passage)];
+    head.into_iter().chain(worst).chain([factor, horizon(&scenario.cases)]).collect()
 }
 
 /// The couplers that break after the event, in order.

@@ -5,8 +5,10 @@ use minijinja::value::{Serde, Value};
 use minijinja::{AutoEscape, Environment, Error, Output, State};
 use serde::Serialize;
 
+use super::assumptions;
 use super::section::{Section, overview_row, section};
 use super::train_facts::train_facts;
+use super::words;
 use crate::consist::Train;
 use crate::doubts::doubts;
 use crate::error::is_obeyed;
@@ -38,6 +40,7 @@ struct Report {
     /// The verdict on each of several scenarios in one row.
     overview: Vec<Vec<String>>,
     train: Vec<[String; 2]>,
+    assumptions: Vec<assumptions::Row>,
     /// What a reader should know beforehand: loads over ratings, horizons that end before a wave has crossed the train.
     warnings: Vec<String>,
 }
@@ -48,6 +51,7 @@ struct Report {
 /// None are known: the template and the facts are this crate's own.
 pub fn markdown(train: &Train, analysis: &Analysis, pictures: &Pictures) -> Result<String, Error> {
     let of = |i: usize| pictures.get(i).map_or(&[][..], |p| p);
+    let ran: Vec<_> = analysis.scenarios.iter().filter_map(|s| words::source(train, s)).map(|(_, s)| s).collect();
     let report = Report {
         name: train.name.clone(),
         several: analysis.scenarios.len() > 1,
@@ -59,6 +63,7 @@ pub fn markdown(train: &Train, analysis: &Analysis, pictures: &Pictures) -> Resu
         cascades: analysis.scenarios.iter().flat_map(|s| &s.cases).any(|c| c.cascade.is_some()),
         sections: analysis.scenarios.iter().enumerate().map(|(i, s)| section(train, s, of(i))).collect(),
         overview: analysis.scenarios.iter().map(|s| overview_row(train, s)).collect(),
+        assumptions: assumptions::rows(train, &ran),
         train: train_facts(train),
         warnings: doubts(train).iter().map(ToString::to_string).collect(),
     };

@@ -13,6 +13,7 @@
 //! | `figure-N-map.svg`, `map-N.csv` | overloading force by duration, or safe load by broken coupler, where asked for |
 //! | `figure-N-breaks.svg` | the worst utilisation by broken coupler, where several breaks were examined |
 
+mod assumptions;
 mod cascade;
 pub(crate) mod cells;
 mod couplers_csv;

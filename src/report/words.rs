@@ -340,7 +340,9 @@ fn verdict_each(scenario: &ScenarioFindings) -> String {
     let extreme = format!("{}, when coupler {broken} breaks: {}", place(worst), most_used(worst, case));
     let load = share_of_load(worst);
     match harmful {
-        0 => format!("None of {breaks} would overload another coupler{open}. The nearest to its rating is {extreme}.{load}"),
+        0 => format!(
+            "None of {breaks} would overload another coupler{open}. The nearest to its rating is {extreme}.{load}"
+        ),
         n => format!("{n} of {breaks} would overload another coupler{open}. The worst is {extreme}.{load}"),
     }
 }
@@ -384,7 +386,10 @@ pub fn safe_load(train: &Train, event: &Event, factor: Option<f64>) -> String {
         Some(0.0) => format!("Some coupler is at or over its rating however small the {cause} is."),
         Some(f) => {
             let share = down(100.0 * f);
-            format!("No coupler would be overloaded if the {what} were {share} % of this, or less (safe {cause} factor {}).", down(f))
+            format!(
+                "No coupler would be overloaded if the {what} were {share} % of this, or less (safe {cause} factor {}).",
+                down(f)
+            )
         }
     }
 }

@@ -20,6 +20,7 @@ mod couplers_csv;
 pub(crate) mod figures;
 pub(crate) mod files;
 pub(crate) mod folder;
+mod groups;
 pub(crate) mod html;
 mod interactive;
 mod limits;

@@ -9,6 +9,8 @@ const ROWS: usize = 40;
 /// Headings of those columns in which any group has something, and the groups' rows.
 #[derive(Debug, serde::Serialize)]
 pub struct Groups {
+    /// What the table is of.
+    pub of: &'static str,
     pub head: Vec<&'static str>,
     pub rows: Vec<Vec<String>>,
     /// How many groups are not shown.
@@ -31,7 +33,7 @@ pub fn vehicles(train: &Train) -> Groups {
             if force == 0.0 { String::new() } else { format!("{} {way}", given_force(force)) },
         ]
     };
-    grouped(&head, train.vehicles.len(), cells)
+    grouped("Vehicles, alike neighbours together", &head, train.vehicles.len(), cells)
 }
 
 /// Couplers from the head.
@@ -56,7 +58,7 @@ pub fn couplers(train: &Train) -> Groups {
             of(limits.buff_n),
         ]
     };
-    grouped(&head, train.couplers.len(), cells)
+    grouped("Couplers, alike neighbours together", &head, train.couplers.len(), cells)
 }
 
 /// The label without the number that tells alike vehicles apart.
@@ -65,7 +67,7 @@ fn stem(label: &str) -> &str {
     if stem.is_empty() { label } else { stem }
 }
 
-fn grouped(head: &[&'static str], items: usize, cells: impl Fn(usize) -> Vec<String>) -> Groups {
+fn grouped(of: &'static str, head: &[&'static str], items: usize, cells: impl Fn(usize) -> Vec<String>) -> Groups {
     let mut groups: Vec<(usize, usize, Vec<String>)> = Vec::new();
     for i in 0..items {
         let these = cells(i);
@@ -84,6 +86,7 @@ fn grouped(head: &[&'static str], items: usize, cells: impl Fn(usize) -> Vec<Str
         std::iter::once(place(*first, *last)).chain(used.iter().map(|&c| cells[c].clone())).collect()
     };
     Groups {
+        of,
         head: std::iter::once(head[0]).chain(used.iter().map(|&c| head[c + 1])).collect(),
         rows: groups.iter().take(ROWS).map(row).collect(),
         more,

@@ -99,7 +99,7 @@ pub fn documents(train: &Train, analysis: &Analysis, formats: &[Format]) -> io::
     let report = markdown::markdown(train, analysis, &pictures).map_err(io::Error::other)?;
     let page = wanted(Format::Html).map(|name| {
         let data = interactive::data(&shown).map_err(io::Error::other)?;
-        Ok::<_, io::Error>((name, html::html(analysis, &report, &pictures, &data).into_bytes()))
+        Ok::<_, io::Error>((name, html::html(train, analysis, &report, &pictures, &data).into_bytes()))
     });
     let markdown = wanted(Format::Markdown).map(|name| (name, report.into_bytes()));
     let mut all: Vec<(String, Vec<u8>)> = Vec::new();

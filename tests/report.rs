@@ -136,7 +136,13 @@ fn a_load_that_is_too_much_by_itself_is_said_to_be() {
     // The report rounds the share down to three digits.
     let share = 0.5e6 / analysis_of(&train).scenarios[0].cases[0].couplers[9].peak_force_n;
     assert!((0.6..0.84).contains(&share), "{share}");
-    assert!(text.contains(&format!("No coupler would be overloaded if the pull were {:.1} % of this", 100.0 * share - 0.05)), "{text}");
+    assert!(
+        text.contains(&format!(
+            "No coupler would be overloaded if the pull were {:.1} % of this",
+            100.0 * share - 0.05
+        )),
+        "{text}"
+    );
 }
 
 /// The load is over the rating in draft from the start, and the front's return in buff is what uses it most.

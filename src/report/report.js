@@ -57,9 +57,18 @@
     const name = (c) => "Coupler " + c.coupler + ", between " + c.between[0] + " and " + c.between[1];
     const wave = scene.wave && decode(scene.wave, count);
     const rod = scene.rod && decode(scene.rod, count);
+    function nearest(t) {
+      return Math.min(wave.times.length - 1, Math.max(0, Math.round((t - scene.wave.from_s) / scene.wave.step_s)));
+    }
+    function worst_instant(c) {
+      const peaks = [[c.peak_draft_n, c.peak_draft_time_s], [c.peak_buff_n, c.peak_buff_time_s]].filter((p) => p[0] !== null);
+      return peaks.reduce((a, b) => (Math.abs(share(c, b[0])) > Math.abs(share(c, a[0])) ? b : a), [0, 0])[1];
+    }
     const exceeds = (c, f) => Math.abs(share(c, f)) > 1 && (scene.several ? scene.largest[c.coupler - 1].exceeds : c.exceeds === true);
     const over = (c, f) => (exceeds(c, f) ? ", over it" : "");
-    const state = { coupler: scene.worst, column: 0, timer: null };
+    // The page opens at the worst instant; the first run starts at t = 0 all the same.
+    const opening = wave ? nearest(worst_instant(by.get(scene.worst))) : 0;
+    const state = { coupler: scene.worst, column: opening, timer: null, fresh: true };
 
     // The largest forces of a coupler in words, a list of lines.
     function facts(c) {
@@ -148,7 +157,13 @@
     const exceeding = scene.couplers.flatMap((c) => [high(c), low(c)].filter((f) => exceeds(c, f)).map((f) => [c.coupler, f / unit]));
     const step = { line: { shape: "hvh" } };
     const dashed = { line: { dash: "dash", width: 1.5, shape: "hvh" } };
-    const WAVE = 6;
+    // A few couplers of a lower rating between stronger ones: a dash of the line of ratings is too narrow to be seen there.
+    const weak = [["rated_draft_n", 1], ["rated_buff_n", -1]].flatMap(([key, sign]) => {
+      const strongest = Math.max(...scene.couplers.map((c) => c[key]));
+      const lower = scene.couplers.filter((c) => c[key] < 0.999 * strongest);
+      return 5 * lower.length > scene.couplers.length ? [] : lower.map((c) => [c.coupler, (sign * c[key]) / unit]);
+    });
+    const WAVE = 7;
     function alongTraces() {
       const filled = (name, paint) => line(places, [], name, paint, { line: { shape: "hvh", width: 1 }, trace: { fill: "tozeroy" } });
       return [
@@ -157,6 +172,9 @@
         line(places, of((c) => inUnits(low(c))), "largest buff", color("buff"), step),
         line(places, of((c) => c.rated_draft_n / unit), "rated", color("text"), dashed),
         line(places, of((c) => -c.rated_buff_n / unit), "rated", color("text"), Object.assign({ trace: { showlegend: false } }, dashed)),
+        { x: weak.map((w) => w[0]), y: weak.map((w) => w[1]), mode: weak.length > 6 ? "markers" : "markers+text", showlegend: false, hoverinfo: "skip",
+          text: weak.map((w) => given(Math.abs(w[1]))), textposition: "middle right", textfont: { color: color("text"), size: 11 },
+          marker: { symbol: "line-ew", size: 11, line: { color: color("text"), width: 2.5 } }, visible: weak.length > 0 },
         { x: exceeding.map((e) => e[0]), y: exceeding.map((e) => e[1]), name: "over its rating", mode: "markers", hoverinfo: "skip",
           marker: { symbol: "diamond", color: color("over"), size: 6 }, visible: exceeding.length > 0 },
         line(places, scene.initial_force_n ? of((c) => inUnits(scene.initial_force_n[c.coupler - 1])) : [], "before the event", color("quiet"),
@@ -190,9 +208,9 @@
       if (field === wave && wave.folded === 1) {
         for (const [peak, at] of [[c.peak_draft_n, c.peak_draft_time_s], [c.peak_buff_n, c.peak_buff_time_s]]) {
           if (peak === null) continue;
-          const nearest = Math.min(t.length - 1, Math.max(0, Math.round((at - scene.wave.from_s) / scene.wave.step_s)));
-          t[nearest] = at;
-          f[nearest] = peak;
+          const column = nearest(at);
+          t[column] = at;
+          f[column] = peak;
         }
       }
       return [t.map((x) => x / clock), f.map(inUnits)];
@@ -297,7 +315,8 @@
     // The whole horizon in some twelve seconds.
     function start() {
       const stride = Math.max(1, Math.round(wave.times.length / 240));
-      if (state.column >= wave.times.length - 1) state.column = 0;
+      if (state.fresh || state.column >= wave.times.length - 1) state.column = 0;
+      state.fresh = false;
       play.textContent = "Pause";
       state.timer = setInterval(() => {
         show(Math.min(state.column + stride, wave.times.length - 1));
@@ -310,11 +329,12 @@
     along.on("plotly_click", (event) => choose(event.points[0].x));
     if (wave) {
       play.addEventListener("click", () => (state.timer === null ? start() : stop()));
-      slider.addEventListener("input", () => { stop(); show(Number(slider.value)); });
+      slider.addEventListener("input", () => { stop(); state.fresh = false; show(Number(slider.value)); });
       map.on("plotly_click", (event) => {
         const point = event.points[0];
         choose(point.y);
         stop();
+        state.fresh = false;
         show(Math.round((point.x * clock - scene.wave.from_s) / scene.wave.step_s));
       });
     }

@@ -99,7 +99,11 @@ pub fn overview_row(train: &Train, scenario: &ScenarioFindings) -> Vec<String> {
     let worst = words::worst_case(scenario).map_or([const { String::new() }; 3], |(case, c)| {
         let after = case.broken_coupler.filter(|_| scenario.cases.len() > 1);
         let after = after.map_or(String::new(), |b| format!(", when {b} breaks"));
-        [format!("{}{after}", c.coupler), format!("{}, {} %", demand(c, case), percent(c.utilisation)), time(c.peak_time_s)]
+        [
+            format!("{}{after}", c.coupler),
+            format!("{}, {} %", demand(c, case), percent(c.utilisation)),
+            time(c.peak_time_s),
+        ]
     });
     let factor = scenario.cases.iter().filter_map(|c| c.safe_load_factor).reduce(f64::min).map_or(String::new(), down);
     let of = words::source(train, scenario).map_or("", |(_, s)| words::cause(&s.event));

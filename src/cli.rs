@@ -20,6 +20,13 @@ with --shard, and --merge joins them.
 
 Example: trainsafe fleet trains --out reports/yard";
 
+const SERVE: &str = "\
+The page is for browsers on this machine alone, and for who has the address, which holds a random
+number. On a machine that others use, --no-open keeps it out of the list of running programs. The
+train file is written when Save is pressed; files that it names are read in its folder alone.
+
+Example: trainsafe serve trains/ore-train.toml";
+
 /// Which couplers of a train exceed their capacity, and when, after another coupler breaks or a shock hits the train
 #[derive(Debug, Parser)]
 #[command(version, arg_required_else_help = true, after_help = STATUS)]
@@ -41,6 +48,9 @@ pub enum Command {
     /// Show error against run time of every method, and of those that simulators use, on one train
     #[command(after_help = "Example: trainsafe accuracy trains/paper-figure-4.toml --out accuracy/figure-4")]
     Accuracy(Accuracy),
+    /// Open a train's report as a page that follows what is changed in it (in builds with the feature serve)
+    #[command(after_help = SERVE)]
+    Serve(Serve),
     /// Say whether a train file is right, what the train is and what will be run
     #[command(after_help = "Example: trainsafe check trains/ore-train.toml")]
     Check {
@@ -147,6 +157,18 @@ pub struct Fleet {
     pub fail_on_exceed: bool,
     #[command(flatten)]
     pub solver: Solver,
+}
+
+#[derive(Debug, Args)]
+pub struct Serve {
+    /// The train file
+    pub train: PathBuf,
+    /// Listen on this port of 127.0.0.1 [default: a free one]
+    #[arg(long, value_name = "PORT", default_value_t = 0, hide_default_value = true)]
+    pub port: u16,
+    /// Print the address and open no browser
+    #[arg(long)]
+    pub no_open: bool,
 }
 
 #[derive(Debug, Args)]

@@ -14,7 +14,7 @@
 //! [`schema`] makes of the reader's tables of keys a JSON Schema for editors.
 //!
 //! Features, both on by default: `cli` builds the program, `accuracy` the module of that name. `parquet` lets a fleet write
-//! `fleet.parquet`.
+//! `fleet.parquet`, `serve` builds the module of that name.
 //!
 //! ```
 //! let train = trainsafe::consist::read("trains/paper-figure-4.toml".as_ref())?;
@@ -45,6 +45,8 @@ pub mod report;
 pub mod rod;
 pub mod scenario;
 pub mod schema;
+#[cfg(feature = "serve")]
+pub mod serve;
 pub mod solve;
 pub mod units;
 

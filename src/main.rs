@@ -3,6 +3,7 @@
 mod cli;
 mod manual;
 mod run_fleet;
+mod run_serve;
 mod signals;
 
 use std::ffi::OsStr;
@@ -43,6 +44,7 @@ fn main() -> ExitCode {
         Command::Analyze(args) => analyze(&args),
         Command::Fleet(args) => run_fleet::run(&args),
         Command::Accuracy(args) => accuracy(&args),
+        Command::Serve(args) => run_serve::run(&args),
         Command::Check { train } => read(&train).and_then(|t| print(&consist::describe(&t))),
         Command::New => print(consist::TEMPLATE),
         Command::Schema { study } => print(&schema::text(study)),

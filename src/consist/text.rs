@@ -35,9 +35,26 @@ type Text = Result<Arc<str>, [String; 2]>;
 #[derive(Debug, Default)]
 pub struct Files {
     read: Mutex<Vec<(Source, Text)>>,
+    /// The only folder from which a train file's tables and records are read, without symbolic links; `None`: any.
+    folder: Option<PathBuf>,
 }
 
 impl Files {
+    /// Files of which tables and records are read from this folder and those in it alone, whatever names and links lead out of it.
+    ///
+    /// # Errors
+    /// A folder that is not there.
+    pub fn within(folder: &Path) -> io::Result<Files> {
+        Ok(Files { read: Mutex::default(), folder: Some(folder.canonicalize()?) })
+    }
+
+    /// Notes the bytes of a train file that were not read from the disk.
+    #[cfg(feature = "serve")]
+    pub(crate) fn given(&self, path: &Path, text: &str) {
+        let source = Source { path: path.to_owned(), sha256: Sha256::digest(text).into() };
+        self.lock().push((source, Ok(text.into())));
+    }
+
     /// The text of a train file or study, which may come through a pipe.
     pub(crate) fn main(&self, path: &Path) -> Result<Arc<str>, InputError> {
         let give = "give the path of a train file; `trainsafe new` prints one to start from";
@@ -58,6 +75,7 @@ impl Files {
     pub(super) fn beside(&self, path: &Path) -> Text {
         let give = "give the path of a CSV file";
         self.text(path, || {
+            let path = &self.allowed(path)?;
             let about = fs::metadata(path).map_err(|e| unreadable(&e, give))?;
             if about.is_file() || about.is_dir() {
                 let bytes = bytes(path, "a CSV file", give, LARGEST_TABLE)?;
@@ -69,6 +87,14 @@ impl Files {
             }
             Err(["this is a pipe or a device".into(), give.into()])
         })
+    }
+
+    /// The path of a table or record, if it may be read.
+    fn allowed(&self, path: &Path) -> Result<PathBuf, [String; 2]> {
+        let Some(folder) = &self.folder else { return Ok(path.to_owned()) };
+        let real = path.canonicalize().ok().filter(|real| real.starts_with(folder));
+        let help = "put the file beside the train file, and give its name";
+        real.ok_or_else(|| ["there is no such file in the train's folder, and no other is read".into(), help.into()])
     }
 
     /// Every file that was asked for, in the order of the first time.

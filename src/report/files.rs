@@ -92,7 +92,8 @@ fn holds(path: &Path, content: &[u8]) -> bool {
     path.symlink_metadata().is_ok_and(alike) && fs::read(path).is_ok_and(|old| old == content)
 }
 
-fn stage(dir: &Path, content: &[u8]) -> io::Result<NamedTempFile> {
+/// The content in a file under a temporary name, to be renamed.
+pub(crate) fn stage(dir: &Path, content: &[u8]) -> io::Result<NamedTempFile> {
     let mut file = unfinished(dir)?;
     // By way of the file itself: the temporary name means nothing to whoever reads of an error.
     file.as_file_mut().write_all(content)?;

@@ -30,28 +30,66 @@ static LIBRARY: LazyLock<String> =
     LazyLock::new(|| STANDARD.encode(include_bytes!("../../assets/plotly-cartesian.min.js.gz")));
 const LIBRARY_DIGEST: &str = include_str!("../../assets/plotly-cartesian.min.js.sha256");
 
+/// A page with the script that draws the figures.
+pub(crate) struct Frame<'a> {
+    /// Plain text.
+    pub title: &'a str,
+    /// CSS beyond that of a report.
+    pub style: &'a str,
+    /// What stands in the body, as HTML.
+    pub body: &'a str,
+    /// What the figures are drawn from, as JSON.
+    pub data: &'a str,
+    /// A script that runs after the one that draws.
+    pub script: Option<&'a str>,
+}
+
+impl Frame<'_> {
+    /// The page, whose policy lets nothing else run; with a script of its own it may ask the server that it came from.
+    pub(crate) fn page(&self) -> String {
+        let Frame { style, body, .. } = self;
+        let scripts: Vec<&str> = std::iter::once(SCRIPT).chain(self.script).collect();
+        let digest = |script: &&str| format!("'sha256-{}'", STANDARD.encode(Sha256::digest(script.as_bytes())));
+        let digests: String = scripts.iter().map(digest).map(|digest| digest + " ").collect();
+        let elements: String = scripts.iter().map(|script| format!("<script>{script}</script>\n")).collect();
+        let connect = if self.script.is_some() { "connect-src 'self'; " } else { "" };
+        format!(
+            "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+             <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; img-src \
+             data: blob:; {connect}script-src {digests}'sha256-{LIBRARY_DIGEST}'; base-uri 'none'; form-action 'none'\">\n\
+             <title>{title}</title>\n<style>\n{colors}{STYLE}{style}</style>\n</head>\n<body>\n\
+             <a class=\"skip\" href=\"#main\">Skip to the report</a>\n{body}\
+             <script type=\"application/json\" id=\"data\">{data}</script>\n\
+             <script type=\"text/plain\" id=\"library\">{library}</script>\n{elements}</body>\n</html>\n",
+            title = escaped(self.title),
+            colors = css(),
+            data = in_script(self.data),
+            library = LIBRARY.as_str(),
+        )
+    }
+}
+
+/// JSON as the text of a script element, which only "<" could end or turn into a comment.
+pub(crate) fn in_script(json: &str) -> String {
+    json.replace('<', "\\u003c")
+}
+
 /// The report as a page: its Markdown, its figures, and what the script draws from.
 pub fn html(train: &Train, analysis: &Analysis, markdown: &str, pictures: &Pictures, data: &str) -> String {
-    let title = escaped(&analysis.train);
-    let body = Page { analysis, pictures, out: String::new(), heading: String::new() }.body(markdown);
-    let digest = STANDARD.encode(Sha256::digest(SCRIPT.as_bytes()));
-    // Within a script element only "<" could end it or open a comment.
-    let data = data.replace('<', "\\u003c");
-    format!(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data: \
-         blob:; script-src 'sha256-{digest}' 'sha256-{LIBRARY_DIGEST}'; base-uri 'none'; form-action 'none'\">\n\
-         <title>{title}</title>\n<style>\n{colors}{STYLE}</style>\n</head>\n<body>\n\
-         <a class=\"skip\" href=\"#main\">Skip to the report</a>\n<main id=\"main\">\n{body}{file}</main>\n\
-         <footer><p>Written by trainsafe {version}. Interactive figures: Plotly.js, MIT licence, within this file.</p></footer>\n\
-         <script type=\"application/json\" id=\"data\">{data}</script>\n\
-         <script type=\"text/plain\" id=\"library\">{library}</script>\n<script>{SCRIPT}</script>\n</body>\n</html>\n",
+    let body = format!(
+        "<main id=\"main\">\n{body}{file}</main>\n\
+         <footer><p>Written by trainsafe {version}. Interactive figures: Plotly.js, MIT licence, within this file.</p></footer>\n",
+        body = body(analysis, markdown, pictures),
         file = train_file(&train.origin.text),
         version = env!("CARGO_PKG_VERSION"),
-        colors = css(),
-        library = LIBRARY.as_str(),
-    )
+    );
+    Frame { title: &analysis.train, style: "", body: &body, data, script: None }.page()
+}
+
+/// What a report says, as HTML.
+pub(crate) fn body(analysis: &Analysis, markdown: &str, pictures: &Pictures) -> String {
+    Page { analysis, pictures, out: String::new(), heading: String::new() }.body(markdown)
 }
 
 /// The train file's text, folded; nothing for a train that was not read from a text.

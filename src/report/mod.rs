@@ -90,8 +90,7 @@ pub fn write(train: &Train, analysis: &Analysis, dir: &Path, formats: &[Format])
 /// # Errors
 /// None are known: what is written here into memory is this crate's own.
 pub fn documents(train: &Train, analysis: &Analysis, formats: &[Format]) -> io::Result<Vec<(String, Vec<u8>)>> {
-    let shown: Vec<Option<Shown>> = analysis.scenarios.iter().map(|s| Shown::new(train, s)).collect();
-    let pictures: Pictures = shown.iter().map(|s| s.as_ref().map_or_else(Vec::new, Shown::pictures)).collect();
+    let (shown, pictures) = drawn(train, analysis);
     let wanted = |format: Format| formats.contains(&format).then(|| format.file().to_owned());
     let mut rows = Vec::new();
     csv(analysis, &mut rows).map_err(io::Error::other)?;
@@ -116,6 +115,22 @@ pub fn documents(train: &Train, analysis: &Analysis, formats: &[Format]) -> io::
     all.extend(page.transpose()?);
     all.extend(markdown);
     Ok(all)
+}
+
+/// What is drawn of each scenario, and its static figures.
+fn drawn<'a>(train: &'a Train, analysis: &'a Analysis) -> (Vec<Option<Shown<'a>>>, Pictures) {
+    let shown: Vec<Option<Shown>> = analysis.scenarios.iter().map(|s| Shown::new(train, s)).collect();
+    let pictures = shown.iter().map(|s| s.as_ref().map_or_else(Vec::new, Shown::pictures)).collect();
+    (shown, pictures)
+}
+
+/// What a page shows of an analysis, as HTML, and what its figures are drawn from, as JSON.
+#[cfg(feature = "serve")]
+pub(crate) fn shown_live(train: &Train, analysis: &Analysis) -> io::Result<(String, String)> {
+    let (shown, pictures) = drawn(train, analysis);
+    let report = markdown::markdown(train, analysis, &pictures).map_err(io::Error::other)?;
+    let data = interactive::data(&shown).map_err(io::Error::other)?;
+    Ok((html::body(analysis, &report, &pictures), data))
 }
 
 /// Whether a file's name is one that only a report, its figures and its maps have.

@@ -1,19 +1,19 @@
 // Interactive figures of a report. Without this script, or on paper, the static ones stand in their place.
 //
 // Numbers come in SI from the element "data", one entry per scenario. Plotly.js lies compressed in the element "library".
+// `drawFigures` is for a page that draws other numbers later.
 "use strict";
-(async function () {
-  const scenes = JSON.parse(document.getElementById("data").textContent);
-  if (!scenes.some((scene) => scene) || !("DecompressionStream" in window)) return;
-
+(function () {
   // --- the library -----------------------------------------------------------------------------------------------------
-  const packed = Uint8Array.from(atob(document.getElementById("library").textContent), (c) => c.charCodeAt(0));
-  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
-  const script = document.createElement("script");
-  script.textContent = await new Response(stream).text();
-  document.head.append(script);
-  const Plotly = window.Plotly;
-  if (!Plotly) return;
+  let Plotly = null;
+  async function unpackLibrary() {
+    const packed = Uint8Array.from(atob(document.getElementById("library").textContent), (c) => c.charCodeAt(0));
+    const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
+    const script = document.createElement("script");
+    script.textContent = await new Response(stream).text();
+    document.head.append(script);
+    Plotly = window.Plotly;
+  }
 
   // --- words and numbers -----------------------------------------------------------------------------------------------
   const escaped = (s) => s.replace(/&/g, "&amp;").replace(/</g, "&lt;").replace(/>/g, "&gt;");
@@ -52,7 +52,11 @@
   // Above this the 16-bit numbers leave no doubt that a force is over its rating, %.
   const OVER = 100.02;
 
-  function figures(scene, number, place) {
+  // Of the figures that are drawn: what is chosen in each, by scenario, and what ends them.
+  const states = new Map();
+  let endings = [];
+
+  function figures(scene, number, place, several) {
     const [unitName, unit] = scene.force_unit;
     const [clockName, clock] = scene.time_unit;
     const force = (f) => digits(Math.abs(f) / unit) + " " + unitName + " in " + sense(f);
@@ -79,7 +83,12 @@
     const over = (c, f) => (exceeds(c, f) ? ", over it" : "");
     // The page opens at the worst instant; the first run starts at t = 0 all the same.
     const opening = wave ? nearest(worst_instant(by.get(scene.worst))) : 0;
-    const state = { coupler: scene.worst, column: opening, timer: null, fresh: true, brk: null };
+    const state = { coupler: scene.worst, picked: false, column: opening, timer: null, fresh: true, brk: null };
+    // What a reader chose in figures of earlier numbers stays.
+    const earlier = states.get(number);
+    if (earlier && earlier.picked && by.has(earlier.coupler)) Object.assign(state, { coupler: earlier.coupler, picked: true });
+    if (earlier && wave && !earlier.fresh) Object.assign(state, { column: Math.min(earlier.column, wave.times.length - 1), fresh: false });
+    states.set(number, state);
 
     // The largest forces of a coupler in words, a list of lines.
     function facts(c) {
@@ -121,11 +130,11 @@
     const shown = element("output", { id: id("shown") });
     shown.htmlFor = slider.id;
     // One level below the heading that they stand under.
-    const heading = (text) => element(scenes.length > 1 ? "h3" : "h2", { textContent: text });
+    const heading = (text) => element(several ? "h3" : "h2", { textContent: text });
     const label = (control, text) => element("label", { htmlFor: control.id, textContent: text });
     const parts = [
       heading("Forces along the train" + (scene.several ? ": the largest over all breaks, and the wave" + scene.when.replace(",", "") : "")),
-      element("p", { className: "note", textContent: "Point at a coupler for its forces; click it, or choose it below, for its course over time" +
+      element("p", { className: "note", textContent: "Point at a coupler for its forces; " + (document.body.dataset.click || "click it, or choose it below, for its course over time") +
         (wave ? ". The slider and the button run the wave through the train." : ".") }),
     ];
     const brk = element("select", { id: id("break") });
@@ -349,21 +358,27 @@
         if (state.column >= wave.times.length - 1) stop();
       }, 50);
     }
+    // What the reader chooses; a page may take a click on a coupler for something else.
+    function pick(coupler) {
+      state.picked = true;
+      choose(coupler);
+    }
+    const clicked = (coupler) => place.dispatchEvent(new CustomEvent("coupler", { detail: coupler, bubbles: true, cancelable: true }));
     draw();
-    choose(scene.worst);
+    choose(state.coupler);
     brk.addEventListener("change", () => {
       state.brk = brk.value === "" ? null : Number(brk.value);
       draw();
       describe();
     });
-    select.addEventListener("change", () => choose(Number(select.value)));
-    along.on("plotly_click", (event) => choose(event.points[0].x));
+    select.addEventListener("change", () => pick(Number(select.value)));
+    along.on("plotly_click", (event) => { if (clicked(event.points[0].x)) pick(event.points[0].x); });
     if (wave) {
       play.addEventListener("click", () => (state.timer === null ? start() : stop()));
       slider.addEventListener("input", () => { stop(); state.fresh = false; show(Number(slider.value)); });
       map.on("plotly_click", (event) => {
         const point = event.points[0];
-        choose(point.y);
+        pick(point.y);
         stop();
         state.fresh = false;
         show(Math.round((point.x * clock - scene.wave.from_s) / scene.wave.step_s));
@@ -375,17 +390,31 @@
       plain(over_time, "Force in the chosen coupler over time, with its ratings");
       plain(map, "Force in every coupler by place and time");
     }
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
+    const dark = matchMedia("(prefers-color-scheme: dark)");
+    dark.addEventListener("change", draw);
+    endings.push(() => {
+      clearInterval(state.timer);
+      dark.removeEventListener("change", draw);
+      [along, over_time, map].forEach((plot) => Plotly.purge(plot));
+    });
     for (const kind of wave ? ["envelope", "wave", "force"] : ["envelope"]) {
       document.querySelectorAll('figure[data-scenario="' + number + '"][data-kind="' + kind + '"]').forEach((f) => f.classList.add("replaced"));
     }
   }
 
-  document.querySelectorAll(".live").forEach((place) => {
-    const number = Number(place.dataset.scenario);
-    if (scenes[number]) figures(scenes[number], number, place);
-  });
+  // Draws scenes into the places that the page has for them; what was drawn before ends.
+  async function drawFigures(scenes) {
+    if (!scenes.some((scene) => scene) || !("DecompressionStream" in window)) return;
+    if (!Plotly) await unpackLibrary();
+    if (!Plotly) return;
+    endings.splice(0).forEach((end) => end());
+    document.querySelectorAll(".live").forEach((place) => {
+      const number = Number(place.dataset.scenario);
+      if (scenes[number]) figures(scenes[number], number, place, scenes.length > 1);
+    });
+  }
   // What is folded is printed open.
   addEventListener("beforeprint", () => document.querySelectorAll("details").forEach((d) => { d.open = true; }));
-  document.documentElement.dataset.drawn = "yes";
+  window.drawFigures = drawFigures;
+  drawFigures(JSON.parse(document.getElementById("data").textContent)).then(() => { document.documentElement.dataset.drawn = "yes"; });
 })();

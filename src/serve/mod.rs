@@ -1,0 +1,196 @@
+//! `trainsafe serve`: the report's page on this machine, with the program behind it.
+//!
+//! | request | answer |
+//! | --- | --- |
+//! | `GET /TOKEN/` | the page, with the train file as it is on the disk |
+//! | `POST /TOKEN/analyze` | the text's problems, or its report and the numbers of its figures |
+//! | `POST /TOKEN/save` | the text has replaced the train file |
+//!
+//! It listens on 127.0.0.1 alone. Who does not know the token, a random number in the address, or comes by another host's name,
+//! gets status 403. Files that a train names are read in the train's folder alone, and nothing but the train file is written.
+
+mod answer;
+mod controls;
+mod edit;
+mod guard;
+mod page;
+mod save;
+
+use std::io;
+use std::net::{Ipv4Addr, TcpListener};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use axum::body::Bytes;
+use axum::extract::{DefaultBodyLimit, State as Shared};
+use axum::http::{StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use axum::routing::{get, post};
+use axum::{Router, middleware};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use crate::error::InputError;
+
+/// Larger requests are refused, bytes.
+const MOST_BYTES: usize = 8 << 20;
+
+/// Why the page cannot be served.
+#[derive(Debug, thiserror::Error)]
+pub enum ServeError {
+    /// The train file cannot be read.
+    #[error("{}", .0.render(false))]
+    Input(#[from] InputError),
+    /// This machine does not let the program listen.
+    #[error("cannot listen on 127.0.0.1: {0}")]
+    Listen(#[from] io::Error),
+}
+
+/// A page of one train file, on this machine.
+pub struct Server {
+    listener: TcpListener,
+    address: String,
+    state: Arc<State>,
+}
+
+/// What every request needs.
+struct State {
+    /// The train file as it was named, and without symbolic links.
+    path: PathBuf,
+    real: PathBuf,
+    /// The folder that it is in.
+    folder: PathBuf,
+    token: String,
+    /// Whether the file's lines end in CR and LF, as the page does not keep them.
+    crlf: AtomicBool,
+    turn: Mutex<()>,
+}
+
+impl State {
+    /// The only analysis under way.
+    fn turn(&self) -> MutexGuard<'_, ()> {
+        self.turn.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn notice_line_ends(&self, text: &str) {
+        self.crlf.store(text.contains("\r\n"), Ordering::Relaxed);
+    }
+
+    /// A text of the page with the line ends that the file has.
+    fn as_in_file(&self, text: &str) -> String {
+        let text = text.replace("\r\n", "\n");
+        if self.crlf.load(Ordering::Relaxed) { text.replace('\n', "\r\n") } else { text }
+    }
+}
+
+impl Server {
+    /// Listens on a port of 127.0.0.1; on a free one if it is 0.
+    ///
+    /// # Errors
+    /// A train file that cannot be read as text (what is wrong in it is told on the page), or a port that is taken.
+    pub fn open(train: &Path, port: u16) -> Result<Server, ServeError> {
+        let unreadable = |e| InputError::of_file(train, format!("the file cannot be read: {e}"), "");
+        let mut bytes = [0; 16];
+        getrandom::fill(&mut bytes).map_err(|e| io::Error::other(e.to_string()))?;
+        let token: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
+        // Told as `check` tells it.
+        crate::consist::Files::default().main(train)?;
+        let real = train.canonicalize().map_err(unreadable)?;
+        let folder = real.parent().unwrap_or(Path::new("/")).to_owned();
+        let path = train.to_owned();
+        let state = State { path, real, folder, token, crlf: AtomicBool::new(false), turn: Mutex::new(()) };
+        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))?;
+        listener.set_nonblocking(true)?;
+        let address = format!("http://{}/{}/", listener.local_addr()?, state.token);
+        Ok(Server { listener, address, state: Arc::new(state) })
+    }
+
+    /// Where the page is, token included.
+    pub fn address(&self) -> &str {
+        &self.address
+    }
+
+    /// Answers requests until the process ends.
+    ///
+    /// # Errors
+    /// The system lets the program listen no more.
+    pub fn run(self) -> io::Result<()> {
+        let Server { listener, state, .. } = self;
+        let at = |what: &str| format!("/{}/{what}", state.token);
+        let router = Router::new()
+            .route(&at(""), get(page))
+            .route(&at("analyze"), post(analyze))
+            .route(&at("save"), post(save))
+            .layer(DefaultBodyLimit::max(MOST_BYTES))
+            .layer(middleware::from_fn_with_state(state.clone(), guard::guard))
+            .with_state(state);
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+        runtime.block_on(async { axum::serve(tokio::net::TcpListener::from_std(listener)?, router).await })
+    }
+}
+
+async fn page(Shared(state): Shared<Arc<State>>) -> Response {
+    let page = blocking(move |_| save::read(&state).map(|on_disk| page::page(&state, &on_disk))).await;
+    match page {
+        Some(Ok(page)) => ([(header::CONTENT_TYPE, "text/html; charset=utf-8")], page).into_response(),
+        Some(Err(error)) => (StatusCode::INTERNAL_SERVER_ERROR, error.render(false)).into_response(),
+        None => fault(),
+    }
+}
+
+async fn analyze(Shared(state): Shared<Arc<State>>, body: Bytes) -> Response {
+    let request = match parsed(&body) {
+        Ok(request) => request,
+        Err(refusal) => return refusal,
+    };
+    match blocking(move |gone| answer::answer(&state, request, gone)).await {
+        Some(Some(reply)) => json(&reply),
+        _ => fault(),
+    }
+}
+
+async fn save(Shared(state): Shared<Arc<State>>, body: Bytes) -> Response {
+    let asked: save::Save = match parsed(&body) {
+        Ok(asked) => asked,
+        Err(refusal) => return refusal,
+    };
+    match blocking(move |_| save::save(&state, &asked)).await {
+        Some(Ok(digest)) => json(&serde_json::json!({ "digest": digest })),
+        Some(Err(save::NotSaved::Changed(why))) => (StatusCode::CONFLICT, why).into_response(),
+        Some(Err(save::NotSaved::Failed(why))) => (StatusCode::INTERNAL_SERVER_ERROR, why).into_response(),
+        None => fault(),
+    }
+}
+
+/// A flag that is set when it is dropped: when nobody waits for the answer any more.
+struct Gone(Arc<AtomicBool>);
+
+impl Drop for Gone {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+}
+
+/// Work that takes a thread; `None` where it panicked.
+async fn blocking<T: Send + 'static>(work: impl FnOnce(&AtomicBool) -> T + Send + 'static) -> Option<T> {
+    let gone = Gone(Arc::default());
+    let told = gone.0.clone();
+    tokio::task::spawn_blocking(move || work(&told)).await.ok()
+}
+
+fn parsed<T: DeserializeOwned>(body: &[u8]) -> Result<T, Response> {
+    let refusal = |e| (StatusCode::BAD_REQUEST, format!("the request is not what is expected: {e}")).into_response();
+    serde_json::from_slice(body).map_err(refusal)
+}
+
+fn json(value: &impl Serialize) -> Response {
+    match serde_json::to_string(value) {
+        Ok(text) => ([(header::CONTENT_TYPE, "application/json")], text).into_response(),
+        Err(_) => fault(),
+    }
+}
+
+fn fault() -> Response {
+    (StatusCode::INTERNAL_SERVER_ERROR, "a fault in trainsafe: the request was not done").into_response()
+}

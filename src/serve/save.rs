@@ -1,0 +1,68 @@
+//! The train file on the disk: read, and replaced by the text of the page.
+
+use std::fs;
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use super::State;
+use crate::consist::Files;
+use crate::error::{InputError, printable_path};
+use crate::report::{between_writes, files};
+
+/// The train file as it was read.
+#[derive(Serialize)]
+pub(super) struct OnDisk {
+    text: String,
+    /// SHA-256 of its bytes, in hexadecimal.
+    digest: String,
+}
+
+/// A text to save.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Save {
+    text: String,
+    /// The digest of the file that the text was made from.
+    digest: String,
+}
+
+/// Why a text was not saved.
+pub(super) enum NotSaved {
+    /// The file is another than the one that was read.
+    Changed(String),
+    /// It cannot be written.
+    Failed(String),
+}
+
+pub(super) fn read(state: &State) -> Result<OnDisk, InputError> {
+    let files = Files::default();
+    let text = files.main(&state.path)?;
+    let digest = files.list().first().map_or(String::new(), |source| hex(&source.sha256));
+    state.notice_line_ends(&text);
+    Ok(OnDisk { text: text.to_string(), digest })
+}
+
+/// Writes the text beside the train file and gives it that name, if the file is still the one that was read. Returns the new digest.
+pub(super) fn save(state: &State, asked: &Save) -> Result<String, NotSaved> {
+    let shown = printable_path(&state.path);
+    let failed = |what: &dyn std::fmt::Display| NotSaved::Failed(format!("cannot write {shown}: {what}"));
+    // One at a time, and none while the program ends.
+    let _whole = between_writes();
+    let bytes = fs::read(&state.real).map_err(|e| NotSaved::Changed(format!("{shown} can no longer be read: {e}")))?;
+    if hex(&Sha256::digest(&bytes)) != asked.digest {
+        let what = "has changed on the disk since it was read, and was not replaced: copy what you need, then load the page anew";
+        return Err(NotSaved::Changed(format!("{shown} {what}")));
+    }
+    let content = state.as_in_file(&asked.text);
+    let file = files::stage(&state.folder, content.as_bytes()).map_err(|e| failed(&e))?;
+    let about = fs::metadata(&state.real).map_err(|e| failed(&e))?;
+    file.as_file().set_permissions(about.permissions()).map_err(|e| failed(&e))?;
+    file.as_file().sync_all().map_err(|e| failed(&e))?;
+    file.persist(&state.real).map_err(|e| failed(&e.error))?;
+    Ok(hex(&Sha256::digest(content.as_bytes())))
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}

@@ -50,7 +50,8 @@ fn open(address: &str) {
     } else {
         ("xdg-open", &[])
     };
-    let screen = ["DISPLAY", "WAYLAND_DISPLAY"].iter().any(|name| std::env::var_os(name).is_some_and(|v| !v.is_empty()));
+    let screen =
+        ["DISPLAY", "WAYLAND_DISPLAY"].iter().any(|name| std::env::var_os(name).is_some_and(|v| !v.is_empty()));
     if cfg!(all(unix, not(target_os = "macos"))) && !screen {
         return;
     }

@@ -6,7 +6,7 @@ use std::process::{Command, Output, Stdio};
 
 use tempfile::TempDir;
 
-const COMMANDS: [&str; 8] = ["analyze", "fleet", "accuracy", "check", "new", "schema", "completions", "man"];
+const COMMANDS: [&str; 9] = ["analyze", "fleet", "accuracy", "serve", "check", "new", "schema", "completions", "man"];
 
 fn trainsafe(args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_trainsafe")).args(args).env("COLUMNS", "100").output().expect("it runs")
@@ -67,6 +67,11 @@ fn examples_in_the_help_run() {
     for (command, help) in helps() {
         let example =
             help.lines().last().and_then(|line| line.strip_prefix("Example: ")).expect("an example at the end");
+        assert!(example.starts_with("trainsafe "), "{command}");
+        if command == "serve" {
+            // It runs until it is ended: its own tests do so.
+            continue;
+        }
         let Some(shell) = cfg!(unix).then_some("sh") else { return };
         let run = Command::new(shell)
             .args(["-c", example])
@@ -85,6 +90,15 @@ fn examples_in_the_help_run() {
     ] {
         assert!(folder.path().join(written).is_file(), "{written}");
     }
+}
+
+#[cfg(not(feature = "serve"))]
+#[test]
+fn a_build_without_serve_says_how_to_get_it() {
+    let run = trainsafe(&["serve", "trains/ore-train.toml"]);
+    assert_eq!(run.status.code(), Some(2));
+    let said = String::from_utf8_lossy(&run.stderr);
+    assert!(said.contains("cargo install --path . --features serve"), "{said}");
 }
 
 #[test]

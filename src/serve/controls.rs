@@ -31,7 +31,9 @@ pub(super) fn controls(tree: &Table, scenario: Option<usize>) -> Vec<Control> {
             Kind::Tables(shape) if shape.variants.is_some() => {
                 let index = scenario.unwrap_or(usize::MAX);
                 let table = tree.get(key.name).and_then(|all| all.as_array()?.get(index)?.as_table());
-                all.extend(table.into_iter().flat_map(|t| of_table(shape, Some(t), &format!("{}[{index}].", key.name))));
+                all.extend(
+                    table.into_iter().flat_map(|t| of_table(shape, Some(t), &format!("{}[{index}].", key.name))),
+                );
             }
             _ => {}
         }

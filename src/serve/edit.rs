@@ -44,7 +44,8 @@ pub(super) fn put(text: &str, change: &Change) -> Result<String, String> {
         wanted = text.parse().map_err(|_| by_hand(&key))?;
     }
     key.put(&mut wanted, change.value.clone())?;
-    let changed = written(&text, &key, &change.value).filter(|text| text.parse().is_ok_and(|read: Table| read == wanted));
+    let changed =
+        written(&text, &key, &change.value).filter(|text| text.parse().is_ok_and(|read: Table| read == wanted));
     changed.ok_or_else(|| by_hand(&key))
 }
 

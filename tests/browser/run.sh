@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The HTML reports in a real browser: needs cargo, node with npm, and Chromium, which it installs where it may.
+# The HTML reports and the page of `trainsafe serve` in a real browser: needs cargo, node with npm, and Chromium, which it installs where it may.
 set -euo pipefail
 cd "$(dirname "$0")"
 
@@ -18,7 +18,7 @@ if [ ${#missing[@]} -gt 0 ] && ! { installed apt-get && install "${missing[@]}";
     exit 0
 fi
 
-cargo build --quiet
+cargo build --quiet --features serve
 target=$(cargo metadata --format-version 1 --no-deps | sed -n 's/.*"target_directory":"\([^"]*\)".*/\1/p')
 npm ci --no-audit --no-fund --silent
-TRAINSAFE="$target/debug/trainsafe" node --test --test-timeout=120000 report.test.js
+TRAINSAFE="$target/debug/trainsafe" node --test --test-timeout=120000 report.test.js serve.test.js

@@ -6,7 +6,7 @@
 //! Those are drawn by Plotly.js, which every report carries (0.7 MB of base64; the page unpacks it): it has lines, pictures by
 //! place and time and hover labels in one schema. Where its text is from is in `assets/README.md`.
 //!
-//! A policy in the page's head forbids everything but the two scripts, by their digests: whatever a train file's names hold,
+//! A policy in the page's head forbids everything but its own scripts, by their digests: whatever a train file's names hold,
 //! nothing else runs and nothing is fetched.
 
 use std::sync::LazyLock;

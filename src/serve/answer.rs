@@ -89,7 +89,7 @@ pub(super) fn answer(state: &State, request: Request, gone: &AtomicBool) -> Opti
 
 /// Reads the text, and analyses the train if it is one.
 fn analyse(state: &State, request: &Request, reply: &mut Reply) -> Result<(), String> {
-    let files = Files::within(&state.folder).map_err(|e| format!("the train's folder cannot be read: {e}"))?;
+    let files = state.files().map_err(|e| format!("the train's folder cannot be read: {e}"))?;
     files.given(&state.path, &state.as_in_file(&reply.text));
     let tree: Option<Table> = reply.text.parse().ok();
     let train = match consist::parse_with(&reply.text, &state.path, &files) {

@@ -86,6 +86,9 @@
     await window.drawFigures(scenes);
     main.style.minHeight = "";
     if (focused && $(focused)) $(focused).focus();
+    const verdict = main.querySelector(".verdict");
+    $("short").textContent = verdict ? verdict.querySelector("strong").textContent : "";
+    $("short").className = verdict ? verdict.className.replace("verdict", "").trim() : "";
     $("status").textContent = "Analysis " + milliseconds(reply.analysis_ms) + "; with the report " + milliseconds(reply.total_ms) + ".";
     ratings();
   }

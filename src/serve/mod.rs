@@ -31,6 +31,7 @@ use axum::{Router, middleware};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use crate::consist::Files;
 use crate::error::InputError;
 
 /// Larger requests are refused, bytes.
@@ -59,8 +60,6 @@ struct State {
     /// The train file as it was named, and without symbolic links.
     path: PathBuf,
     real: PathBuf,
-    /// The folder that it is in.
-    folder: PathBuf,
     token: String,
     /// Whether the file's lines end in CR and LF, as the page does not keep them.
     crlf: AtomicBool,
@@ -71,6 +70,12 @@ impl State {
     /// The only analysis under way.
     fn turn(&self) -> MutexGuard<'_, ()> {
         self.turn.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Files of which none is read outside of the train's folder.
+    fn files(&self) -> io::Result<Files> {
+        let folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        Files::within(folder.unwrap_or(Path::new(".")))
     }
 
     fn notice_line_ends(&self, text: &str) {
@@ -95,11 +100,10 @@ impl Server {
         getrandom::fill(&mut bytes).map_err(|e| io::Error::other(e.to_string()))?;
         let token: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
         // Told as `check` tells it.
-        crate::consist::Files::default().main(train)?;
+        Files::default().main(train)?;
         let real = train.canonicalize().map_err(unreadable)?;
-        let folder = real.parent().unwrap_or(Path::new("/")).to_owned();
         let path = train.to_owned();
-        let state = State { path, real, folder, token, crlf: AtomicBool::new(false), turn: Mutex::new(()) };
+        let state = State { path, real, token, crlf: AtomicBool::new(false), turn: Mutex::new(()) };
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))?;
         listener.set_nonblocking(true)?;
         let address = format!("http://{}/{}/", listener.local_addr()?, state.token);

@@ -1,6 +1,7 @@
 //! The train file on the disk: read, and replaced by the text of the page.
 
 use std::fs;
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -55,7 +56,8 @@ pub(super) fn save(state: &State, asked: &Save) -> Result<String, NotSaved> {
         return Err(NotSaved::Changed(format!("{shown} {what}")));
     }
     let content = state.as_in_file(&asked.text);
-    let file = files::stage(&state.folder, content.as_bytes()).map_err(|e| failed(&e))?;
+    let folder = state.real.parent().unwrap_or(Path::new("/"));
+    let file = files::stage(folder, content.as_bytes()).map_err(|e| failed(&e))?;
     let about = fs::metadata(&state.real).map_err(|e| failed(&e))?;
     file.as_file().set_permissions(about.permissions()).map_err(|e| failed(&e))?;
     file.as_file().sync_all().map_err(|e| failed(&e))?;

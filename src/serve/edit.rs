@@ -78,12 +78,9 @@ fn written(text: &str, key: &Key, value: &Value) -> Option<String> {
     if let Some(old) = at.get(key.leaf) {
         return Some(replaced(text, old.span(), &value.to_string()));
     }
-    // Below the header; a key that is in no table below the last of those that are there, or before all.
+    // Below the last of its neighbours, or the header.
     let plain = |v: &&toml::Spanned<DeValue>| !matches!(v.get_ref(), DeValue::Table(_) | DeValue::Array(_));
-    let above = match header {
-        Some(header) => Some(header.end),
-        None => at.values().filter(plain).map(|v| v.span().end).max(),
-    };
+    let above = at.values().filter(plain).map(|v| v.span().end).max().or(header.map(|header| header.end));
     let line_end = above.map_or(0, |end| text[end..].find('\n').map_or(text.len(), |n| end + n + 1));
     let (before, after) = text.split_at(line_end);
     let before = if before.is_empty() { String::new() } else { ended(before) };

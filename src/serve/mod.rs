@@ -25,7 +25,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use axum::body::Bytes;
 use axum::extract::{DefaultBodyLimit, State as Shared};
 use axum::http::{StatusCode, header};
-use axum::response::{IntoResponse, Response};
+use axum::response::{Html, IntoResponse, Response};
 use axum::routing::{get, post};
 use axum::{Router, middleware};
 use serde::Serialize;
@@ -134,37 +134,24 @@ impl Server {
     }
 }
 
-async fn page(Shared(state): Shared<Arc<State>>) -> Response {
-    let page = blocking(move |_| save::read(&state).map(|on_disk| page::page(&state, &on_disk))).await;
-    match page {
-        Some(Ok(page)) => ([(header::CONTENT_TYPE, "text/html; charset=utf-8")], page).into_response(),
-        Some(Err(error)) => (StatusCode::INTERNAL_SERVER_ERROR, error.render(false)).into_response(),
-        None => fault(),
-    }
+/// A status other than 200, with what is wrong.
+type Refusal = (StatusCode, String);
+
+async fn page(Shared(state): Shared<Arc<State>>) -> Result<Html<String>, Refusal> {
+    let page = blocking(move |_| save::read(&state).map(|on_disk| page::page(&state, &on_disk))).await?;
+    page.map(Html).map_err(|e| (StatusCode::INTERNAL_SERVER_ERROR, e.render(false)))
 }
 
-async fn analyze(Shared(state): Shared<Arc<State>>, body: Bytes) -> Response {
-    let request = match parsed(&body) {
-        Ok(request) => request,
-        Err(refusal) => return refusal,
-    };
-    match blocking(move |gone| answer::answer(&state, request, gone)).await {
-        Some(Some(reply)) => json(&reply),
-        _ => fault(),
-    }
+async fn analyze(Shared(state): Shared<Arc<State>>, body: Bytes) -> Result<Response, Refusal> {
+    let request = parsed(&body)?;
+    let reply = blocking(move |gone| answer::answer(&state, request, gone)).await?;
+    json(&reply)
 }
 
-async fn save(Shared(state): Shared<Arc<State>>, body: Bytes) -> Response {
-    let asked: save::Save = match parsed(&body) {
-        Ok(asked) => asked,
-        Err(refusal) => return refusal,
-    };
-    match blocking(move |_| save::save(&state, &asked)).await {
-        Some(Ok(digest)) => json(&serde_json::json!({ "digest": digest })),
-        Some(Err(save::NotSaved::Changed(why))) => (StatusCode::CONFLICT, why).into_response(),
-        Some(Err(save::NotSaved::Failed(why))) => (StatusCode::INTERNAL_SERVER_ERROR, why).into_response(),
-        None => fault(),
-    }
+async fn save(Shared(state): Shared<Arc<State>>, body: Bytes) -> Result<Response, Refusal> {
+    let asked: save::Save = parsed(&body)?;
+    let digest = blocking(move |_| save::save(&state, &asked)).await??;
+    json(&serde_json::json!({ "digest": digest }))
 }
 
 /// A flag that is set when it is dropped: when nobody waits for the answer any more.
@@ -176,25 +163,23 @@ impl Drop for Gone {
     }
 }
 
-/// Work that takes a thread; `None` where it panicked.
-async fn blocking<T: Send + 'static>(work: impl FnOnce(&AtomicBool) -> T + Send + 'static) -> Option<T> {
+/// Work that takes a thread of its own.
+async fn blocking<T: Send + 'static>(work: impl FnOnce(&AtomicBool) -> T + Send + 'static) -> Result<T, Refusal> {
     let gone = Gone(Arc::default());
     let told = gone.0.clone();
-    tokio::task::spawn_blocking(move || work(&told)).await.ok()
+    tokio::task::spawn_blocking(move || work(&told)).await.map_err(fault)
 }
 
-fn parsed<T: DeserializeOwned>(body: &[u8]) -> Result<T, Response> {
-    let refusal = |e| (StatusCode::BAD_REQUEST, format!("the request is not what is expected: {e}")).into_response();
+fn parsed<T: DeserializeOwned>(body: &[u8]) -> Result<T, Refusal> {
+    let refusal = |e| (StatusCode::BAD_REQUEST, format!("the request is not what is expected: {e}"));
     serde_json::from_slice(body).map_err(refusal)
 }
 
-fn json(value: &impl Serialize) -> Response {
-    match serde_json::to_string(value) {
-        Ok(text) => ([(header::CONTENT_TYPE, "application/json")], text).into_response(),
-        Err(_) => fault(),
-    }
+fn json(value: &impl Serialize) -> Result<Response, Refusal> {
+    let text = serde_json::to_string(value).map_err(fault)?;
+    Ok(([(header::CONTENT_TYPE, "application/json")], text).into_response())
 }
 
-fn fault() -> Response {
-    (StatusCode::INTERNAL_SERVER_ERROR, "a fault in trainsafe: the request was not done").into_response()
+fn fault(error: impl std::fmt::Display) -> Refusal {
+    (StatusCode::INTERNAL_SERVER_ERROR, format!("a fault in trainsafe, and the request was not done: {error}"))
 }

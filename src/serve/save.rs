@@ -3,10 +3,11 @@
 use std::fs;
 use std::path::Path;
 
+use axum::http::StatusCode;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use super::State;
+use super::{Refusal, State};
 use crate::consist::Files;
 use crate::error::{InputError, printable_path};
 use crate::report::{between_writes, files};
@@ -28,14 +29,6 @@ pub(super) struct Save {
     digest: String,
 }
 
-/// Why a text was not saved.
-pub(super) enum NotSaved {
-    /// The file is another than the one that was read.
-    Changed(String),
-    /// It cannot be written.
-    Failed(String),
-}
-
 pub(super) fn read(state: &State) -> Result<OnDisk, InputError> {
     let files = Files::default();
     let text = files.main(&state.path)?;
@@ -45,15 +38,17 @@ pub(super) fn read(state: &State) -> Result<OnDisk, InputError> {
 }
 
 /// Writes the text beside the train file and gives it that name, if the file is still the one that was read. Returns the new digest.
-pub(super) fn save(state: &State, asked: &Save) -> Result<String, NotSaved> {
+pub(super) fn save(state: &State, asked: &Save) -> Result<String, Refusal> {
     let shown = printable_path(&state.path);
-    let failed = |what: &dyn std::fmt::Display| NotSaved::Failed(format!("cannot write {shown}: {what}"));
+    let failed =
+        |what: &dyn std::fmt::Display| (StatusCode::INTERNAL_SERVER_ERROR, format!("cannot write {shown}: {what}"));
     // One at a time, and none while the program ends.
     let _whole = between_writes();
-    let bytes = fs::read(&state.real).map_err(|e| NotSaved::Changed(format!("{shown} can no longer be read: {e}")))?;
+    let bytes =
+        fs::read(&state.real).map_err(|e| (StatusCode::CONFLICT, format!("{shown} can no longer be read: {e}")))?;
     if hex(&Sha256::digest(&bytes)) != asked.digest {
         let what = "has changed on the disk since it was read, and was not replaced: copy what you need, then load the page anew";
-        return Err(NotSaved::Changed(format!("{shown} {what}")));
+        return Err((StatusCode::CONFLICT, format!("{shown} {what}")));
     }
     let content = state.as_in_file(&asked.text);
     let folder = state.real.parent().unwrap_or(Path::new("/"));

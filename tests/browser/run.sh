@@ -21,4 +21,4 @@ fi
 cargo build --quiet --features serve
 target=$(cargo metadata --format-version 1 --no-deps | sed -n 's/.*"target_directory":"\([^"]*\)".*/\1/p')
 npm ci --no-audit --no-fund --silent
-TRAINSAFE="$target/debug/trainsafe" node --test --test-timeout=120000 report.test.js serve.test.js
+TRAINSAFE="$target/debug/trainsafe" node --test --test-timeout=600000 report.test.js serve.test.js

@@ -143,7 +143,7 @@ test("controls change the text, and the verdict follows", async () => {
   await page.locator("#one").fill("7");
   await then(page, async () => { await field("7 rated_load").fill("0.5 N"); await field("7 rated_load").press("Enter"); });
   assert.match(await text(page), /\[\[coupler_override\]\]\nat = 7\nrated_load = "0.5 N"\n$/);
-  assert.match(await verdict(page), /coupler 7 .*, 2\d\d\.\d* % of its rating/);
+  assert.match(await verdict(page), /first is coupler 7 .* 1\.000 N in buff, 200 % of its rating/);
   await then(page, () => page.locator("#revert").click());
   assert.match(await verdict(page), /^48 of 50/);
   await close(page);

@@ -1,6 +1,6 @@
 //! The inputs repeated: vehicles and couplers in groups of neighbours that are alike.
 
-use super::numbers::{digits, given_force, given_mass, without_zeros};
+use super::numbers::{given_damping, given_force, given_length, given_mass, given_stiffness};
 use crate::consist::{LIMITS, Train};
 
 /// Rows of each table, at most.
@@ -19,6 +19,7 @@ pub struct Groups {
 
 /// Vehicles from the head.
 pub fn vehicles(train: &Train) -> Groups {
+    let units = train.origin.units;
     let outside = |i: usize| train.extras.steady.as_ref().map_or(0.0, |s| s.outside_n[i]);
     let head = ["vehicles", "label", "mass of each", "length of each", "held", "steady force of each"];
     let cells = |i: usize| {
@@ -27,10 +28,10 @@ pub fn vehicles(train: &Train) -> Groups {
         let way = if force < 0.0 { "backward" } else { "forward" };
         vec![
             stem(&v.label).to_owned(),
-            given_mass(v.mass_kg),
-            v.length_m.map_or(String::new(), |l| format!("{} m", without_zeros(&digits(l, 0.0, 6)))),
+            given_mass(units, v.mass_kg),
+            v.length_m.map_or(String::new(), |l| given_length(units, l)),
             if v.held { "yes".to_owned() } else { String::new() },
-            if force == 0.0 { String::new() } else { format!("{} {way}", given_force(force)) },
+            if force == 0.0 { String::new() } else { format!("{} {way}", given_force(units, force)) },
         ]
     };
     grouped("Vehicles, alike neighbours together", &head, train.vehicles.len(), cells)
@@ -38,22 +39,25 @@ pub fn vehicles(train: &Train) -> Groups {
 
 /// Couplers from the head.
 pub fn couplers(train: &Train) -> Groups {
+    let units = train.origin.units;
     let head =
         ["couplers", "stiffness", "rated in draft", "rated in buff", "dashpot", "limits in draft", "limits in buff"];
     let cells = |i: usize| {
         let (c, extras) = (&train.couplers[i], &train.extras);
         let of = |capacities: [Option<f64>; 3]| {
-            let given =
-                LIMITS.iter().zip(capacities).filter_map(|(name, n)| Some(format!("{name} {}", given_force(n?))));
+            let given = LIMITS
+                .iter()
+                .zip(capacities)
+                .filter_map(|(name, n)| Some(format!("{name} {}", given_force(units, n?))));
             given.collect::<Vec<_>>().join(", ")
         };
         let limits = extras.limits.get(i).copied().unwrap_or_default();
         let dashpot = extras.dashpot_n_s_per_m.get(i).filter(|c| **c > 0.0);
         vec![
-            format!("{}/m", given_force(c.stiffness_n_per_m)),
-            given_force(c.rated_draft_n),
-            given_force(c.rated_buff_n),
-            dashpot.map_or(String::new(), |c| format!("{}\u{b7}s/m", given_force(*c))),
+            given_stiffness(units, c.stiffness_n_per_m),
+            given_force(units, c.rated_draft_n),
+            given_force(units, c.rated_buff_n),
+            dashpot.map_or(String::new(), |c| given_damping(units, *c)),
             of(limits.draft_n),
             of(limits.buff_n),
         ]

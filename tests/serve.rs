@@ -51,6 +51,8 @@ fn the_page_has_the_file_and_an_analysis_has_the_numbers_of_the_library() {
     assert_eq!(reply["scenarios"][1], "hit");
     let [alone, whole] = ["analysis_ms", "total_ms"].map(|key| reply[key].as_f64().expect("a number"));
     assert!(0.0 < alone && alone < whole, "{alone} {whole}");
+    let losses = |reply: &Value| reply["body"].as_str().is_some_and(|b| b.contains("with dashpots in every coupler"));
+    assert!(!losses(&reply) && losses(&served.analyze(&json!({ "text": TRAIN, "losses": true }))));
     let pulse = served.analyze(&json!({ "text": TRAIN, "scenario": 1 }));
     assert_eq!(drawn(&pulse).len(), 4);
     let controls = pulse["controls"].as_array().expect("controls").iter();

@@ -30,6 +30,9 @@ pub(super) struct Request {
     /// The coupler, from 1, that breaks in place of what that scenario says.
     #[serde(rename = "break")]
     broken: Option<usize>,
+    /// With the table of losses, which takes longer.
+    #[serde(default)]
+    losses: bool,
 }
 
 /// The answer; what could not be found is empty.
@@ -110,7 +113,7 @@ fn analyse(state: &State, request: &Request, reply: &mut Reply) -> Result<(), St
         None => Train { scenarios: vec![train.scenarios[reply.scenario].clone()], ..train },
         Some(coupler) => broken(state, tree, reply.scenario, coupler, &files)?,
     };
-    let options = Options::default();
+    let options = Options { damping: request.losses, ..Options::default() };
     let seconds = findings::estimate_s(&train, &options).map_err(|e| e.to_string())?;
     if seconds > MOST_SECONDS {
         return Err(format!(

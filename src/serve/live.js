@@ -7,7 +7,7 @@
   const file = JSON.parse($("file").textContent);
   let saved = file.text.replace(/\r\n?/g, "\n");
   let digest = file.digest;
-  const asked = { scenario: 0, break: null };
+  const asked = { scenario: 0, break: null, losses: false };
   let scene = null;
 
   function element(tag, properties, ...children) {
@@ -80,6 +80,8 @@
     // The page keeps its place while the figures are drawn anew.
     main.style.minHeight = main.offsetHeight + "px";
     main.innerHTML = reply.body;
+    // The files that `analyze` writes beside its report are not here.
+    main.querySelectorAll('a[href]:not([href^="#"])').forEach((a) => a.replaceWith(a.textContent));
     main.querySelectorAll("details").forEach((d, i) => { d.open = opened[i] === true; });
     const scenes = JSON.parse(reply.data);
     scene = scenes[0];
@@ -214,6 +216,10 @@
   event.addEventListener("change", () => {
     asked.scenario = Number(event.value);
     breaks(null);
+  });
+  $("losses").addEventListener("change", () => {
+    asked.losses = $("losses").checked;
+    ask(0);
   });
   one.addEventListener("input", ratings);
   text.addEventListener("input", () => {

@@ -70,7 +70,11 @@
     if (reply.controls.length || reply.body) rows.forEach(([place, controls]) => fill(place, controls.map((c) => ({ ...c, id: c.key, label: c.key.replace(/^scenario\[\d+\]/, "scenario") }))));
     $("rest").hidden = !$("absent").childElementCount;
     if (reply.body) await report(reply);
-    else $("status").textContent = main.querySelector("h1") ? "The report is of an earlier text." : "";
+    else {
+      // A verdict on something else than the text is not left beside it.
+      $("short").textContent = "";
+      $("status").textContent = main.querySelector("h1") ? "Not computed. The report is of an earlier text." : "Not computed.";
+    }
     answers += 1;
     document.documentElement.dataset.answers = answers;
   }

@@ -117,6 +117,7 @@ test("a mistake in the text is told and marked, and mended", async () => {
   const chosen = await page.evaluate(() => { const t = document.getElementById("text"); return t.value.slice(t.selectionStart, t.selectionEnd); });
   assert.equal(chosen, '"30 MN"');
   assert.match(await page.locator("#status").innerText(), /earlier text/);
+  assert.equal(await page.locator("#short").textContent(), "", "no verdict stands beside a text that it is not of");
   await then(page, () => page.locator("#text").fill(before));
   assert.equal(await problem.count() + await page.locator("#marks mark").count(), 0);
   await close(page);

@@ -13,6 +13,8 @@
 //! Beyond the last row of a table the gear is closed: w stands still, and F rises at kl. Both u and l never fall over w
 //! ([`Law::check`]); this makes the motion of a train unique and its energy never grow without work from outside.
 
+use std::sync::Arc;
+
 /// One row of a gear's table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
@@ -27,7 +29,8 @@ pub struct Row {
 /// A gear's loading and unloading curves, linear between rows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    rows: Vec<Row>,
+    /// Shared by all couplers that have it.
+    rows: Arc<[Row]>,
 }
 
 /// What is wrong with a gear's table; rows count from 1.
@@ -59,6 +62,33 @@ pub enum CurveProblem {
     /// A gear that never resists.
     #[error("the loading force is 0 in every row")]
     NoForce,
+}
+
+impl CurveProblem {
+    /// The same with another number for the row that it names.
+    pub fn renumbered(self, number: impl Fn(usize) -> usize) -> CurveProblem {
+        match self {
+            CurveProblem::NotFinite(row) => CurveProblem::NotFinite(number(row)),
+            CurveProblem::TravelFalls(row) => CurveProblem::TravelFalls(number(row)),
+            CurveProblem::LoadingFalls(row) => CurveProblem::LoadingFalls(number(row)),
+            CurveProblem::UnloadingFalls(row) => CurveProblem::UnloadingFalls(number(row)),
+            CurveProblem::Unloading(row) => CurveProblem::Unloading(number(row)),
+            of_all => of_all,
+        }
+    }
+
+    /// The row that it names, from 1; `None` where it is of the whole table.
+    pub fn row(&self) -> Option<usize> {
+        match *self {
+            CurveProblem::NotFinite(row)
+            | CurveProblem::TravelFalls(row)
+            | CurveProblem::LoadingFalls(row)
+            | CurveProblem::UnloadingFalls(row)
+            | CurveProblem::Unloading(row) => Some(row),
+            CurveProblem::FirstTravel(_) => Some(1),
+            CurveProblem::TooFewRows(_) | CurveProblem::NoForce => None,
+        }
+    }
 }
 
 impl Curve {
@@ -103,7 +133,7 @@ impl Curve {
         if rows[rows.len() - 1].loading_n <= 0.0 {
             return Err(CurveProblem::NoForce);
         }
-        Ok(Curve { rows })
+        Ok(Curve { rows: rows.into() })
     }
 
     /// The rows, in order of travel.

@@ -18,6 +18,7 @@ pub(super) fn of_scenario(train: &Train, scenario: &Scenario) -> Vec<Doubt> {
         Event::Break { couplers } => breaks(train, scenario, couplers),
         Event::Pulse { .. } | Event::Shaped { .. } => pulse(train, scenario),
         Event::Impact { .. } => impact(train, scenario),
+        Event::Brake { .. } => vec![],
     };
     let found = found.into_iter().map(|(code, text)| Doubt::of_scenario(code, scenario, text));
     found.chain(short_horizon(train, scenario)).collect()
@@ -56,7 +57,7 @@ fn breaks(train: &Train, scenario: &Scenario, couplers: &[usize]) -> Vec<(&'stat
 
 fn pulse(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
     let mut found = vec![];
-    let (end_s, until_s) = (last_change_s(&scenario.event), longest_horizon_s(train, scenario));
+    let (end_s, until_s) = (last_change_s(train, scenario, None), longest_horizon_s(train, scenario));
     let time = |s: f64| shown(s, Dimension::Time);
     if end_s > until_s {
         let [begins_s, peaks_s] = match &scenario.event {

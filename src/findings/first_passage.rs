@@ -59,7 +59,7 @@ pub(super) struct Passage {
 /// As for [`Case::solve`].
 pub(super) fn find(case: &Case, couplers: &mut [CouplerFindings], worst: Option<usize>) -> Result<Passage, SolveError> {
     let transit_s = scenario::longest_transit_s(case.train, case.broken);
-    let end_s = case.horizon_s.min(scenario::last_change_s(&case.scenario.event) + 2.0 * transit_s);
+    let end_s = case.horizon_s.min(scenario::last_change_s(case.train, case.scenario, case.broken) + 2.0 * transit_s);
     if end_s >= case.horizon_s || has_all(case.options.wanted, couplers, worst, end_s) {
         couplers.iter_mut().for_each(|c| c.first_passage = Some(FirstPassage::of(c)));
         return Ok(passage(end_s, couplers, worst));

@@ -1,7 +1,7 @@
 //! What the findings come to, in sentences: plain text, shared by the report and the terminal.
 
 use super::numbers::{digits, down, given_force, given_time, percent, time, without_zeros};
-use crate::consist::Train;
+use crate::consist::{self, Train};
 use crate::findings::{CaseFindings, CouplerFindings, ScenarioFindings};
 use crate::scenario::{Event, Scenario};
 
@@ -99,6 +99,11 @@ pub fn event(train: &Train, scenario: &Scenario) -> String {
                 "A force pulls vehicle {} ({label}) {way} with up to {size} from t = 0 to {lasting}, its course over time: {shape}.",
                 vehicle + 1
             )
+        }
+        Event::Brake { from, emergency, application } => {
+            let what = if *emergency { "Emergency" } else { "Service" };
+            let (place, course) = (consist::place(train, from), consist::application(application));
+            format!("{what} brakes are applied from {place} at t = 0 ({course}).")
         }
         Event::Impact { vehicles, at_head, speed_m_per_s } => {
             let end = if *at_head { "head" } else { "tail" };
@@ -327,6 +332,7 @@ pub fn safe_load(train: &Train, event: &Event, factor: Option<f64>) -> String {
     let (what, cause) = match event {
         Event::Pulse { .. } | Event::Shaped { .. } => ("force", "force"),
         Event::Impact { .. } => ("speed", "speed"),
+        Event::Brake { .. } => ("brake force", "brake force"),
         Event::Break { .. } if train.initial_force_n.iter().all(|&f| f >= 0.0) => ("pull", "load"),
         Event::Break { .. } if train.initial_force_n.iter().all(|&f| f <= 0.0) => ("push", "load"),
         Event::Break { .. } => ("load", "load"),

@@ -1,0 +1,156 @@
+//! Forces from outside that change over time, each on one vehicle, and the brakes that a parting sets off.
+
+use super::Emergency;
+use crate::play::Drive;
+
+/// A force over time on one vehicle.
+#[derive(Clone, Debug)]
+struct Source {
+    vehicle: usize,
+    course: Course,
+}
+
+#[derive(Clone, Debug)]
+enum Course {
+    /// Straight lines between points; the last value holds, or there is none after it. The index is that of the next point.
+    Lines { points: Vec<[f64; 2]>, holds: bool, next: usize },
+    /// `peak sin(omega t)` until an instant.
+    Sine { peak: f64, omega: f64, until: f64 },
+}
+
+/// All forces of a march.
+#[derive(Clone, Debug, Default)]
+pub struct Forces {
+    sources: Vec<Source>,
+    /// When the brake of each vehicle begins to act.
+    braked_from: Vec<f64>,
+}
+
+impl Source {
+    /// The next instant after `t` at which the course has a kink; infinite for none.
+    fn next_kink(&self, t: f64) -> f64 {
+        match &self.course {
+            Course::Lines { points, next, .. } => points.get(*next).map_or(f64::INFINITY, |p| p[0]),
+            Course::Sine { until, .. } if t < *until => *until,
+            Course::Sine { .. } => f64::INFINITY,
+        }
+    }
+
+    /// Passes what lies at or before `t`.
+    fn pass(&mut self, t: f64) {
+        if let Course::Lines { points, next, .. } = &mut self.course {
+            while points.get(*next).is_some_and(|p| p[0] <= t) {
+                *next += 1;
+            }
+        }
+    }
+
+    /// Adds the terms `f^(k) width^k / k!` at `t`.
+    fn add(&self, t: f64, width: f64, mut term: impl FnMut(usize, f64), terms: usize) {
+        match &self.course {
+            Course::Lines { points, holds, next } => match (next.checked_sub(1).map(|n| points[n]), points.get(*next)) {
+                (Some([from, a]), Some([to, b])) => {
+                    let slope = (b - a) / (to - from);
+                    term(0, a + slope * (t - from));
+                    term(1, slope * width);
+                }
+                (Some([_, a]), None) if *holds => term(0, a),
+                _ => {}
+            },
+            Course::Sine { peak, omega, until } if t < *until => {
+                let (sin, cos) = (omega * t).sin_cos();
+                let mut power = *peak;
+                for k in 0..terms {
+                    term(k, power * [sin, cos, -sin, -cos][k % 4]);
+                    power *= omega * width / (k + 1) as f64;
+                }
+            }
+            Course::Sine { .. } => {}
+        }
+    }
+
+    /// Whether it is nothing until its next kink.
+    fn quiet(&self, t: f64) -> bool {
+        match &self.course {
+            Course::Lines { points, holds, next } => match (next.checked_sub(1).map(|n| points[n]), points.get(*next)) {
+                (Some([_, a]), Some([_, b])) => a == 0.0 && *b == 0.0,
+                (Some([_, a]), None) => !holds || a == 0.0,
+                (None, _) => true,
+            },
+            Course::Sine { until, .. } => t >= *until,
+        }
+    }
+}
+
+impl Forces {
+    pub fn new(forcing: &[(usize, Drive)], vehicles: usize) -> Forces {
+        let source = |(vehicle, drive): &(usize, Drive)| {
+            let course = match drive {
+                Drive::Lines(points) => Course::Lines { points: points.clone(), holds: false, next: 0 },
+                Drive::HalfSine { peak, duration } => {
+                    Course::Sine { peak: *peak, omega: std::f64::consts::PI / duration, until: *duration }
+                }
+            };
+            Source { vehicle: *vehicle, course }
+        };
+        let mut forces =
+            Forces { sources: forcing.iter().map(source).collect(), braked_from: vec![f64::INFINITY; vehicles] };
+        forces.pass(0.0);
+        forces
+    }
+
+    /// The pipe opens at coupler `c` at `t`: the wave runs both ways, and each vehicle brakes
+    /// from its first arrival on, against the `direction` of the motion (1 or -1).
+    pub fn vent(&mut self, emergency: &Emergency, direction: f64, c: usize, t: f64) {
+        let mut end = 0.0;
+        let ends: Vec<f64> = emergency.length_m.iter().map(|l| { end += l; end }).collect();
+        for (v, (full, length)) in emergency.full_n.iter().zip(&emergency.length_m).enumerate() {
+            let from = t + (ends[v] - 0.5 * length - ends[c]).abs() / emergency.wave_m_s;
+            if *full == 0.0 || from >= self.braked_from[v] {
+                continue;
+            }
+            self.braked_from[v] = from;
+            let force = -direction * full;
+            let points = emergency.build_up.iter().map(|p| [from + p[0], force * p[1]]).collect();
+            self.sources.retain(|s| s.vehicle != v || !matches!(s.course, Course::Lines { holds: true, .. }));
+            self.sources.push(Source { vehicle: v, course: Course::Lines { points, holds: true, next: 0 } });
+        }
+        self.pass(t);
+    }
+
+    /// Whether the brake of a vehicle acts.
+    pub fn brakes(&self, vehicle: usize, t: f64) -> bool {
+        t >= self.braked_from[vehicle]
+    }
+
+    /// The next kink after `t`.
+    pub fn next_kink(&self, t: f64) -> f64 {
+        self.sources.iter().map(|s| s.next_kink(t)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Passes kinks at `t`.
+    pub fn pass(&mut self, t: f64) {
+        self.sources.iter_mut().for_each(|s| s.pass(t));
+    }
+
+    /// Vehicles that some force acts on until the next kink.
+    pub fn loud(&self, t: f64) -> impl Iterator<Item = usize> {
+        self.sources.iter().filter(move |s| !s.quiet(t)).map(|s| s.vehicle)
+    }
+
+    /// The fastest sine, 1/s.
+    pub fn rate(&self, t: f64) -> f64 {
+        let omega = |s: &Source| match s.course {
+            Course::Sine { omega, until, .. } if t < until => omega,
+            _ => 0.0,
+        };
+        self.sources.iter().map(omega).fold(0.0, f64::max)
+    }
+
+    /// Calls `term(vehicle, k, f^(k) width^k / k!)` for every force that acts.
+    pub fn expand(&self, t: f64, width: f64, terms: usize, mut term: impl FnMut(usize, usize, f64)) {
+        for s in &self.sources {
+            s.add(t, width, |k, x| term(s.vehicle, k, x), terms);
+        }
+    }
+}

@@ -59,6 +59,7 @@ fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
         verdict_only: args.verdict_only,
         all_time_bound: args.all_time_bound,
         map: args.map,
+        damping: true,
         ..options(&args.solver)
     };
     let seconds = findings::estimate_s(&train, &options).map_err(|e| complain(&args.train, &e))?;

@@ -25,6 +25,7 @@ mod text;
 pub(crate) mod tree;
 
 use std::path::Path;
+use std::sync::Arc;
 
 use toml::de::DeTable;
 
@@ -109,6 +110,8 @@ pub struct Origin {
     pub doubts: Vec<Doubt>,
     /// What the file names by a label, with its number: `coupler 41 is behind "coal car 40"`.
     pub by_label: Vec<String>,
+    /// The text of the train file.
+    pub text: Arc<str>,
 }
 
 /// Reads a train file.
@@ -188,7 +191,7 @@ pub(crate) fn parse_drawn(
     let (problems, doubts) = found.into_parts();
     match train {
         Ok(train) if problems.is_empty() => {
-            Ok(Train { origin: Origin { sources: files.list(), doubts, ..train.origin }, ..train })
+            Ok(Train { origin: Origin { sources: files.list(), doubts, text: text.into(), ..train.origin }, ..train })
         }
         _ => Err(InputError::new(path, text, problems)),
     }

@@ -334,5 +334,7 @@
     const number = Number(place.dataset.scenario);
     if (scenes[number]) figures(scenes[number], number, place);
   });
+  // What is folded is printed open.
+  addEventListener("beforeprint", () => document.querySelectorAll("details").forEach((d) => { d.open = true; }));
   document.documentElement.dataset.drawn = "yes";
 })();

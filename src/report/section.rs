@@ -32,11 +32,15 @@ pub struct Section {
     limited: Option<Table>,
     figures: Vec<Figure>,
     rod: String,
+    losses_lead: String,
+    losses: Vec<Vec<String>>,
     /// Couplers left out of all cases because they cannot exceed at any time.
     left_out: usize,
     methods: Vec<String>,
     accuracy: String,
-    horizon: String,
+    /// What was computed after each of several breaks: "28 s to 31.2 s".
+    horizons: String,
+    map: String,
     run_time: String,
 }
 
@@ -75,12 +79,62 @@ pub fn section(train: &Train, scenario: &ScenarioFindings, pictures: &[Picture])
         limited: single.and_then(|case| table(limits::passing(case), |of| limits::row(of, case))),
         figures: pictures.iter().map(|p| Figure { file: p.file.clone(), caption: p.caption.clone() }).collect(),
         rod: words::rod(scenario),
+        losses_lead: losses_lead(scenario),
+        losses: losses(scenario),
         left_out: cases.iter().map(|c| c.left_out).sum(),
         methods: methods(cases),
         accuracy: accuracy(cases),
-        horizon: horizon(cases),
+        horizons: if cases.len() > 1 { horizon(cases) } else { String::new() },
+        map: words::map_of_breaks(scenario),
         run_time: run_time(cases),
     }
+}
+
+/// A row of the table of all scenarios: the verdict in figures.
+pub fn overview_row(train: &Train, scenario: &ScenarioFindings) -> Vec<String> {
+    let exceeding = |of: fn(&CaseFindings) -> usize| match &scenario.cases[..] {
+        [case] => of(case).to_string(),
+        cases => format!("in {} of {}", cases.iter().filter(|c| of(c) > 0).count(), words::count(cases.len(), "break")),
+    };
+    let worst = words::worst_case(scenario).map_or([const { String::new() }; 4], |(case, c)| {
+        let after = case.broken_coupler.filter(|_| scenario.cases.len() > 1);
+        let after = after.map_or(String::new(), |b| format!(", when {b} breaks"));
+        [format!("{}{after}", c.coupler), demand(c, case), format!("{} %", percent(c.utilisation)), time(c.peak_time_s)]
+    });
+    let factor = scenario.cases.iter().filter_map(|c| c.safe_load_factor).reduce(f64::min).map_or(String::new(), down);
+    let of = words::source(train, scenario).map_or("", |(_, s)| words::cause(&s.event));
+    let factor = if factor.is_empty() { factor } else { format!("{factor} on the {of}") };
+    let head = [scenario.name.clone(), exceeding(|c| c.exceeding), exceeding(|c| c.exceeding_first_passage)];
+    head.into_iter().chain(worst).chain([factor, horizon(&scenario.cases)]).collect()
+}
+
+/// What the table of losses is of.
+fn losses_lead(scenario: &ScenarioFindings) -> String {
+    let broken = words::worst_case(scenario).and_then(|(case, _)| case.broken_coupler);
+    let of = match broken.filter(|_| scenario.cases.len() > 1) {
+        Some(b) => format!("The break of coupler {b}, the worst of these,"),
+        None => "The same event".to_owned(),
+    };
+    format!(
+        "{of} with dashpots in every coupler, for which 0.05 to 0.26 of critical damping are published for draft gears"
+    )
+}
+
+/// The worst case without losses and with dashpots of each ratio.
+fn losses(scenario: &ScenarioFindings) -> Vec<Vec<String>> {
+    let Some((case, worst)) = words::worst_case(scenario).filter(|_| !scenario.damping.is_empty()) else {
+        return Vec::new();
+    };
+    let row = |ratio: String, exceeding: usize, coupler: usize, [newtons, error_n, at, share]: [f64; 4]| {
+        let size = format!("{} in {}", force(newtons, error_n), words::sense(newtons));
+        vec![ratio, exceeding.to_string(), coupler.to_string(), size, format!("{} %", percent(share)), time(at)]
+    };
+    let without = [worst.peak_force_n, case.error_bound_n, worst.peak_time_s, worst.utilisation];
+    let with = scenario.damping.iter().map(|d| {
+        let numbers = [d.peak_force_n, d.error_bound_n, d.peak_time_s, d.utilisation];
+        row(d.damping_ratio.to_string(), d.exceeding, d.coupler, numbers)
+    });
+    std::iter::once(row("0".to_owned(), case.exceeding, worst.coupler, without)).chain(with).collect()
 }
 
 /// The couplers that break after the event, in order.

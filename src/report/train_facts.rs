@@ -3,6 +3,7 @@
 use super::numbers::{brief_time, digits, given_force, given_mass, without_zeros};
 use super::words::{count, sense};
 use crate::consist::{Train, Vehicle, of_parts};
+use crate::findings::damping::critical_n_s_per_m;
 use crate::scenario;
 
 /// What the train is: name and value of each fact that it has.
@@ -57,12 +58,7 @@ pub fn train_facts(train: &Train) -> Vec<[String; 2]> {
 
 /// The share of critical damping that each coupler would have between its lighter vehicle and a wall.
 fn ratios(train: &Train) -> String {
-    let ratio = |(i, c): (usize, &f64)| {
-        let live = [i, i + 1].into_iter().map(|v| &train.vehicles[v]).filter(|v| !v.held);
-        let mass = live.map(|v| v.mass_kg).fold(f64::INFINITY, f64::min);
-        c / (2.0 * (train.couplers[i].stiffness_n_per_m * mass).sqrt())
-    };
-    let all = train.extras.dashpot_n_s_per_m.iter().enumerate().map(ratio);
+    let all = train.extras.dashpot_n_s_per_m.iter().enumerate().map(|(i, c)| c / critical_n_s_per_m(train, i));
     span(all, |r| without_zeros(&digits(r, 0.0, 3)))
 }
 

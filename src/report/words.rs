@@ -1,6 +1,6 @@
 //! What the findings come to, in sentences: plain text, shared by the report and the terminal.
 
-use super::numbers::{digits, down, given_force, given_time, percent, time, without_zeros};
+use super::numbers::{brief_time, digits, down, given_force, given_time, percent, time, without_zeros};
 use crate::consist::{self, Train};
 use crate::findings::{CaseFindings, CouplerFindings, ScenarioFindings};
 use crate::scenario::{Event, Scenario};
@@ -155,6 +155,11 @@ pub fn undecided(case: &CaseFindings) -> Vec<&CouplerFindings> {
     found
 }
 
+/// ", within the 8 s that were computed".
+fn within(case: &CaseFindings) -> String {
+    format!(", within the {} that were computed", brief_time(case.horizon_s))
+}
+
 /// The verdict on one case, in one sentence.
 fn verdict(case: &CaseFindings) -> String {
     let Some(worst) = &case.worst else {
@@ -167,7 +172,7 @@ fn verdict(case: &CaseFindings) -> String {
     if case.exceeding > 0 {
         return verdict_exceeding(case);
     }
-    let when = after(case);
+    let (when, within) = (after(case), within(case));
     if case.undecided > 0 {
         let open = undecided(case);
         let first = open.first().copied().unwrap_or(worst);
@@ -179,24 +184,43 @@ fn verdict(case: &CaseFindings) -> String {
         );
     }
     if worst.utilisation == 0.0 {
-        return format!("No coupler would exceed its rating {when}: no force arises in any.");
+        return format!("No coupler would exceed its rating {when}{within}: no force arises in any.");
     }
     format!(
-        "No coupler would exceed its rating {when}: the most used is {}, at {} % of its rating in {}, {}, a margin of \
-         {} %.",
+        "No coupler would exceed its rating {when}{within}: the most used is {}, {}, a margin of {} %.{}",
         place(worst),
-        percent(worst.utilisation),
-        sense(worst.peak_force_n),
-        moment(worst.peak_time_s, case),
+        most_used(worst, case),
         digits(100.0 * (1.0 - worst.utilisation), 0.0, 3),
+        share_of_load(worst),
     )
+}
+
+/// "1.339 MN in draft, 75.3 % of its rating, 4.010 s after the break".
+fn most_used(worst: &CouplerFindings, case: &CaseFindings) -> String {
+    let force = super::numbers::force(worst.peak_force_n, case.error_bound_n);
+    let (share, at) = (percent(worst.utilisation), moment(worst.peak_time_s, case));
+    format!("{force} in {}, {share} % of its rating, {at}", sense(worst.peak_force_n))
+}
+
+/// What the load alone does to a coupler, where that is most of its largest force; empty where it is not.
+fn share_of_load(worst: &CouplerFindings) -> String {
+    let (load, peak) = (worst.initial_force_n, worst.peak_force_n);
+    match load / peak {
+        share if worst.peak_time_s == 0.0 && share >= 1.0 => {
+            " This is its load before the event, which does not raise the force in it.".to_owned()
+        }
+        share if share >= 0.9 && worst.peak_time_s > 0.0 => {
+            format!(" Its load before the event is already {} % of its rating.", percent((load / rating(worst)).abs()))
+        }
+        _ => String::new(),
+    }
 }
 
 fn verdict_exceeding(case: &CaseFindings) -> String {
     let others = case.couplers.len() + case.left_out;
     let which = count(others, if case.broken_coupler.is_some() { "other coupler" } else { "coupler" });
     let whose = if case.exceeding == 1 { "its" } else { "their" };
-    let head = format!("{} of {which} would exceed {whose} rating {}", case.exceeding, after(case));
+    let head = format!("{} of {which} would exceed {whose} rating {}{}", case.exceeding, after(case), within(case));
     let first = first_to_exceed(case).map_or(String::new(), |c| {
         let when = match c.first_exceeds_s {
             Some(0.0) if case.kind == "impact" && !over_before(c) => "at once, as the vehicles meet".to_owned(),
@@ -217,7 +241,16 @@ fn verdict_exceeding(case: &CaseFindings) -> String {
         0 => String::new(),
         n => format!("; for {n} more it is not decided"),
     };
-    format!("{head}{first}{open}.")
+    // An impact's sentences name its largest draft and buff anyway.
+    let worst = case.worst.as_ref().filter(|_| case.kind != "impact").map_or(String::new(), |worst| {
+        let which = match first_to_exceed(case) {
+            _ if case.exceeding == 1 => "Its largest force is".to_owned(),
+            Some(first) if first.coupler == worst.coupler => "It is also the worst:".to_owned(),
+            _ => format!("The worst is {}:", place(worst)),
+        };
+        format!(" {which} {}.{}", most_used(worst, case), share_of_load(worst))
+    });
+    format!("{head}{first}{open}.{worst}")
 }
 
 /// "4.010 s after the break".
@@ -309,16 +342,25 @@ fn verdict_each(scenario: &ScenarioFindings) -> String {
         return format!("None of {breaks} leaves a coupler to watch{open}.");
     };
     let broken = case.broken_coupler.unwrap_or_default();
-    let extreme = format!(
-        "{} at {} % of its rating in {}, after coupler {broken} breaks",
-        place(worst),
-        percent(worst.utilisation),
-        sense(worst.peak_force_n)
-    );
+    let extreme = format!("{}, when coupler {broken} breaks: {}", place(worst), most_used(worst, case));
+    let load = share_of_load(worst);
     match harmful {
-        0 => format!("None of {breaks} would overload another coupler{open}; the nearest to it is {extreme}."),
-        n => format!("{n} of {breaks} would overload another coupler{open}; the worst is {extreme}."),
+        0 => format!(
+            "None of {breaks} would overload another coupler{open}. The nearest to its rating is {extreme}.{load}"
+        ),
+        n => format!("{n} of {breaks} would overload another coupler{open}. The worst is {extreme}.{load}"),
     }
+}
+
+/// What a map over the coupler that breaks says in one sentence: which break leaves the smallest safe load; empty without one.
+pub fn map_of_breaks(scenario: &ScenarioFindings) -> String {
+    let points = scenario.map.iter().filter(|m| m.over == "broken_coupler").flat_map(|m| &m.points);
+    let bounded = points.filter_map(|p| Some((p.at, p.chain?)));
+    let Some((at, factor)) = bounded.reduce(|a, b| if b.1 < a.1 { b } else { a }) else { return String::new() };
+    format!(
+        "Of all couplers that can part, coupler {at} is the worst to break: no coupler exceeds up to {} % of this load.",
+        down(100.0 * factor)
+    )
 }
 
 /// The case whose worst coupler has the largest utilisation, with that coupler.
@@ -327,21 +369,33 @@ pub fn worst_case(scenario: &ScenarioFindings) -> Option<(&CaseFindings, &Couple
     worst.reduce(|a, b| if b.1.utilisation > a.1.utilisation { b } else { a })
 }
 
+/// What a safe factor multiplies: the load, a pulse's force, an impact's speed.
+pub fn cause(event: &Event) -> &'static str {
+    match event {
+        Event::Pulse { .. } | Event::Shaped { .. } => "force",
+        Event::Impact { .. } => "speed",
+        Event::Break { .. } => "load",
+        Event::Brake { .. } => "brake force",
+    }
+}
+
 /// What the safe load factor means, in one sentence.
 pub fn safe_load(train: &Train, event: &Event, factor: Option<f64>) -> String {
-    let (what, cause) = match event {
-        Event::Pulse { .. } | Event::Shaped { .. } => ("force", "force"),
-        Event::Impact { .. } => ("speed", "speed"),
-        Event::Brake { .. } => ("brake force", "brake force"),
-        Event::Break { .. } if train.initial_force_n.iter().all(|&f| f >= 0.0) => ("pull", "load"),
-        Event::Break { .. } if train.initial_force_n.iter().all(|&f| f <= 0.0) => ("push", "load"),
-        Event::Break { .. } => ("load", "load"),
+    let cause = cause(event);
+    let what = match event {
+        Event::Break { .. } if train.initial_force_n.iter().all(|&f| f >= 0.0) => "pull",
+        Event::Break { .. } if train.initial_force_n.iter().all(|&f| f <= 0.0) => "push",
+        _ => cause,
     };
     match factor {
         None => format!("Nothing bounds the {cause}: no force in any coupler grows with it."),
         Some(0.0) => format!("Some coupler is at or over its rating however small the {cause} is."),
         Some(f) => {
-            format!("No coupler exceeds up to {} % of this {what} (safe {cause} factor {}).", down(100.0 * f), down(f))
+            let share = down(100.0 * f);
+            format!(
+                "No coupler would be overloaded if the {what} were {share} % of this, or less (safe {cause} factor {}).",
+                down(f)
+            )
         }
     }
 }

@@ -8,7 +8,6 @@ use serde::Serialize;
 use super::section::{Section, section};
 use super::train_facts::train_facts;
 use crate::consist::Train;
-use crate::doubts::doubts;
 use crate::error::is_obeyed;
 use crate::findings::Analysis;
 
@@ -57,7 +56,7 @@ pub fn markdown(train: &Train, analysis: &Analysis, pictures: &Pictures) -> Resu
         cascades: analysis.scenarios.iter().flat_map(|s| &s.cases).any(|c| c.cascade.is_some()),
         sections: analysis.scenarios.iter().enumerate().map(|(i, s)| section(train, s, of(i))).collect(),
         train: train_facts(train),
-        warnings: doubts(train).iter().map(ToString::to_string).collect(),
+        warnings: analysis.doubts.iter().map(ToString::to_string).collect(),
     };
     render(TEMPLATE, report)
 }

@@ -1,6 +1,8 @@
-//! What in a train or scenario is probably not meant. A doubt stops nothing; every command tells the same ones, from this one list.
+//! What in a train or scenario is probably not meant, or does not hold. A doubt stops nothing; every command tells the same ones, from
+//! this one list, but for those that only an analysis can find.
 
 mod events;
+mod found;
 mod options;
 mod plausible;
 
@@ -11,6 +13,7 @@ use serde::Serialize;
 use crate::consist::{Coupler, Limits, SENSES, Train, count};
 use crate::scenario::Scenario;
 
+pub use found::closing_gap;
 pub use options::idle_options;
 pub(crate) use plausible::STEEP;
 

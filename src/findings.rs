@@ -3,6 +3,7 @@
 mod cascade;
 mod case;
 pub(crate) mod damping;
+mod date;
 mod estimate;
 mod field;
 mod first_passage;
@@ -28,7 +29,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::consist::{Source, Train};
-use crate::doubts::{Doubt, doubts};
+use crate::doubts::{self, Doubt};
 use crate::scenario::{Event, Scales, Scenario};
 use crate::solve::memo::Memo;
 use crate::solve::watch::{Side, SpringPeaks};
@@ -80,6 +81,8 @@ pub struct Analysis {
     pub schema_version: u32,
     /// The program that found them.
     pub program: Program,
+    /// The day in UTC, such as `2026-12-01`; `SOURCE_DATE_EPOCH` sets it.
+    pub date: String,
     /// Every file that the train was read from.
     pub inputs: Vec<InputFile>,
     /// How the analysis was done.
@@ -158,6 +161,10 @@ pub struct CaseFindings {
     pub horizon_s: f64,
     /// No reported force is further than this from the exact solution of the model, N, not negative.
     pub error_bound_n: f64,
+    /// An estimate of that error, N, where there is no proof; `None` where the bound is one.
+    pub error_estimate_n: Option<f64>,
+    /// From when on a small change of the train changes everything, s; `None`: not before the horizon.
+    pub predictable_until_s: Option<f64>,
     /// The error that was asked for, N.
     pub tolerance_n: f64,
     /// Time spent computing this case, s.
@@ -258,6 +265,9 @@ pub enum AnalyzeError {
         /// The names there are, quoted.
         known: Vec<String>,
     },
+    /// The date that the environment sets is none.
+    #[error("{0}")]
+    Date(String),
     /// All cases together would take too long.
     #[error("this would take about {:.1} hours: name fewer couplers or a shorter horizon", seconds / 3600.0)]
     TooLong {
@@ -291,7 +301,7 @@ pub enum AnalyzeError {
 /// Cases run in parallel; the result does not depend on how many threads there are.
 ///
 /// # Errors
-/// [`AnalyzeError`] for an unknown scenario, or a method that does not fit the train.
+/// [`AnalyzeError`] for an unknown scenario, a method that does not fit the train, or a `SOURCE_DATE_EPOCH` that is no date.
 ///
 /// ```
 /// use trainsafe::{Options, analyze, consist};
@@ -306,27 +316,32 @@ pub enum AnalyzeError {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn analyze(train: &Train, options: &Options) -> Result<Analysis, AnalyzeError> {
+    let date = date::today().map_err(AnalyzeError::Date)?;
     let memo = Memo::new(REMEMBERED);
     let chosen = chosen(train, options)?;
     let about = |d: &Doubt| d.scenario.as_ref().is_none_or(|name| chosen.iter().any(|s| s.name == *name));
-    let doubts = doubts(train).into_iter().filter(about).collect();
+    let mut doubts: Vec<Doubt> = doubts::doubts(train).into_iter().filter(about).collect();
     let file = |source: &Source| InputFile {
         path: source.path.display().to_string(),
         sha256: source.sha256.iter().map(|byte| format!("{byte:02x}")).collect(),
     };
     let inputs = train.origin.sources.iter().map(file).collect();
-    let scenarios = chosen.into_iter().map(|s| scenario_findings(train, s, options, &memo));
+    let scenarios = chosen.iter().map(|s| scenario_findings(train, s, options, &memo));
+    let scenarios: Vec<ScenarioFindings> = scenarios.collect::<Result<_, _>>()?;
+    let gaps = chosen.iter().zip(&scenarios).filter_map(|(s, found)| doubts::closing_gap(s, &found.cases));
+    doubts.extend(gaps);
     let (vehicles, couplers) = (train.vehicles.len(), train.couplers.len());
     Ok(Analysis {
         schema_version: 2,
         program: Program { name: env!("CARGO_PKG_NAME"), version: env!("CARGO_PKG_VERSION") },
+        date,
         inputs,
         options: OptionFindings { tolerance: options.tolerance, method: options.method.map(Method::name) },
         doubts,
         train: train.name.clone(),
         vehicles,
         couplers,
-        scenarios: scenarios.collect::<Result<_, _>>()?,
+        scenarios,
     })
 }
 

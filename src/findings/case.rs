@@ -115,6 +115,8 @@ pub(crate) fn case_findings(
         method_reason: reason,
         horizon_s,
         error_bound_n,
+        error_estimate_n: None,
+        predictable_until_s: None,
         tolerance_n: ask(train, options).tolerance * Scales::of(train).force_n,
         run_time_s: start.elapsed().as_secs_f64(),
         exceeding: couplers.iter().filter(|c| c.exceeds == Some(true)).count(),

@@ -66,7 +66,7 @@ fn with_ratio(
     let dashpot_n_s_per_m = (0..train.couplers.len()).map(|i| ratio * critical_n_s_per_m(train, i)).collect();
     let damped = Train { extras: Extras { dashpot_n_s_per_m, ..train.extras.clone() }, ..train.clone() };
     let broken = case.broken_coupler.map(|b| b - 1);
-    if general::estimate_s(&damped, scenario, broken, Rule::Keep) > MOST_SECONDS {
+    if general::estimate_s(&damped, scenario, broken, case.horizon_s, Rule::Keep) > MOST_SECONDS {
         return Ok(None);
     }
     let options = Options { method: None, ..options.clone() };

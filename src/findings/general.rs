@@ -81,9 +81,8 @@ pub(super) fn damped(scene: &Scene, ratio: f64, ask: &Ask) -> Result<Solution, S
 }
 
 /// Estimated time, s.
-pub(super) fn estimate_s(train: &Train, scenario: &Scenario, broken: Option<usize>, rule: Rule) -> f64 {
-    let horizon_s = scenario::horizon_s(train, scenario, broken);
-    taylor::estimate_s(&scenario::play(train, scenario, broken, horizon_s, rule))
+pub(super) fn estimate_s(train: &Train, scenario: &Scenario, broken: Option<usize>, until_s: f64, rule: Rule) -> f64 {
+    taylor::estimate_s(&scenario::play(train, scenario, broken, until_s, rule))
 }
 
 fn reason(train: &Train, event: &Event) -> &'static str {

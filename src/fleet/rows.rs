@@ -102,10 +102,10 @@ pub struct Place {
 }
 
 impl Place {
-    /// The codes of the doubts about the train and one of its scenarios, each once.
-    fn codes(&self, scenario: &Scenario) -> String {
+    /// The codes of the doubts about the train and one of its scenarios, and of one that a case has, each once.
+    fn codes(&self, scenario: &Scenario, found: Option<&Doubt>) -> String {
         let about = |d: &&Doubt| d.scenario.as_ref().is_none_or(|name| *name == scenario.name);
-        let mut codes: Vec<&str> = self.doubts.iter().filter(about).map(|d| d.code).collect();
+        let mut codes: Vec<&str> = self.doubts.iter().filter(about).chain(found).map(|d| d.code).collect();
         codes.sort_unstable();
         codes.dedup();
         codes.join(" ")
@@ -118,11 +118,19 @@ impl Chunk {
         [self.rows, self.errors]
     }
 
-    /// A case that was computed.
-    pub fn add(&mut self, place: &Place, train: &Train, scenario: &Scenario, case: &CaseFindings) {
+    /// A case that was computed, and the doubt that it has.
+    pub fn add(
+        &mut self,
+        place: &Place,
+        train: &Train,
+        scenario: &Scenario,
+        case: &CaseFindings,
+        found: Option<&Doubt>,
+    ) {
         let front = [text(&place.file), text(&train.name), train.vehicles.len().to_string(), whole(place.variation)];
         let inputs = place.inputs.iter().map(|cell| text_or_number(cell));
-        line(&mut self.rows, front.into_iter().chain(inputs).chain(back(scenario, case, place.codes(scenario))));
+        let codes = place.codes(scenario, found);
+        line(&mut self.rows, front.into_iter().chain(inputs).chain(back(scenario, case, codes)));
     }
 
     /// A train or a case that could not be computed.

@@ -11,7 +11,6 @@ use super::section::{Section, overview_row, section};
 use super::train_facts::train_facts;
 use super::words;
 use crate::consist::Train;
-use crate::doubts::doubts;
 use crate::error::is_obeyed;
 use crate::findings::Analysis;
 
@@ -76,7 +75,7 @@ pub fn markdown(train: &Train, analysis: &Analysis, pictures: &Pictures) -> Resu
         inputs: analysis.inputs.iter().map(|f| [f.path.clone(), f.sha256.clone()]).collect(),
         assumptions: assumptions::rows(train, &ran),
         train: train_facts(train),
-        warnings: doubts(train).iter().map(ToString::to_string).collect(),
+        warnings: analysis.doubts.iter().map(ToString::to_string).collect(),
     };
     render(TEMPLATE, report)
 }

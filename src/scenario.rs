@@ -1,12 +1,14 @@
 //! What happens to the train: a coupler breaks, a force strikes a vehicle, or vehicles run into it.
 
 pub mod brakes;
+mod marches;
 mod plays;
 
 use crate::chain::{Chain, Scene};
 use crate::consist::Train;
 use crate::play::{Drive, Rule};
 
+pub use marches::{is_march, march};
 pub use plays::{beyond_steps, break_loads, initial_force_n, play, unbalanced_n};
 
 /// One named event to run, with how long to watch.

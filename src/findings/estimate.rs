@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::{AnalyzeError, Options, ask, cases, chosen, first_passage, general, map, safe_speed};
+use super::{AnalyzeError, Options, ask, cases, chosen, first_passage, general, map, march, safe_speed};
 use crate::consist::Train;
 use crate::play::Rule;
 use crate::scenario::{self, Scenario};
@@ -52,7 +52,8 @@ pub fn estimate_s(train: &Train, options: &Options) -> Result<f64, AnalyzeError>
         let sample: Vec<_> = cases.iter().step_by(cases.len().div_ceil(SAMPLE).max(1)).collect();
         let seconds: Result<f64, _> = sample.par_iter().map(|&&b| case_estimate_s(train, scenario, b, options)).sum();
         let seconds = seconds.map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
-        let mapped = if options.map { map::cases(train, &scenario.event) } else { 0 };
+        let mapped =
+            if options.map && !scenario::is_march(train, scenario) { map::cases(train, &scenario.event) } else { 0 };
         total += seconds * (cases.len() + mapped) as f64 / sample.len().max(1) as f64;
     }
     if total > MOST_SECONDS { Err(AnalyzeError::TooLong { seconds: total }) } else { Ok(total) }
@@ -66,6 +67,10 @@ pub(crate) fn case_estimate_s(
     options: &Options,
 ) -> Result<f64, SolveError> {
     let horizon_s = scenario::horizon_s(train, scenario, broken);
+    if scenario::is_march(train, scenario) {
+        let marches = if scenario.cascade == Rule::Keep { 1.0 } else { 2.0 };
+        return Ok(marches * march::estimate_s(train, horizon_s));
+    }
     let mut seconds = 0.0;
     if scenario.cascade != Rule::Keep {
         seconds += general::estimate_s(train, scenario, broken, horizon_s, scenario.cascade);

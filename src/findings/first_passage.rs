@@ -10,7 +10,8 @@
 use serde::Serialize;
 
 use super::case::Case;
-use super::{CouplerFindings, of_number};
+use super::march::Marched;
+use super::{CouplerFindings, of_number, worst};
 use crate::consist::Train;
 use crate::scenario::{self, Scenario};
 use crate::solve::{SolveError, Wanted};
@@ -76,6 +77,15 @@ pub(super) fn find(case: &Case, couplers: &mut [CouplerFindings], worst: Option<
         c.first_passage = of_number(&within.couplers, c.coupler).and_then(|c| c.first_passage.clone());
     }
     Ok(passage(end_s, &within.couplers, within.worst))
+}
+
+/// The first passage of a march, which has followed it on its way to the horizon.
+pub(super) fn of_march(marched: &Marched, couplers: &mut [CouplerFindings], end_s: f64, error_n: f64) -> Passage {
+    let within = &marched.to_mark;
+    for c in couplers {
+        c.first_passage = of_number(within, c.coupler).map(FirstPassage::of);
+    }
+    passage(end_s, within, worst(within, 0..within.len(), error_n))
 }
 
 fn passage(end_s: f64, within: &[CouplerFindings], worst: Option<usize>) -> Passage {

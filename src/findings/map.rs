@@ -50,6 +50,9 @@ pub(super) fn find(
     options: &Options,
     memo: &Memo,
 ) -> Result<Option<MapFindings>, SolveError> {
+    if scenario::is_march(train, scenario) {
+        return Ok(None);
+    }
     let alone = Scenario { cascade: crate::play::Rule::Keep, ..scenario.clone() };
     let wave = scenario::wave(train);
     let (over, value, variants): (_, _, Vec<(f64, Option<usize>, Event)>) = match &scenario.event {

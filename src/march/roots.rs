@@ -34,7 +34,13 @@ pub fn first_positive(c: &[f64]) -> Option<f64> {
         }
         // Root of f + d x + bend x^2 / 2 = 0 in the form that loses no digits.
         let root = (d * d - 2.0 * bend * f).max(0.0).sqrt();
-        let step = if d > 0.0 { -2.0 * f / (d + root) } else if bend > 0.0 { (root - d) / bend } else { return None };
+        let step = if d > 0.0 {
+            -2.0 * f / (d + root)
+        } else if bend > 0.0 {
+            (root - d) / bend
+        } else {
+            return None;
+        };
         let next = s + step.max(f64::EPSILON * 0.5 * s);
         if next > 1.0 {
             return (at(c, 1.0) > 0.0).then_some(1.0);

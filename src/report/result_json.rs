@@ -35,6 +35,7 @@ fn shorten(scenario: &ScenarioFindings) -> ScenarioFindings {
         worst_first_passage: c.worst_first_passage.clone(),
         rod: c.rod.clone(),
         cascade: c.cascade.clone(),
+        gap_closures: c.gap_closures.clone(),
         ..*c
     };
     ScenarioFindings {

@@ -5,7 +5,7 @@
 //! side; where the estimate of any force passes the tolerance, nothing can be said from there on.
 
 use super::proof::Proof;
-use super::step::{Manner, March};
+use super::step::{Manner, March, stiffest};
 use super::{Ask, Bound, Extremes, Outcome, Problem};
 use crate::law::{Curve, Law, Row};
 
@@ -183,7 +183,9 @@ fn moved(problem: &Problem, seed: u64) -> Problem {
 }
 
 fn finish(mut march: March, bound: Bound, errors: [Vec<[f64; 2]>; 2], predictable_until_s: Option<f64>) -> Outcome {
-    march.record.finish();
+    // An elongation may be twice the margin past a guard, at its largest stiffness.
+    let none = |i: usize| 2.0 * march.past * stiffest(&march.problem.laws[i]);
+    march.record.finish(none);
     let record = march.record;
     let [error_n, error_to_mark_n] = errors;
     Outcome {

@@ -187,4 +187,20 @@ mod tests {
             }
         }
     }
+
+    /// Each vehicle brakes from the first wave that comes, and once.
+    #[test]
+    fn two_partings() {
+        let (build_up, length_m) = (vec![[0.0, 0.0], [1.0, 1.0]], vec![16.0; 31]);
+        let emergency = Emergency { wave_m_s: 320.0, build_up, full_n: vec![1.0; 31], length_m };
+        let mut forces = Forces::new(&[], 31);
+        forces.vent(&emergency, 1.0, 3, 0.0);
+        let first: Vec<f64> = (0..31).map(|v: i32| (f64::from(v) - 3.5).abs() / 20.0).collect();
+        assert_eq!(forces.braked_from, first);
+        forces.vent(&emergency, 1.0, 27, 0.5);
+        let second: Vec<f64> = (0..31).map(|v: i32| 0.5 + (f64::from(v) - 27.5).abs() / 20.0).collect();
+        let earliest: Vec<f64> = first.iter().zip(&second).map(|(a, b)| a.min(*b)).collect();
+        assert_eq!((&forces.braked_from, forces.sources.len()), (&earliest, 31));
+        assert!(forces.braked_from[30] < first[30] && forces.braked_from[10] == first[10]);
+    }
 }

@@ -125,8 +125,13 @@ impl Record {
         self.history.iter_mut().for_each(|h| h.truncate(known));
     }
 
-    /// Not a number where nothing is known.
-    pub fn finish(&mut self) {
+    /// Not a number where nothing is known; no force where it is under `none`, what an event leaves, of each coupler.
+    pub fn finish(&mut self, none: impl Fn(usize) -> f64) {
+        for (i, e) in self.extremes.iter_mut().enumerate().chain(self.to_mark.iter_mut().flatten().enumerate()) {
+            for peak in [&mut e.draft, &mut e.buff].into_iter().filter(|p| p.force_n.abs() <= none(i)) {
+                peak.force_n = 0.0;
+            }
+        }
         self.history.iter_mut().for_each(|h| h.resize(self.times.len(), f64::NAN));
         if self.to_mark.is_none() {
             self.to_mark = Some(self.extremes.clone());

@@ -253,7 +253,7 @@ impl<'a> March<'a> {
 }
 
 /// The largest slope of a law.
-fn stiffest(law: &Law) -> f64 {
+pub fn stiffest(law: &Law) -> f64 {
     match law {
         Law::Elastic { draft_n_per_m, buff_n_per_m, .. } => draft_n_per_m.max(*buff_n_per_m),
         Law::Gear { solid_n_per_m, .. } => *solid_n_per_m,

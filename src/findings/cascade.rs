@@ -144,7 +144,7 @@ fn marched(
 ) -> CascadeFindings {
     let problem = scenario::march(train, scenario, broken, [horizon_s; 2], scenario.cascade);
     let outcome = march::solve(&problem, &super::march::ask(train, options));
-    let (error_bound_n, error_estimate_n) = super::march::errors(&outcome.bound, broken);
+    let (error_bound_n, error_estimate_n) = super::march::errors(&outcome.bound);
     let margin_n = error_estimate_n.map_or(error_bound_n, |n| super::march::MARGIN * n);
     let loads = |i: usize| scenario::break_loads(train, i);
     let one = |p: &march::Parting| CascadeBreak {

@@ -66,18 +66,20 @@ pub(super) fn solved(
     }
     let problem = problem(train, scenario, broken, horizon_s);
     let outcome = march::solve(&problem, &ask(train, options));
+    let estimated = matches!(outcome.bound, Bound::Estimated(_));
     let before_n = scenario::initial_force_n(train, &scenario.event);
-    let findings = |of: &[Extremes]| {
+    let findings = |of: &[Extremes], error_n: &[[f64; 2]]| {
         let others = (0..of.len()).filter(|i| Some(*i) != broken);
         let one = |i: usize| CouplerFindings {
             initial_force_n: before_n[i],
-            error_estimate_n: estimate_n(&outcome.bound, i),
-            ..coupler_findings(train, i, &seen(train, &outcome, i, of[i]), None)
+            error_estimate_n: error_n.get(i).filter(|_| estimated).map(|n| n[0].max(n[1])),
+            ..coupler_findings(train, i, &seen(train, &outcome, i, of[i], error_n.get(i)), None)
         };
         others.map(one).collect::<Vec<CouplerFindings>>()
     };
-    let (couplers, to_mark) = (findings(&outcome.extremes), findings(&outcome.to_mark));
-    let (error_bound_n, error_estimate_n) = errors(&outcome.bound, broken);
+    let couplers = findings(&outcome.extremes, &outcome.error_n);
+    let to_mark = findings(&outcome.to_mark, &outcome.error_to_mark_n);
+    let (error_bound_n, error_estimate_n) = errors(&outcome.bound);
     let error_n = error_estimate_n.unwrap_or(error_bound_n);
     Ok(Solved {
         method: "march",
@@ -99,12 +101,9 @@ pub(super) fn ending(outcome: &Outcome) -> Option<Ending> {
 }
 
 /// What is seen of one coupler's force.
-fn seen(train: &Train, outcome: &Outcome, i: usize, extremes: Extremes) -> Seen {
-    let margins = match &outcome.bound {
-        Bound::Proven(bound_n) => [*bound_n; 2],
-        Bound::Estimated(all) => all[i].map(|n| MARGIN * n),
-        Bound::None => [f64::INFINITY; 2],
-    };
+fn seen(train: &Train, outcome: &Outcome, i: usize, extremes: Extremes, error_n: Option<&[f64; 2]>) -> Seen {
+    let factor = if matches!(outcome.bound, Bound::Estimated(_)) { MARGIN } else { 1.0 };
+    let margins = error_n.map_or([f64::INFINITY; 2], |of| of.map(|n| factor * n));
     let c = &train.couplers[i];
     let largest = [(extremes.draft.force_n, extremes.draft.time_s), (-extremes.buff.force_n, extremes.buff.time_s)];
     let ratings = [c.rated_draft_n, c.rated_buff_n];
@@ -122,19 +121,12 @@ fn seen(train: &Train, outcome: &Outcome, i: usize, extremes: Extremes) -> Seen 
 }
 
 /// The proven bound, infinite without one, and the largest estimate.
-pub(super) fn errors(bound: &Bound, broken: Option<usize>) -> (f64, Option<f64>) {
+pub(super) fn errors(bound: &Bound) -> (f64, Option<f64>) {
     match bound {
         Bound::Proven(bound_n) => (*bound_n, None),
-        Bound::Estimated(all) => {
-            let others = all.iter().enumerate().filter(|(i, _)| Some(*i) != broken).flat_map(|(_, of)| *of);
-            (f64::INFINITY, Some(others.fold(0.0, f64::max)))
-        }
+        Bound::Estimated(estimate_n) => (f64::INFINITY, Some(*estimate_n)),
         Bound::None => (f64::INFINITY, None),
     }
-}
-
-fn estimate_n(bound: &Bound, i: usize) -> Option<f64> {
-    if let Bound::Estimated(all) = bound { Some(all[i][0].max(all[i][1])) } else { None }
 }
 
 /// Estimated time, s.

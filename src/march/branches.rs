@@ -24,6 +24,20 @@ impl Line {
     pub fn at(&self, w: f64) -> f64 {
         self.force + self.slope * (w - self.place)
     }
+
+    /// The line turned about the origin.
+    fn mirrored(&self) -> Line {
+        Line { place: -self.place, force: -self.force, slope: self.slope }
+    }
+
+    /// Integral from a to b of what is positive; the line does not fall.
+    fn positive(&self, a: f64, b: f64) -> f64 {
+        match (self.at(a), self.at(b)) {
+            (_, end) if end <= 0.0 => 0.0,
+            (begin, end) if begin < 0.0 => 0.5 * end * end / self.slope,
+            (begin, end) => 0.5 * (begin + end) * (b - a),
+        }
+    }
 }
 
 /// Travel from `from` to `to` with both curves straight.
@@ -76,8 +90,8 @@ impl Branches {
                 let mirrored = pairs(&rows, half).into_iter().rev().map(|p| Interval {
                     from: -p.to,
                     to: -p.from,
-                    up: Line { place: -p.down.place, force: -p.down.force, slope: p.down.slope },
-                    down: Line { place: -p.up.place, force: -p.up.force, slope: p.up.slope },
+                    up: p.down.mirrored(),
+                    down: p.up.mirrored(),
                     free: p.free,
                 });
                 intervals.extend(mirrored);
@@ -97,27 +111,21 @@ impl Branches {
         self.intervals.iter().position(inside).unwrap_or(self.intervals.len() - 1)
     }
 
-    /// Energy that is got back if travel returns to the middle of the slack: the integral of l in draft and u in buff.
+    /// Energy that is stored in the gear at travel w: the integral, from its rest, of the force between l and u that is nearest to 0.
     pub fn stored_j(&self, w: f64) -> f64 {
-        let mut sum = 0.0;
-        for p in &self.intervals {
-            let (from, to) = if w >= 0.0 { (p.from.max(0.0), p.to.min(w)) } else { (p.from.max(w), p.to.min(0.0)) };
-            if to > from {
-                let line = if w >= 0.0 { &p.down } else { &p.up };
-                sum += 0.5 * (line.at(from) + line.at(to)) * (to - from);
-            }
-        }
-        if w >= 0.0 { sum } else { -sum }
+        let (from, to) = (w.min(0.0), w.max(0.0));
+        let part = |p: &Interval| {
+            let (a, b) = (p.from.max(from), p.to.min(to));
+            if b > a { p.down.positive(a, b) - p.up.mirrored().positive(-b, -a) } else { 0.0 }
+        };
+        self.intervals.iter().map(part).sum::<f64>() * if w < 0.0 { -1.0 } else { 1.0 }
     }
 
-    /// The one slope and half width of friction where the law is a spring, alone or beside a slider of constant friction
-    /// without slack: `u = h w + r, l = h w - r` up to the stops.
-    pub fn constant_friction(&self) -> Option<[f64; 2]> {
-        let [p] = self.intervals[..] else { return None };
-        let scale = p.up.at(p.to.min(1e300)).abs().max(p.down.at(p.from.max(-1e300)).abs());
-        let apart = (p.up.slope - p.down.slope).abs();
-        let parallel = apart == 0.0 || apart * (p.to - p.from) <= ON_A_LINE * scale;
-        parallel.then(|| [p.up.slope, 0.5 * (p.up.at(p.down.place) - p.down.force)])
+    /// Whether the law is a spring, alone or beside a slider of constant friction without slack, up to the stops.
+    pub fn constant_friction(&self) -> bool {
+        let [p] = self.intervals[..] else { return false };
+        let (scale, apart) = (p.up.at(p.to).abs().max(p.down.at(p.from).abs()), (p.up.slope - p.down.slope).abs());
+        apart == 0.0 || apart * (p.to - p.from) <= ON_A_LINE * scale
     }
 }
 

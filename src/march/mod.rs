@@ -16,6 +16,7 @@ mod estimate;
 mod events;
 mod forces;
 mod mode;
+mod proof;
 mod record;
 mod roots;
 mod series;
@@ -121,13 +122,13 @@ pub struct Parting {
 }
 
 /// What forces are within.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bound {
     /// Proven: no force is further than this from the exact motion's, N.
     Proven(f64),
-    /// Estimated by three runs, for each coupler's largest draft and buff, N.
-    Estimated(Vec<[f64; 2]>),
-    /// Not asked for.
+    /// Estimated by three runs: the largest of [`Outcome::error_n`].
+    Estimated(f64),
+    /// Not asked for, and not proven.
     None,
 }
 
@@ -142,6 +143,10 @@ pub struct Outcome {
     pub first_over_s: Vec<[Option<f64>; 2]>,
     /// What the extremes are within.
     pub bound: Bound,
+    /// Bound or estimate of the error of each coupler's largest draft and buff, up to the horizon; empty where there is none.
+    pub error_n: Vec<[f64; 2]>,
+    /// The same up to the mark.
+    pub error_to_mark_n: Vec<[f64; 2]>,
     /// What parted, in order.
     pub partings: Vec<Parting>,
     /// Gaps of parted couplers that closed: which, and when.
@@ -152,6 +157,8 @@ pub struct Outcome {
     pub predictable_until_s: Option<f64>,
     /// Forces of the couplers of the history at its instants; not a number beyond the end of the march.
     pub history: Vec<Vec<f64>>,
+    /// Speed of each vehicle at the end of the march, against the common motion.
+    pub end_speed_m_s: Vec<f64>,
     /// Energy over the march, if it was to be followed.
     pub energy: Option<Energy>,
     /// Events that ended steps.

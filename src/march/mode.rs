@@ -187,3 +187,54 @@ impl Branches {
         (w, if c > 0.0 { (q - w) / c } else { curve(&self.intervals[above], true).at(q) })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::law::{Curve, Row};
+
+    /// Moves a coupler to an elongation, mode by mode; its force there.
+    fn moved(c: &mut Coupler, from: f64, to: f64) -> f64 {
+        let grows = to > from;
+        if c.turn != 0.0 && (c.turn > 0.0) != grows {
+            c.switch(End::Turn, from);
+        }
+        while grows && to > c.upper || !grows && to < c.lower {
+            let (end, at) = if grows { (End::Upper, c.upper) } else { (End::Lower, c.lower) };
+            c.switch(end, at);
+        }
+        c.start[1] + c.force(to)
+    }
+
+    /// A pair of friction gears with slack along a path of elongations, against a clamp of 40 digits.
+    #[test]
+    fn memory_along_a_path() {
+        let rows = [[0., 0., 0.], [7., 120., 120.], [38., 680., 172.], [114., 1350., 300.], [149., 2520., 360.]];
+        let row = |r: &[f64; 3]| Row { travel_m: r[0] / 1e3, loading_n: r[1] * 1e3, unloading_n: r[2] * 1e3 };
+        let gear = Curve::new(rows.iter().map(row).collect()).expect("a table");
+        let law = Law::Gear { solid_n_per_m: 2e8, slack_m: 0.025, draft: gear.clone(), buff: gear };
+        let path = [
+            (0.030, 284023.66863905325444),
+            (0.050, 615384.61538461538462),
+            (0.049, 415384.61538461538462),
+            (0.050, 615384.61538461538462),
+            (0.060, 731505.98613736609956),
+            (0.0575, 231505.98613736609956),
+            (0.040, 153103.00703774792067),
+            (0.0405, 253103.00703774792067),
+            (0.0, 0.0),
+            (-0.040, -449704.14201183431953),
+            (-0.0385, -150607.80550223928343),
+            (-0.020, -118421.05263157894737),
+            (0.010, 0.0),
+        ];
+        let mut coupler = Coupler::new(&law, &Rest::default());
+        let mut last = 0.0;
+        for (q, want) in path {
+            let force = moved(&mut coupler, last, q);
+            // A place is rounded to 4e-18 m, times kl.
+            assert!((force - want).abs() < 5e-9, "{q}: {force} for {want}");
+            last = q;
+        }
+    }
+}

@@ -115,8 +115,25 @@ impl Record {
         }
     }
 
-    /// Not a number where nothing is known.
-    pub fn finish(&mut self) {
+    /// Keeps the extremes so far as those up to the mark.
+    pub fn mark(&mut self) {
+        self.to_mark = Some(self.extremes.clone());
+    }
+
+    /// Takes back what is later than an instant, with the extremes and crossings up to it.
+    pub fn cut(&mut self, until: f64, extremes: Vec<Extremes>, over: Vec<[Option<f64>; 2]>) {
+        (self.extremes, self.first_over_s) = (extremes, over);
+        let known = self.times.iter().take_while(|t| **t <= until).count();
+        self.history.iter_mut().for_each(|h| h.truncate(known));
+    }
+
+    /// Not a number where nothing is known; no force where it is under `none`, what an event leaves, of each coupler.
+    pub fn finish(&mut self, none: impl Fn(usize) -> f64) {
+        for (i, e) in self.extremes.iter_mut().enumerate().chain(self.to_mark.iter_mut().flatten().enumerate()) {
+            for peak in [&mut e.draft, &mut e.buff].into_iter().filter(|p| p.force_n.abs() <= none(i)) {
+                peak.force_n = 0.0;
+            }
+        }
         self.history.iter_mut().for_each(|h| h.resize(self.times.len(), f64::NAN));
         if self.to_mark.is_none() {
             self.to_mark = Some(self.extremes.clone());
@@ -150,7 +167,7 @@ fn largest(c: &[f64], best: f64) -> Option<(f64, f64)> {
         if at == 0.0 {
             falling = slope[0] < 0.0;
         } else {
-            shift(&mut slope[..n - 1], at);
+            roots::onto(&mut slope[..n - 1], at, 1.0);
             slope[0] = 0.0;
         }
         // Looks for the next instant at which the slope has the other sign.
@@ -167,19 +184,4 @@ fn largest(c: &[f64], best: f64) -> Option<(f64, f64)> {
         }
     }
     found
-}
-
-/// The polynomial over `at..1` as one over 0..1.
-fn shift(c: &mut [f64], at: f64) {
-    let n = c.len();
-    for j in 0..n {
-        for k in (j..n - 1).rev() {
-            c[k] += at * c[k + 1];
-        }
-    }
-    let mut power = 1.0;
-    for c in c {
-        *c *= power;
-        power *= 1.0 - at;
-    }
 }

@@ -4,9 +4,11 @@ use super::energy::Audit;
 use super::events::{Event, terms, unbalanced};
 use super::forces::Forces;
 use super::mode::{Coupler, End};
+use super::proof::Proof;
 use super::record::{Record, Taken};
 use super::series::{Series, State};
 use super::{Ask, Parting, Problem};
+use crate::law::Law;
 
 /// An event counts only once the elongation is this share of the train's longest scale past its guard: about 1e-15 m where
 /// elongations are some 40 mm. The law is continuous, so that this costs no more than so much times kl.
@@ -38,6 +40,7 @@ pub struct March<'a> {
     pub closures: Vec<(usize, f64)>,
     pub stopped: Option<(usize, f64)>,
     pub audit: Option<Audit>,
+    pub proof: Option<Proof>,
     pub t: f64,
     pub events: u64,
     pub steps: u64,
@@ -97,6 +100,7 @@ impl<'a> March<'a> {
             closures: Vec::new(),
             stopped: None,
             audit: None,
+            proof: None,
             t: 0.0,
             events: 0,
             steps: 0,
@@ -120,18 +124,20 @@ impl<'a> March<'a> {
 
     /// The scale of elongations, for what is past a guard and what is nothing.
     fn set_scales(&mut self) {
-        let slopes = self.state.slope.iter().copied().filter(|s| *s > 0.0);
-        let (softest, stiffest) = slopes.fold((f64::INFINITY, 0.0f64), |(a, b), s| (a.min(s), b.max(s)));
-        let rate = self.state.rate().max(f64::MIN_POSITIVE);
-        let mut scale = self.state.v[0].windows(2).map(|v| (v[0] - v[1]).abs()).fold(0.0, f64::max) / rate;
+        let stiffness: Vec<f64> = self.problem.laws.iter().map(stiffest).collect();
+        let (softest, hardest) = stiffness.iter().fold((f64::INFINITY, 0.0f64), |(a, b), s| (a.min(*s), b.max(*s)));
+        let lightest = self.state.inverse_mass.iter().copied().fold(0.0, f64::max);
+        let rate = (4.0 * hardest * lightest).sqrt();
+        let apart = self.state.v[0].windows(2).map(|v| (v[0] - v[1]).abs()).fold(0.0, f64::max);
+        let mut scale = if apart > 0.0 && rate > 0.0 { apart / rate } else { 0.0 };
         for (s, law) in self.start.iter().zip(&self.problem.laws) {
             scale = scale.max(s[0].abs()).max(0.5 * law.slack_m());
         }
-        if scale == 0.0 && stiffest > 0.0 {
+        if scale == 0.0 && hardest > 0.0 {
             let drive = |d: &(usize, crate::play::Drive)| d.1.measures()[0];
             let force = self.problem.forcing.iter().map(drive).chain(self.state.unbalanced.iter().map(|f| f.abs()));
             let brakes = self.problem.emergency.iter().flat_map(|e| e.full_n.iter().copied());
-            scale = force.chain(brakes).fold(0.0, f64::max) / softest.min(stiffest);
+            scale = force.chain(brakes).fold(0.0, f64::max) / softest;
         }
         self.past = PAST * scale;
         self.nothing = [NOTHING * scale, NOTHING * scale * rate];
@@ -194,6 +200,10 @@ impl<'a> March<'a> {
         if let Some(audit) = &mut self.audit {
             audit.work(&self.state, &self.series, &self.start, width);
         }
+        if let Some(mut proof) = self.proof.take() {
+            proof.step(self, width);
+            self.proof = Some(proof);
+        }
         self.series.advance(&mut self.state);
         self.t = next;
         self.steps += 1;
@@ -243,5 +253,13 @@ impl<'a> March<'a> {
             }
         });
         self.series.expand(&self.state, width);
+    }
+}
+
+/// The largest slope of a law.
+pub fn stiffest(law: &Law) -> f64 {
+    match law {
+        Law::Elastic { draft_n_per_m, buff_n_per_m, .. } => draft_n_per_m.max(*buff_n_per_m),
+        Law::Gear { solid_n_per_m, .. } => *solid_n_per_m,
     }
 }

@@ -103,8 +103,7 @@ impl Series {
         for k in 0..self.terms {
             let share = width / (k + 1) as f64;
             if k > 0 {
-                let (tension, q, slope) =
-                    (&mut self.tension[from..=to], &self.q[k][from..=to], &state.slope[from..=to]);
+                let (tension, q, slope) = (&mut self.tension[from..=to], &self.q[k][from..=to], &state.slope[from..=to]);
                 tension.iter_mut().zip(q).zip(slope).for_each(|((t, q), s)| *t = s * q);
             }
             let next = &mut self.q[k + 1];
@@ -121,9 +120,7 @@ impl Series {
                 *v = share * m * (ahead - behind);
             }
             if k == 0 {
-                for (v, (m, f)) in
-                    next.iter_mut().zip(state.inverse_mass[from..to].iter().zip(&state.unbalanced[from..to]))
-                {
+                for (v, (m, f)) in next.iter_mut().zip(state.inverse_mass[from..to].iter().zip(&state.unbalanced[from..to])) {
                     *v += share * m * f;
                 }
             }

@@ -94,12 +94,16 @@ pub fn section(train: &Train, scenario: &ScenarioFindings, pictures: &[Picture])
 pub fn overview_row(train: &Train, scenario: &ScenarioFindings) -> Vec<String> {
     let exceeding = |of: fn(&CaseFindings) -> usize| match &scenario.cases[..] {
         [case] => of(case).to_string(),
-        cases => format!("in {} of {}", cases.iter().filter(|c| of(c) > 0).count(), words::count(cases.len(), "break")),
+        cases => format!("{} of {}", cases.iter().filter(|c| of(c) > 0).count(), words::count(cases.len(), "break")),
     };
-    let worst = words::worst_case(scenario).map_or([const { String::new() }; 4], |(case, c)| {
+    let worst = words::worst_case(scenario).map_or([const { String::new() }; 3], |(case, c)| {
         let after = case.broken_coupler.filter(|_| scenario.cases.len() > 1);
         let after = after.map_or(String::new(), |b| format!(", when {b} breaks"));
-        [format!("{}{after}", c.coupler), demand(c, case), format!("{} %", percent(c.utilisation)), time(c.peak_time_s)]
+        [
+            format!("{}{after}", c.coupler),
+            format!("{}, {} %", demand(c, case), percent(c.utilisation)),
+            time(c.peak_time_s),
+        ]
     });
     let factor = scenario.cases.iter().filter_map(|c| c.safe_load_factor).reduce(f64::min).map_or(String::new(), down);
     let of = words::source(train, scenario).map_or("", |(_, s)| words::cause(&s.event));

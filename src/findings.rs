@@ -283,6 +283,11 @@ impl CaseFindings {
     pub fn error_n(&self) -> f64 {
         self.error_estimate_n.unwrap_or(self.error_bound_n)
     }
+
+    /// A rating that lies this close to a peak, or closer, is not decided, N: the bound, or ten estimates.
+    pub fn margin_n(&self) -> f64 {
+        self.error_estimate_n.map_or(self.error_bound_n, |n| march::MARGIN * n)
+    }
 }
 
 /// What the continuum model says of the same case.

@@ -6,7 +6,7 @@ use crate::scenario::{Application, Event, Scenario};
 use crate::units::{Dimension, shown};
 
 /// The laws of couplers that are not linear, each kind once with what it does at the load; empty where all are linear.
-pub(super) fn laws(train: &Train) -> Vec<String> {
+pub(crate) fn laws(train: &Train) -> Vec<String> {
     let mut kinds: Vec<(Vec<usize>, &Law)> = vec![];
     for (i, law) in train.extras.laws.iter().enumerate() {
         match kinds.iter_mut().find(|(_, known)| *known == law) {
@@ -109,6 +109,15 @@ pub(super) fn response(train: &Train, scenario: &Scenario) -> String {
         text += &format!("; the train runs at {}", shown(speed, Dimension::Speed));
     }
     text
+}
+
+/// The same as sentences of a report.
+pub(crate) fn response_sentences(train: &Train, scenario: &Scenario) -> String {
+    let sentence = |clause: &str| {
+        let mut letters = clause.chars();
+        letters.next().map_or(String::new(), |first| format!(" {}{}.", first.to_uppercase(), letters.as_str()))
+    };
+    response(train, scenario).split("; ").filter(|clause| !clause.is_empty()).map(sentence).collect()
 }
 
 /// Where an application starts: "the head", "both ends", "vehicle 12 (car 11)".

@@ -36,7 +36,7 @@ use crate::scenario::Scenario;
 
 pub use describe::describe;
 pub(crate) use describe::{count, of_parts};
-pub(crate) use describe_laws::{application, place};
+pub(crate) use describe_laws::{application, laws, place, response_sentences as response};
 pub use extras::{Extras, LIMITS, Limits, SENSES, Steady};
 pub use loads::steady_forces;
 pub use text::{Files, Source};

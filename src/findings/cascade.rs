@@ -46,6 +46,13 @@ pub struct CascadeFindings {
     pub error_estimate_n: Option<f64>,
 }
 
+impl CascadeFindings {
+    /// What every force is within, N: proven, or else estimated.
+    pub fn error_n(&self) -> f64 {
+        self.error_estimate_n.unwrap_or(self.error_bound_n)
+    }
+}
+
 /// A coupler that breaks.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CascadeBreak {

@@ -2,6 +2,7 @@
 
 use super::numbers::{digits, given_force, given_mass, without_zeros};
 use crate::consist::{LIMITS, Train};
+use crate::law::Law;
 
 /// Rows of each table, at most.
 const ROWS: usize = 40;
@@ -50,7 +51,7 @@ pub fn couplers(train: &Train) -> Groups {
         let limits = extras.limits.get(i).copied().unwrap_or_default();
         let dashpot = extras.dashpot_n_s_per_m.get(i).filter(|c| **c > 0.0);
         vec![
-            format!("{}/m", given_force(c.stiffness_n_per_m)),
+            extras.laws.get(i).map_or(format!("{}/m", given_force(c.stiffness_n_per_m)), law),
             given_force(c.rated_draft_n),
             given_force(c.rated_buff_n),
             dashpot.map_or(String::new(), |c| format!("{}\u{b7}s/m", given_force(*c))),
@@ -59,6 +60,24 @@ pub fn couplers(train: &Train) -> Groups {
         ]
     };
     grouped("Couplers, alike neighbours together", &head, train.couplers.len(), cells)
+}
+
+/// A coupler's law in short.
+fn law(law: &Law) -> String {
+    let stiffness = |k: f64| format!("{}/m", given_force(k));
+    let slack = match law.slack_m() {
+        0.0 => String::new(),
+        s => format!(", slack {} mm", without_zeros(&digits(1e3 * s, 0.0, 4))),
+    };
+    match law {
+        Law::Elastic { draft_n_per_m, buff_n_per_m, .. } if draft_n_per_m == buff_n_per_m => {
+            stiffness(*draft_n_per_m) + &slack
+        }
+        Law::Elastic { draft_n_per_m, buff_n_per_m, .. } => {
+            format!("{} in draft, {} in buff{slack}", stiffness(*draft_n_per_m), stiffness(*buff_n_per_m))
+        }
+        Law::Gear { solid_n_per_m, .. } => format!("a gear in series with {}{slack}", stiffness(*solid_n_per_m)),
+    }
 }
 
 /// The label without the number that tells alike vehicles apart.

@@ -85,7 +85,7 @@ fn margin(limit: &str, entries: &[Entry], several: bool) -> Option<String> {
     let (case, c, l) = entries.iter().reduce(|a, b| if b.2.margin < a.2.margin { b } else { a })?;
     let after =
         case.broken_coupler.filter(|_| several).map(|b| format!(" after coupler {b} breaks")).unwrap_or_default();
-    let loads = format!("{} of {} in {}", force(l.largest_n, case.error_bound_n), given_force(l.limit_n), l.sense);
+    let loads = format!("{} of {} in {}", force(l.largest_n, case.error_n()), given_force(l.limit_n), l.sense);
     let share = digits(100.0 * l.margin.abs(), 0.0, 3);
     let head = if l.margin < 0.0 { "The largest excess over" } else { "The smallest margin to" };
     let article = if limit == LIMITS[2] { "an" } else { "a" };
@@ -120,7 +120,7 @@ pub fn row(of: (&CouplerFindings, &'static str), case: &CaseFindings) -> Vec<Str
     vec![
         c.coupler.to_string(),
         c.between.join(", "),
-        format!("{} in {sense}", force(largest(of), case.error_bound_n)),
+        format!("{} in {sense}", force(largest(of), case.error_n())),
         side(of).map(margin).collect::<Vec<_>>().join(", "),
     ]
 }

@@ -3,6 +3,7 @@
 
 mod events;
 mod found;
+mod laws;
 mod options;
 mod plausible;
 
@@ -13,7 +14,7 @@ use serde::Serialize;
 use crate::consist::{Coupler, Limits, SENSES, Train, count};
 use crate::scenario::Scenario;
 
-pub use found::closing_gap;
+pub use found::found;
 pub use options::idle_options;
 pub(crate) use plausible::STEEP;
 
@@ -59,6 +60,7 @@ pub fn doubts(train: &Train) -> Vec<Doubt> {
     found.extend(limit_order(train));
     found.extend(lengths(train));
     found.extend(plausible::of_train(train));
+    found.extend(laws::of_train(train));
     for scenario in &train.scenarios {
         found.extend(events::of_scenario(train, scenario));
     }

@@ -39,9 +39,10 @@ pub(super) struct Context<'a, 'v> {
 }
 
 impl Context<'_, '_> {
-    /// Whether a coupler carries buff: its vehicles stay pressed together when it breaks.
+    /// Whether a coupler carries buff, so that its vehicles stay pressed together when it breaks, and that is not computed. In a train
+    /// with slack or gears it is.
     fn in_buff(&self, coupler: usize) -> bool {
-        self.initial_force_n.get(coupler).is_some_and(|force| *force < 0.0)
+        self.extras.laws.is_empty() && self.initial_force_n.get(coupler).is_some_and(|force| *force < 0.0)
     }
 
     /// Every coupler in turn, and those that are left out because they carry buff.
@@ -303,16 +304,13 @@ fn braked(value: &Value, context: &Context) -> Read<()> {
     undamped(value, context)
 }
 
-/// Notes a damped train, in which forces that change over time on several vehicles are not computed.
+/// Notes a damping ratio, with which forces that change over time on several vehicles are not computed.
 fn undamped(value: &Value, context: &Context) -> Read<()> {
-    if context.extras.dashpot_n_s_per_m.is_empty() && context.extras.damping_ratio == 0.0 {
+    if context.extras.damping_ratio == 0.0 {
         return Ok(());
     }
-    let title = format!("{} in a train with damping", value.name_of_key());
-    Err(value.wrong(
-        title,
-        "leave damping and damping_ratio out; a gear with friction takes the energy that draft gears take",
-    ))
+    let title = format!("{} in a train with a damping_ratio", value.name_of_key());
+    Err(value.wrong(title, "give [coupler] a damping = \"200 kN*s/m\" in its place, or a gear with friction"))
 }
 
 /// A brake application and where it starts.

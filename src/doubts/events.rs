@@ -3,6 +3,7 @@
 use super::{Doubt, more, overloaded};
 use crate::consist::Train;
 use crate::scenario::{
+    self,
     Event, Scenario, horizon_s, initial_force_n, last_change_s, longest_horizon_s, longest_transit_s,
 };
 use crate::units::{Dimension, shown};
@@ -40,7 +41,10 @@ fn breaks(train: &Train, scenario: &Scenario, couplers: &[usize]) -> Vec<(&'stat
     let mut in_buff = couplers.iter().filter(|&&b| load(b) < 0.0);
     if let Some(first) = in_buff.next() {
         let which = format!("coupler {}{}", first + 1, more(in_buff.count(), "coupler"));
-        let text = "carries buff and breaks as if the parts could pass through each other; in a train they stay pressed together";
+        let text = match scenario::is_march(train, scenario) {
+            true => "carries buff: when it breaks its vehicles stay pressed together, and part once the force there turns to draft",
+            false => "carries buff and breaks as if the parts could pass through each other; in a train they stay pressed together",
+        };
         found.push(("breaks-in-buff", format!("{which} {text}")));
     }
     let left_out = &scenario.left_out_in_buff;

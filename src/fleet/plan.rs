@@ -9,7 +9,7 @@ use super::inputs::Inputs;
 use super::rows::{self, Chunk};
 use super::variation::Varied;
 use crate::consist::Train;
-use crate::doubts::{Doubt, closing_gap, doubts};
+use crate::doubts::{self, Doubt, doubts};
 use crate::findings::{self, Options, cases};
 use crate::solve::Wanted;
 use crate::solve::memo::Memo;
@@ -176,9 +176,9 @@ impl<'a> Plan<'a> {
         for (scenario, broken) in all_cases(&train).skip(range.start).take(range.len()) {
             match findings::case_findings(&train, scenario, broken, &self.options, self.memo) {
                 Ok(case) => {
-                    let found = closing_gap(scenario, std::slice::from_ref(&case));
-                    self.keep(&cell, variation, found.as_slice());
-                    rows.add(&place, &train, scenario, &case, found.as_ref());
+                    let found = doubts::found(scenario, std::slice::from_ref(&case));
+                    self.keep(&cell, variation, &found);
+                    rows.add(&place, &train, scenario, &case, &found);
                 }
                 Err(error) => rows.fail(&place, Some((scenario, broken)), &error.to_string()),
             }

@@ -43,6 +43,19 @@ pub fn all() -> Vec<(&'static str, String)> {
     let record = "[[scenario]]\nkind = \"pulse\"\nat = \"tail\"\nrecord = \"pulse.csv\"\n";
     let at_head = |text: &str| text.replace("tail", "head");
     let (cascade, trapezoid) = ("cascade = true\n", "shape = \"trapezoid\"\nrise = \"20 ms\"\n");
+    let slack = FRONT.replace("\"11 MN/m\"", "\"11 MN/m\"\nslack = \"10 mm\"");
+    let gear = FRONT.replace(
+        "stiffness = \"11 MN/m\"",
+        "gear = \"gear of all.csv\"\nsolid_stiffness = \"200 MN/m\"\nslack = \"10 mm\"",
+    );
+    let wedge = gear.replace("gear of all.csv\"", "wedge.csv\"\nfriction = \"50 %\"");
+    let braked = |front: &str| {
+        let long = front.replace("mass = ", "length = \"15 m\"\nmass = ");
+        let long = long.replace("label = \"car\"", "label = \"car\"\nemergency_brake = \"50 kN\"");
+        long.replace("\"base\"", "\"base\"\nspeed = \"50 km/h\"")
+    };
+    let course = "emergency.wave = \"250 m/s\"\nemergency.build_up = [[\"0 s\", \"0 %\"], [\"1 s\", \"100 %\"]]\n";
+    let brake = "[[scenario]]\nkind = \"brake\"\nat = \"both ends\"\nhorizon = \"6 s\"\n";
     vec![
         ("break", file(&[FRONT, UNIFORM, BREAK])),
         ("override", file(&[FRONT, overridden, UNIFORM, BREAK])),
@@ -65,11 +78,39 @@ pub fn all() -> Vec<(&'static str, String)> {
         ("impact at the head, cascade", file(&[&free, buff, &at_head(impact), cascade])),
         ("hauled impact", file(&[&hauled, "[load]\ngrade = \"0.2 %\"\n", impact])),
         ("table", file(&[&of_table, UNIFORM, BREAK])),
+        ("slack", file(&[&slack, UNIFORM, BREAK])),
+        ("gear", file(&[&gear, UNIFORM, BREAK])),
+        ("gear, override", file(&[&gear, overridden, UNIFORM, BREAK])),
+        ("gear without unloading", file(&[&wedge, overridden, UNIFORM, BREAK])),
+        ("gear, emergency", file(&[&braked(&gear), UNIFORM, BREAK, course])),
+        (
+            "emergency of a hauled train",
+            file(&[&braked(&hauled), slopes, BREAK, "emergency = \"AAR\"\ncut_power.after = \"1 s\"\n"]),
+        ),
+        ("throttle", file(&[&hauled, slopes, BREAK, "throttle = \"throttle of all.csv\"\n"])),
+        ("emergency brakes", file(&[&braked(&hauled), slopes, brake, course, "cascade = true\n"])),
+        (
+            "emergency brakes, throttle",
+            file(&[&braked(&hauled), slopes, brake, course, "throttle = \"throttle of all.csv\"\n"]),
+        ),
+        (
+            "emergency brakes, power cut",
+            file(&[&braked(&hauled), slopes, brake, course, "cut_power.after = \"1 s\"\n"]),
+        ),
+        ("service brakes", file(&[&braked(&gear), UNIFORM, brake, &course.replace("emergency", "service")])),
     ]
 }
 
+const GEAR: &str = "travel [mm],loading [kN],unloading [kN]\n0,0,0\n7,120,60\n100,1100,300\n";
+
 /// Files beside them.
-pub const BESIDE: [(&str, &str); 4] = [
+pub const BESIDE: [(&str, &str); 10] = [
+    ("gear of all.csv", GEAR),
+    ("gear.csv", "travel [mm],loading [kN],unloading [kN]\n0,0,0\n9,120,60\n80,1000,250\n"),
+    ("stiffer.csv", "travel [mm],loading [kN],unloading [kN]\n0,0,0\n5,220,90\n60,1300,250\n"),
+    ("wedge.csv", "travel [mm],loading [kN]\n0,0\n100,1500\n"),
+    ("throttle of all.csv", "time [s],share [%]\n0,100\n2,20\n"),
+    ("throttle.csv", "time [s];force [kN];vehicle\n0;400;engine\n1;50,5;engine\n"),
     ("consist.csv", "label,mass [t],count,held\nengine,190,1,yes\ncar,90,6,\ncaboose,60,1,\n"),
     ("other.csv", "label,mass [t],count,held\nengine,190,1,yes\ncar,90,5,\ncaboose,30,1,\n"),
     ("pulse.csv", "time_ms,force_kn\n0,0\n50,900\n200,0\n"),

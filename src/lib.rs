@@ -40,6 +40,8 @@ mod figures;
 pub mod findings;
 pub mod fleet;
 mod keys;
+pub mod law;
+pub mod march;
 pub mod play;
 pub mod report;
 pub mod rod;

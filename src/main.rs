@@ -68,7 +68,8 @@ fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
     };
     let seconds = findings::estimate_s(&train, &options).map_err(|e| complain(&args.train, &e))?;
     idle_options(&train, &options).iter().for_each(|note| say(&format!("note: {note}")));
-    doubts(&train).iter().for_each(|warning| say(&format!("warning: {warning}")));
+    let known = doubts(&train);
+    known.iter().for_each(|warning| say(&format!("warning: {warning}")));
     let bytes = findings::memory_bytes(&train, &options).unwrap_or_default();
     let memory = if bytes > LARGE { format!(" and {:.1} GB of memory", bytes as f64 / 1e9) } else { String::new() };
     if seconds > LONG_S || bytes > LARGE {
@@ -80,6 +81,8 @@ fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
     }
     let analysis =
         with_clock(seconds, || findings::analyze(&train, &options)).map_err(|e| complain(&args.train, &e))?;
+    let found = analysis.doubts.iter().filter(|doubt| !known.contains(doubt));
+    found.for_each(|warning| say(&format!("warning: {warning}")));
     if args.json {
         let json = report::json(&analysis).map_err(|e| output_failed(&e))?;
         print(&(json + "\n"))?;

@@ -75,6 +75,7 @@ fn each_break_and_a_shock_have_a_section_each() {
             horizon_s: Some(2.0),
             cascade: Rule::Keep,
             left_out_in_buff: vec![],
+            response: trainsafe::scenario::Response::default(),
         },
     ];
     insta::assert_snapshot!(markdown(&train, &analysis_of(&train)));
@@ -221,6 +222,7 @@ fn figure_5_like() -> Scenario {
         horizon_s: None,
         cascade: Rule::Keep,
         left_out_in_buff: vec![],
+        response: trainsafe::scenario::Response::default(),
     }
 }
 

@@ -1,6 +1,6 @@
 //! What a file is that is not what was asked for, so that a message can say it.
 
-use super::{record, table};
+use super::{gears, record, table};
 use crate::fleet::study;
 
 /// What a file is that is no text, by its first bytes; the second: a workbook.
@@ -48,6 +48,9 @@ pub(super) fn of_text(text: &str) -> Option<&'static str> {
     }
     if table::is_table(text) {
         return Some("a table of vehicles");
+    }
+    if gears::is_gear(text) {
+        return Some("a gear's table of force over travel");
     }
     record::is_record(text).then_some("a record of force over time")
 }

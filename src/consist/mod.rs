@@ -4,13 +4,17 @@
 //! coupler `i` joins vehicle `i` and vehicle `i + 1`. Forces are positive in tension (draft), negative in compression
 //! (buff).
 
+mod brakes;
 mod describe;
+mod describe_laws;
 mod extras;
 mod file;
+mod gears;
 mod heading;
 pub(crate) mod keys;
 mod kinds;
 mod labels;
+mod laws;
 mod loads;
 mod numbers;
 mod record;
@@ -33,6 +37,7 @@ use crate::units::UnitSystem;
 
 pub use describe::describe;
 pub(crate) use describe::{count, of_parts};
+pub(crate) use describe_laws::{application, laws, place, response_sentences as response};
 pub use extras::{Extras, LIMITS, Limits, SENSES, Steady};
 pub use loads::steady_forces;
 pub use text::{Files, Source};
@@ -60,7 +65,8 @@ pub struct Vehicle {
 /// A coupler: the whole connection between two vehicles, as one linear spring with two ratings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coupler {
-    /// Stiffness, N/m; finite and > 0.
+    /// Stiffness, N/m; finite and > 0. Of a coupler whose law is not linear ([`Extras::laws`]) the secant of loading at the train's
+    /// largest load, which gives scales of time and no force.
     pub stiffness_n_per_m: f64,
     /// Capacity in tension, N; finite and > 0.
     pub rated_draft_n: f64,
@@ -85,6 +91,15 @@ pub struct Train {
     pub extras: Extras,
     /// Where it comes from; empty for a train that was not read from files.
     pub origin: Origin,
+}
+
+impl Train {
+    /// The forces that a coupler went to, one after the other, before the event, N: the pull from which it was let down, if there
+    /// was one, and its load.
+    pub fn history_n(&self, coupler: usize) -> Vec<f64> {
+        let pulled = self.extras.pulled_to_n.get(coupler).copied();
+        pulled.into_iter().chain([self.initial_force_n[coupler]]).collect()
+    }
 }
 
 /// Where a train comes from.
@@ -171,7 +186,7 @@ pub(crate) fn parse_drawn(
     let root = tree::Table::root(&found, root.get_ref(), &keys::TRAIN);
     let named = root.get("vehicles").filter(|value| value.as_text().is_some());
     let rows = match named.map(|value| value.text_beside(path, files)) {
-        Some(Ok((beside, text))) => Ok(Some(table::parse(&text, &beside)?)),
+        Some(Ok((beside, text))) => Ok(Some(table::parse(&text, &beside, path, files)?)),
         Some(Err(reported)) => Err(reported),
         None => Ok(None),
     };
@@ -196,6 +211,9 @@ fn not_train(text: &str, path: &Path) -> Option<InputError> {
             format!("type `trainsafe fleet {shown}`; a [[vary]] table has its place in a study, and no other file")
         }
         "a table of vehicles" => format!("name it in a train file: vehicles = \"{file}\"; `trainsafe new` prints one"),
+        "a gear's table of force over travel" => {
+            format!("name it in the [coupler] table of a train file: gear = \"{file}\"")
+        }
         "a record of force over time" => format!("name it in a pulse of a train file: record = \"{file}\""),
         _ => "give the path of a train file; `trainsafe new` prints one to start from".to_owned(),
     };

@@ -17,12 +17,12 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::MOST_VEHICLES;
 use super::file::{Group, OwnKeys, group, wrongly_held};
 use super::heading::{Content, Wanted, normal};
 use super::keys::{OVERRIDE, VEHICLE};
 use super::sheet::{Record, Sheet};
 use super::tree::{Found, Table};
+use super::{Files, MOST_VEHICLES};
 use crate::doubts::Doubt;
 use crate::error::{InputError, Problem, Problems, printable_path, quoted};
 use crate::keys::{Kind, Shape};
@@ -137,11 +137,11 @@ fn position(slots: &[Slot], name: &str) -> usize {
     slots.iter().position(|slot| slot.of == Of::Vehicle && slot.path == [name]).unwrap_or_default()
 }
 
-/// Reads the rows of a table's text; `path` is what messages call it.
+/// Reads the rows of a table's text; `path` is what messages call it. Files that its cells name stand beside the train file.
 ///
 /// # Errors
 /// Every problem with its row and column.
-pub(super) fn parse(text: &str, path: &Path) -> Result<Rows, InputError> {
+pub(super) fn parse(text: &str, path: &Path, train: &Path, files: &Files) -> Result<Rows, InputError> {
     let slots = slots();
     let [mass, held] = ["mass", "held"].map(|name| position(&slots, name));
     let sheet = match Sheet::open(text, &wanted(&slots), &[mass]) {
@@ -169,7 +169,7 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<Rows, InputError> {
         without_unit: HashSet::new(),
         name: path.file_name().map_or_else(|| printable_path(path), |name| printable_path(Path::new(name))),
     };
-    let rows = reader.rows();
+    let rows = reader.rows(train, files);
     let Reader { problems, doubts, .. } = reader;
     if problems.is_empty() { Ok(Rows { doubts, ..rows }) } else { Err(InputError::new(path, text, problems)) }
 }
@@ -195,7 +195,7 @@ struct Seen {
 }
 
 impl Reader<'_> {
-    fn rows(&mut self) -> Rows {
+    fn rows(&mut self, train: &Path, files: &Files) -> Rows {
         let mut rows = Rows { groups: vec![], behind: vec![], doubts: vec![] };
         self.header();
         if !self.problems.is_empty() {
@@ -210,7 +210,7 @@ impl Reader<'_> {
             let values = self.values(record);
             let [vehicle, coupler] = tables(&self.slots, &values);
             let group = group(&Table::of_row(&found, &vehicle, &VEHICLE, record.span.clone()));
-            let own = OwnKeys::read(&Table::of_row(&found, &coupler, &OVERRIDE, record.span.clone()));
+            let own = OwnKeys::read(&Table::of_row(&found, &coupler, &OVERRIDE, record.span.clone()), train, files);
             let (Ok(group), Ok(own)) = (group, own) else {
                 self.told(record, found);
                 continue;

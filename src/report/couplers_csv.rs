@@ -5,7 +5,7 @@ use std::io::Write;
 use super::cells::{number, optional, text};
 use crate::findings::{Analysis, CaseFindings, CouplerFindings, ScenarioFindings};
 
-const COLUMNS: [&str; 26] = [
+const COLUMNS: [&str; 27] = [
     "scenario",
     "broken_coupler",
     "coupler",
@@ -29,6 +29,7 @@ const COLUMNS: [&str; 26] = [
     "first_passage_peak_buff_n",
     "first_passage_peak_buff_time_s",
     "first_passage_exceeds",
+    "error_estimate_n",
     "all_time_bound_n",
     "limits_passed",
     "limits_undecided",
@@ -37,7 +38,7 @@ const COLUMNS: [&str; 26] = [
 /// Writes every coupler of every case, in the units and with the names of `result.json`.
 ///
 /// A cell is empty where there is no value; numbers read back to the same bits. The last columns are there only where they
-/// have something to say: `all_time_bound_n` if the bounds were asked for, `limits_passed` and
+/// have something to say: `error_estimate_n` if some error is estimated, `all_time_bound_n` if the bounds were asked for, `limits_passed` and
 /// `limits_undecided` if the train has limits. A text that a spreadsheet would take for a formula (it begins with `=`, `+`,
 /// `-`, `@`, or a control character) gets an apostrophe before it, which spreadsheets show as plain text.
 ///
@@ -46,8 +47,10 @@ const COLUMNS: [&str; 26] = [
 pub fn csv(analysis: &Analysis, writer: impl Write) -> Result<(), csv::Error> {
     let cases = || analysis.scenarios.iter().flat_map(|s| s.cases.iter().map(move |c| (s, c)));
     let bounds = cases().any(|(_, case)| case.couplers.iter().any(|c| c.all_time_bound_n.is_some()));
+    let estimates = cases().any(|(_, case)| case.error_estimate_n.is_some());
     let limits = cases().any(|(_, case)| case.couplers.iter().any(|c| c.limits.is_some()));
     let shown = |column: usize| match COLUMNS[column] {
+        "error_estimate_n" => estimates,
         "all_time_bound_n" => bounds,
         "limits_passed" | "limits_undecided" => limits,
         _ => true,
@@ -91,6 +94,7 @@ fn row(scenario: &ScenarioFindings, case: &CaseFindings, c: &CouplerFindings) ->
         optional(passage.and_then(|p| p.peak_buff_n)),
         optional(passage.and_then(|p| p.peak_buff_time_s)),
         passage.and_then(|p| p.exceeds).map(|e| e.to_string()).unwrap_or_default(),
+        optional(c.error_estimate_n),
         optional(c.all_time_bound_n),
         c.limits.as_ref().map(|l| l.passed.join(" ")).unwrap_or_default(),
         c.limits.as_ref().map(|l| l.undecided.join(" ")).unwrap_or_default(),

@@ -47,6 +47,7 @@ struct Report {
     groups: [Groups; 2],
     assumptions: Vec<assumptions::Row>,
     program: String,
+    date: String,
     options: String,
     /// Every file that was read: path and SHA-256.
     inputs: Vec<[String; 2]>,
@@ -76,6 +77,7 @@ pub fn markdown(train: &Train, analysis: &Analysis, pictures: &Pictures) -> Resu
         overview: analysis.scenarios.iter().map(|s| overview_row(train, s)).collect(),
         groups: [groups::vehicles(train), groups::couplers(train)],
         program: format!("{} {}", analysis.program.name, analysis.program.version),
+        date: analysis.date.clone(),
         options: options(analysis),
         inputs: analysis.inputs.iter().map(|f| [f.path.clone(), f.sha256.clone()]).collect(),
         assumptions: assumptions::rows(train, &ran),

@@ -286,8 +286,8 @@ fn sample_reports_are_up_to_date() {
         };
         let pages = if name == "paper-figure-4" { &["report.md", "report.html"][..] } else { &["report.md"] };
         for page in pages {
-            let kept = without_times(root.join("reports").join(name).join(page));
-            assert_eq!(without_times(out.join(page)), kept, "{name}: run `trainsafe analyze trains/{name}.toml`");
+            let kept = without_times(root.join("reports/samples").join(name).join(page));
+            assert_eq!(without_times(out.join(page)), kept, "{name}: run tests/samples.sh");
         }
     }
 }

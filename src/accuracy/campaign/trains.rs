@@ -204,7 +204,7 @@ impl Drawn {
         let system = &mut self.system;
         system.velocity = vec![0.0; n];
         system.outside = self.traction.iter().map(|p| long(*p)).collect();
-        let mut parts = vec![0..n];
+        let mut joint = n;
         let mut carry = vec![self.uniform; n - 1];
         match &self.event {
             Event::Break(b) => system.broken = Some(*b),
@@ -216,8 +216,7 @@ impl Drawn {
                 system.drive = rows.windows(2).map(|w| Course::Line(w[0], w[1])).collect();
             }
             Event::Impact(count, at_head, speed) => {
-                let joint = if *at_head { *count } else { n - count };
-                parts = vec![0..joint, joint..n];
+                joint = if *at_head { *count } else { n - count };
                 carry[joint - 1] = 0.0;
                 let moves = |v: usize| (v < joint) == *at_head;
                 let signed = if *at_head { -speed } else { *speed };
@@ -233,7 +232,7 @@ impl Drawn {
             return;
         }
         // F_v = F_{v-1} + p_v - m_v a, with one acceleration in each part.
-        for part in parts {
+        for part in [0..joint, joint..n].into_iter().filter(|part| !part.is_empty()) {
             let sum = |of: &dyn Fn(usize) -> crate::accuracy::reference::Real| {
                 part.clone().fold(zero.clone(), |s, v| s + of(v))
             };

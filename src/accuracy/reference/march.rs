@@ -286,8 +286,9 @@ fn modal_drag(system: &System, inverse: &[Option<Real>]) -> Vec<Vec<Real>> {
         for row in a.iter_mut().chain(&mut vectors) {
             (row[p], row[q]) = turn(&row[p], &row[q]);
         }
-        for k in 0..n {
-            (a[p][k], a[q][k]) = turn(&a[p][k], &a[q][k]);
+        let (above, below) = a.split_at_mut(q);
+        for (x, y) in above[p].iter_mut().zip(&mut below[0]) {
+            (*x, *y) = turn(x, y);
         }
     }
     let largest = (0..n).map(|j| rounded(&a[j][j])).fold(0.0, f64::max);

@@ -25,8 +25,9 @@ pub struct CascadeFindings {
     pub pieces: Vec<[usize; 2]>,
     /// Couplers that certainly pass their breaking load in buff and are kept, counted from 1.
     pub kept_in_buff: Vec<usize>,
-    /// From when on the sequence is not decided, s: a coupler came within the error bound of its breaking load and was not seen to
-    /// pass it.
+    /// From when on the sequence is not decided, s: a coupler came within the error bound of its breaking load, or stood there before
+    /// the event, and whether it breaks, or breaks before another, cannot be told. Later breaks are those of a train in which it holds
+    /// until it is certainly over that load.
     pub undecided_from_s: Option<f64>,
     /// That coupler, counted from 1.
     pub undecided_coupler: Option<usize>,
@@ -115,7 +116,9 @@ pub(super) fn find(
         })
         .collect();
     let gone = |i: usize| Some(i) == broken || breaks.iter().any(|b| b.coupler == i + 1);
-    let over = |i: &usize| !gone(*i) && outcome.springs[*i].buff.exceeds() == Some(true);
+    // What comes after the sequence is in doubt is certain of no coupler.
+    let certain = outcome.open.map_or(f64::INFINITY, |(_, t)| t);
+    let over = |i: &usize| !gone(*i) && outcome.springs[*i].buff.first_over.is_some_and(|t| t < certain);
     let kept_in_buff = (0..train.couplers.len()).filter(over).map(|i| i + 1).collect();
     Ok(Some(CascadeFindings {
         buff_breaks: scenario.cascade == Rule::InBoth,

@@ -95,7 +95,7 @@ fn open(cascade: &CascadeFindings) -> String {
     };
     format!(
         " Not decided from {} on: coupler {coupler} comes within the error bound of its {}, and whether it breaks then \
-         cannot be told.",
+         cannot be told. What is said of later times supposes that it holds.",
         time(from),
         breaking_load(cascade)
     )

@@ -21,6 +21,8 @@ mod record;
 mod roots;
 mod series;
 mod step;
+#[cfg(test)]
+mod tests;
 
 use crate::law::{Law, Rest};
 use crate::play::Drive;

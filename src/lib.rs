@@ -41,6 +41,7 @@ pub mod findings;
 pub mod fleet;
 mod keys;
 pub mod law;
+pub mod march;
 pub mod play;
 pub mod report;
 pub mod rod;

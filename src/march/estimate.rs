@@ -80,10 +80,12 @@ fn keep(march: &March) -> Kept {
 fn compared(problem: &Problem, ask: &Ask, mut march: March) -> Outcome {
     let moved: Vec<Problem> = (1..=2).map(|seed| moved(problem, seed)).collect();
     let quiet = Ask { capacity_n: ask.capacity_n.clone(), ..Ask::default() };
-    let other = |(n, p)| March::new(p, &quiet, Manner { phase: OTHERS[n], noise: Some((0x9E37_79B9 + n as u64, NOISE)) });
+    let other =
+        |(n, p)| March::new(p, &quiet, Manner { phase: OTHERS[n], noise: Some((0x9E37_79B9 + n as u64, NOISE)) });
     let mut others: Vec<March> = moved.iter().enumerate().map(other).collect();
     let (mark, horizon) = (problem.mark_s.min(problem.horizon_s), problem.horizon_s);
-    let mut instants: Vec<f64> = (1..COMPARED).map(|k| horizon * k as f64 / COMPARED as f64).chain([mark, horizon]).collect();
+    let mut instants: Vec<f64> =
+        (1..COMPARED).map(|k| horizon * k as f64 / COMPARED as f64).chain([mark, horizon]).collect();
     instants.sort_by(f64::total_cmp);
     let mut to_mark = Vec::new();
     let mut until = None;
@@ -160,7 +162,11 @@ fn moved(problem: &Problem, seed: u64) -> Problem {
             let same = draft_n_per_m == buff_n_per_m;
             let draft = factor();
             let buff = if same { draft } else { factor() };
-            Law::Elastic { draft_n_per_m: draft_n_per_m * draft, buff_n_per_m: buff_n_per_m * buff, slack_m: slack_m * factor() }
+            Law::Elastic {
+                draft_n_per_m: draft_n_per_m * draft,
+                buff_n_per_m: buff_n_per_m * buff,
+                slack_m: slack_m * factor(),
+            }
         }
         Law::Gear { solid_n_per_m, slack_m, draft, buff } => {
             let mut table = |c: &Curve| {

@@ -1,8 +1,8 @@
 //! The march itself: from event to event.
 
 use super::energy::Audit;
-use super::forces::Forces;
 use super::events::{Event, terms, unbalanced};
+use super::forces::Forces;
 use super::mode::{Coupler, End};
 use super::proof::Proof;
 use super::record::{Record, Taken};
@@ -73,7 +73,8 @@ impl<'a> March<'a> {
         let (unbalanced, common_m_s2) = unbalanced(problem, &start);
         let zeros = || vec![0.0; n + 1];
         let dashpot = &problem.dashpot_n_s_per_m;
-        let dashpot = if dashpot.iter().all(|c| *c == 0.0) { Vec::new() } else { [&[0.0], &dashpot[..], &[0.0]].concat() };
+        let dashpot =
+            if dashpot.iter().all(|c| *c == 0.0) { Vec::new() } else { [&[0.0], &dashpot[..], &[0.0]].concat() };
         let state = State {
             q: [zeros(), zeros()],
             v: [problem.speed_m_s.clone(), vec![0.0; n]],
@@ -85,7 +86,8 @@ impl<'a> March<'a> {
             unbalanced,
             moving: [0, n],
         };
-        let forces: Vec<f64> = start.iter().enumerate().map(|(i, s)| if problem.gone.contains(&i) { 0.0 } else { s[1] }).collect();
+        let forces: Vec<f64> =
+            start.iter().enumerate().map(|(i, s)| if problem.gone.contains(&i) { 0.0 } else { s[1] }).collect();
         let mut march = March {
             manner,
             couplers,
@@ -143,7 +145,8 @@ impl<'a> March<'a> {
 
     fn set_line(&mut self, i: usize) {
         let line = self.couplers[i].line;
-        (self.state.place[i + 1], self.state.force[i + 1], self.state.slope[i + 1]) = (line.place, line.force, line.slope);
+        (self.state.place[i + 1], self.state.force[i + 1], self.state.slope[i + 1]) =
+            (line.place, line.force, line.slope);
     }
 
     /// Coupler `i` parts now.
@@ -204,7 +207,8 @@ impl<'a> March<'a> {
         self.series.advance(&mut self.state);
         self.t = next;
         self.steps += 1;
-        self.mean_width = if self.steps == 1 { width } else { 0.8 * self.mean_width + 0.2 * width }.max(1e-3 * self.manner.phase / rate);
+        self.mean_width = if self.steps == 1 { width } else { 0.8 * self.mean_width + 0.2 * width }
+            .max(1e-3 * self.manner.phase / rate);
         self.audit_step();
         for (_, i, what) in found {
             self.happens(i, what);

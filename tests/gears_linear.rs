@@ -78,7 +78,8 @@ fn agree(play: &Play) {
     let bound = ours_bound + linear.error_bound;
     for (i, (peaks, e)) in linear.springs.iter().zip(&ours.extremes).enumerate() {
         for (theirs, mine) in [(peaks.draft.best.value, e.draft.force_n), (peaks.buff.best.value, -e.buff.force_n)] {
-            assert!((theirs - mine).abs() <= bound, "coupler {i}: {theirs} {mine}, within {bound:e}");
+            // After it breaks a coupler carries nothing, which counts here and not there.
+            assert!((theirs.max(0.0) - mine.max(0.0)).abs() <= bound, "coupler {i}: {theirs} {mine}, within {bound:e}");
         }
     }
     let broken = linear.breakages.iter().flat_map(|b| b.springs.iter().map(|s| (*s, b.time)));
@@ -103,19 +104,20 @@ fn pulses_and_dashpots() {
     }
 }
 
-/// Couplers that break in draft, one after the other. Gaps stay open up to the horizon.
+/// Couplers that break in draft, one after the other, up to the first gap that closes; both marches tell when that is.
 #[test]
 fn cascades() {
     for damping in [0.0, 0.1] {
         let mut p = play(Drive::rectangle(-4.0, 6.0), damping, Rule::InDraft, true);
-        p.scene.horizon = 14.0;
         let linear = taylor::solve(&p).expect("short");
-        assert!(
-            linear.breakages.len() >= 2 && linear.gap_closes.is_none(),
-            "{:?} {:?}",
-            linear.breakages.len(),
-            linear.gap_closes
-        );
+        let (coupler, closes) = linear.gap_closes.expect("one closes");
+        let ours = solve(&problem(&p), &Ask::default());
+        assert_eq!(ours.closures[0].0, coupler);
+        // The other march counts a gap as closed where it is so by more than its bound.
+        let late = closes - ours.closures[0].1;
+        assert!((0.0..2e-9).contains(&late), "{late}");
+        p.scene.horizon = 0.999 * closes;
+        assert!(taylor::solve(&p).expect("short").breakages.len() >= 2);
         agree(&p);
     }
 }

@@ -184,4 +184,4 @@ pub struct Energy {
     pub created_j: f64,
 }
 
-pub use estimate::solve;
+pub use estimate::{estimate_s, solve};

@@ -170,7 +170,9 @@ fn merged(intervals: Vec<Interval>) -> Vec<Interval> {
     let mut out: Vec<Interval> = Vec::new();
     for next in intervals.into_iter().filter(|p| p.to > p.from) {
         match out.last_mut() {
-            Some(last) if last.free == next.free && on(&last.up, &next.up, &next) && on(&last.down, &next.down, &next) => {
+            Some(last)
+                if last.free == next.free && on(&last.up, &next.up, &next) && on(&last.down, &next.down, &next) =>
+            {
                 last.to = next.to;
             }
             _ => out.push(next),

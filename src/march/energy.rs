@@ -29,7 +29,13 @@ impl Audit {
         let tension = |i: Option<usize>| i.and_then(|i| start.get(i)).map_or(0.0, |s| s[1]);
         // Integral of (time / width)^power times the speed.
         let moment = |v: usize, power: usize| -> f64 {
-            series.v[..=series.terms].iter().enumerate().rev().map(|(k, row)| row[v] / (k + power + 1) as f64).sum::<f64>() * width
+            series.v[..=series.terms]
+                .iter()
+                .enumerate()
+                .rev()
+                .map(|(k, row)| row[v] / (k + power + 1) as f64)
+                .sum::<f64>()
+                * width
         };
         let mut sum = 0.0;
         for v in state.moving[0]..state.moving[1] {

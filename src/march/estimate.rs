@@ -51,6 +51,21 @@ pub fn solve(problem: &Problem, ask: &Ask) -> Outcome {
     }
 }
 
+/// Time of one coupler in one step, s.
+const COUPLER_STEP_S: f64 = 100e-9;
+/// Events of one coupler with slack or friction in a second, many.
+const EVENTS: f64 = 8.0;
+
+/// Estimated time of [`solve`] on one core, s.
+pub fn estimate_s(problem: &Problem, ask: &Ask) -> f64 {
+    let march = March::new(problem, &Ask::default(), Manner { phase: PHASE, noise: None });
+    let linear = problem.laws.iter().filter(|l| l.is_linear()).count();
+    let couplers = problem.laws.len();
+    let rate = march.fastest() / PHASE + EVENTS * (couplers - linear) as f64;
+    let runs = if ask.tolerance_n.is_some() && Proof::new(&march).is_none() { 3.0 } else { 1.0 };
+    runs * rate * problem.horizon_s * (couplers + 1) as f64 * COUPLER_STEP_S
+}
+
 fn check(problem: &Problem, ask: &Ask) {
     let (n, couplers) = (problem.mass_kg.len(), problem.laws.len());
     assert!(n > 0 && couplers == n - 1 && problem.start.len() == couplers, "one coupler between two vehicles");
@@ -80,10 +95,12 @@ fn keep(march: &March) -> Kept {
 fn compared(problem: &Problem, ask: &Ask, mut march: March) -> Outcome {
     let moved: Vec<Problem> = (1..=2).map(|seed| moved(problem, seed)).collect();
     let quiet = Ask { capacity_n: ask.capacity_n.clone(), ..Ask::default() };
-    let other = |(n, p)| March::new(p, &quiet, Manner { phase: OTHERS[n], noise: Some((0x9E37_79B9 + n as u64, NOISE)) });
+    let other =
+        |(n, p)| March::new(p, &quiet, Manner { phase: OTHERS[n], noise: Some((0x9E37_79B9 + n as u64, NOISE)) });
     let mut others: Vec<March> = moved.iter().enumerate().map(other).collect();
     let (mark, horizon) = (problem.mark_s.min(problem.horizon_s), problem.horizon_s);
-    let mut instants: Vec<f64> = (1..COMPARED).map(|k| horizon * k as f64 / COMPARED as f64).chain([mark, horizon]).collect();
+    let mut instants: Vec<f64> =
+        (1..COMPARED).map(|k| horizon * k as f64 / COMPARED as f64).chain([mark, horizon]).collect();
     instants.sort_by(f64::total_cmp);
     let mut to_mark = Vec::new();
     let mut until = None;
@@ -160,7 +177,11 @@ fn moved(problem: &Problem, seed: u64) -> Problem {
             let same = draft_n_per_m == buff_n_per_m;
             let draft = factor();
             let buff = if same { draft } else { factor() };
-            Law::Elastic { draft_n_per_m: draft_n_per_m * draft, buff_n_per_m: buff_n_per_m * buff, slack_m: slack_m * factor() }
+            Law::Elastic {
+                draft_n_per_m: draft_n_per_m * draft,
+                buff_n_per_m: buff_n_per_m * buff,
+                slack_m: slack_m * factor(),
+            }
         }
         Law::Gear { solid_n_per_m, slack_m, draft, buff } => {
             let mut table = |c: &Curve| {

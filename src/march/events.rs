@@ -86,7 +86,9 @@ impl March<'_> {
                 let sign = if sense == 0 { 1.0 } else { -1.0 };
                 let mut over = c.map(|c| sign * c);
                 over[0] = sign * total - limit;
-                if limit.is_finite() && let Some(s) = roots::first_positive(&over[..=n]) {
+                if limit.is_finite()
+                    && let Some(s) = roots::first_positive(&over[..=n])
+                {
                     first.take(s, i, What::Breaks);
                 }
             }

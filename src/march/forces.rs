@@ -48,15 +48,17 @@ impl Source {
     /// Adds the terms `f^(k) width^k / k!` at `t`.
     fn add(&self, t: f64, width: f64, mut term: impl FnMut(usize, f64), terms: usize) {
         match &self.course {
-            Course::Lines { points, holds, next } => match (next.checked_sub(1).map(|n| points[n]), points.get(*next)) {
-                (Some([from, a]), Some([to, b])) => {
-                    let slope = (b - a) / (to - from);
-                    term(0, a + slope * (t - from));
-                    term(1, slope * width);
+            Course::Lines { points, holds, next } => {
+                match (next.checked_sub(1).map(|n| points[n]), points.get(*next)) {
+                    (Some([from, a]), Some([to, b])) => {
+                        let slope = (b - a) / (to - from);
+                        term(0, a + slope * (t - from));
+                        term(1, slope * width);
+                    }
+                    (Some([_, a]), None) if *holds => term(0, a),
+                    _ => {}
                 }
-                (Some([_, a]), None) if *holds => term(0, a),
-                _ => {}
-            },
+            }
             Course::Sine { peak, omega, until } if t < *until => {
                 let (sin, cos) = (omega * t).sin_cos();
                 let mut power = *peak;
@@ -72,11 +74,13 @@ impl Source {
     /// Whether it is nothing until its next kink.
     fn quiet(&self, t: f64) -> bool {
         match &self.course {
-            Course::Lines { points, holds, next } => match (next.checked_sub(1).map(|n| points[n]), points.get(*next)) {
-                (Some([_, a]), Some([_, b])) => a == 0.0 && *b == 0.0,
-                (Some([_, a]), None) => !holds || a == 0.0,
-                (None, _) => true,
-            },
+            Course::Lines { points, holds, next } => {
+                match (next.checked_sub(1).map(|n| points[n]), points.get(*next)) {
+                    (Some([_, a]), Some([_, b])) => a == 0.0 && *b == 0.0,
+                    (Some([_, a]), None) => !holds || a == 0.0,
+                    (None, _) => true,
+                }
+            }
             Course::Sine { until, .. } => t >= *until,
         }
     }
@@ -103,7 +107,14 @@ impl Forces {
     /// from its first arrival on, against the `direction` of the motion (1 or -1).
     pub fn vent(&mut self, emergency: &Emergency, direction: f64, c: usize, t: f64) {
         let mut end = 0.0;
-        let ends: Vec<f64> = emergency.length_m.iter().map(|l| { end += l; end }).collect();
+        let ends: Vec<f64> = emergency
+            .length_m
+            .iter()
+            .map(|l| {
+                end += l;
+                end
+            })
+            .collect();
         for (v, (full, length)) in emergency.full_n.iter().zip(&emergency.length_m).enumerate() {
             let from = t + (ends[v] - 0.5 * length - ends[c]).abs() / emergency.wave_m_s;
             if *full == 0.0 || from >= self.braked_from[v] {
@@ -179,7 +190,11 @@ mod tests {
             forces.vent(&emergency, 1.0, 30, 0.0);
             forces.pass(t);
             let mut force = [0.0; 31];
-            forces.expand(t, 1.0, 20, |v, k, f| if k == 0 { force[v] += f });
+            forces.expand(t, 1.0, 20, |v, k, f| {
+                if k == 0 {
+                    force[v] += f
+                }
+            });
             let acceleration = force.iter().sum::<f64>() / mass.iter().sum::<f64>();
             let coupler = |i: usize| force[..i].iter().sum::<f64>() - acceleration * mass[..i].iter().sum::<f64>();
             for (i, want) in [(1, first), (15, fifteenth)] {

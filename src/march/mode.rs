@@ -111,7 +111,8 @@ impl Coupler {
             return self.enter(above, true);
         }
         self.upper = if w >= last { f64::INFINITY } else { q + ((intervals[above].up.at(w) - total) * c).max(0.0) };
-        self.lower = if w <= first { f64::NEG_INFINITY } else { q + ((intervals[under].down.at(w) - total) * c).min(0.0) };
+        self.lower =
+            if w <= first { f64::NEG_INFINITY } else { q + ((intervals[under].down.at(w) - total) * c).min(0.0) };
         self.mode = Mode::Locked { w };
         self.turn = 0.0;
         self.line = Line { place: q, force, slope: 1.0 / c };
@@ -188,12 +189,12 @@ impl Branches {
 }
 
 #[cfg(test)]
-mod tests {
+pub mod tests {
     use super::*;
     use crate::law::{Curve, Row};
 
     /// Moves a coupler to an elongation, mode by mode; its force there.
-    fn moved(c: &mut Coupler, from: f64, to: f64) -> f64 {
+    pub fn moved(c: &mut Coupler, from: f64, to: f64) -> f64 {
         let grows = to > from;
         if c.turn != 0.0 && (c.turn > 0.0) != grows {
             c.switch(End::Turn, from);

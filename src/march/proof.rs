@@ -83,7 +83,9 @@ impl Proof {
         let past = march.past + 16.0 * U * place;
         let c = coupler.branches.compliance;
         match coupler.mode {
-            Mode::Locked { .. } if now + swing >= coupler.upper - past || now - swing <= coupler.lower + past => off += past / c,
+            Mode::Locked { .. } if now + swing >= coupler.upper - past || now - swing <= coupler.lower + past => {
+                off += past / c
+            }
             Mode::Locked { .. } => {}
             _ if coupler.is_open() => self.holds &= now - swing > coupler.lower + AWAY * place || march.t == 0.0,
             _ => {
@@ -98,7 +100,8 @@ impl Proof {
     /// The bound on every force, N.
     pub fn bound(&self, march: &March) -> Option<f64> {
         let holds = self.holds && march.closures.is_empty() && march.partings.iter().all(|p| p.time_s == 0.0);
-        let stiffness = |c: &super::mode::Coupler| if c.branches.compliance > 0.0 { 1.0 / c.branches.compliance } else { 0.0 };
+        let stiffness =
+            |c: &super::mode::Coupler| if c.branches.compliance > 0.0 { 1.0 / c.branches.compliance } else { 0.0 };
         let mut factor = 0.0f64;
         let mut rounding = 0.0f64;
         let dashpot = |i: usize| march.problem.dashpot_n_s_per_m.get(i).copied().unwrap_or(0.0);

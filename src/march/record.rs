@@ -30,7 +30,8 @@ impl Record {
             let peak = Peak { force_n: *f, time_s: 0.0 };
             Extremes { draft: peak, buff: peak }
         };
-        let capacity = if ask.capacity_n.is_empty() { vec![[f64::INFINITY; 2]; start.len()] } else { ask.capacity_n.clone() };
+        let capacity =
+            if ask.capacity_n.is_empty() { vec![[f64::INFINITY; 2]; start.len()] } else { ask.capacity_n.clone() };
         let over = |(f, c): (&f64, &[f64; 2])| [(*f > c[0]).then_some(0.0), (-f > c[1]).then_some(0.0)];
         Record {
             extremes: start.iter().map(at_start).collect(),
@@ -62,7 +63,8 @@ impl Record {
             }
             let best = &self.extremes[i];
             let over = self.first_over_s[i];
-            let level = |best: f64, over: Option<f64>, capacity: f64| if over.is_none() { best.min(capacity) } else { best };
+            let level =
+                |best: f64, over: Option<f64>, capacity: f64| if over.is_none() { best.min(capacity) } else { best };
             let draft = now + first.max(0.0) + reach > level(best.draft.force_n, over[0], self.capacity[i][0]);
             let buff = -now + (-first).max(0.0) + reach > level(-best.buff.force_n, over[1], self.capacity[i][1]);
             if draft || buff {

@@ -1,8 +1,8 @@
 //! The march itself: from event to event.
 
 use super::energy::Audit;
-use super::forces::Forces;
 use super::events::{Event, terms, unbalanced};
+use super::forces::Forces;
 use super::mode::{Coupler, End};
 use super::proof::Proof;
 use super::record::{Record, Taken};
@@ -73,7 +73,8 @@ impl<'a> March<'a> {
         let (unbalanced, common_m_s2) = unbalanced(problem, &start);
         let zeros = || vec![0.0; n + 1];
         let dashpot = &problem.dashpot_n_s_per_m;
-        let dashpot = if dashpot.iter().all(|c| *c == 0.0) { Vec::new() } else { [&[0.0], &dashpot[..], &[0.0]].concat() };
+        let dashpot =
+            if dashpot.iter().all(|c| *c == 0.0) { Vec::new() } else { [&[0.0], &dashpot[..], &[0.0]].concat() };
         let state = State {
             q: [zeros(), zeros()],
             v: [problem.speed_m_s.clone(), vec![0.0; n]],
@@ -85,7 +86,8 @@ impl<'a> March<'a> {
             unbalanced,
             moving: [0, n],
         };
-        let forces: Vec<f64> = start.iter().enumerate().map(|(i, s)| if problem.gone.contains(&i) { 0.0 } else { s[1] }).collect();
+        let forces: Vec<f64> =
+            start.iter().enumerate().map(|(i, s)| if problem.gone.contains(&i) { 0.0 } else { s[1] }).collect();
         let mut march = March {
             manner,
             couplers,
@@ -122,16 +124,14 @@ impl<'a> March<'a> {
 
     /// The scale of elongations, for what is past a guard and what is nothing.
     fn set_scales(&mut self) {
-        let stiffness: Vec<f64> = self.problem.laws.iter().map(stiffest).collect();
-        let (softest, hardest) = stiffness.iter().fold((f64::INFINITY, 0.0f64), |(a, b), s| (a.min(*s), b.max(*s)));
-        let lightest = self.state.inverse_mass.iter().copied().fold(0.0, f64::max);
-        let rate = (4.0 * hardest * lightest).sqrt();
+        let softest = self.problem.laws.iter().map(stiffest).fold(f64::INFINITY, f64::min);
+        let rate = self.fastest();
         let apart = self.state.v[0].windows(2).map(|v| (v[0] - v[1]).abs()).fold(0.0, f64::max);
         let mut scale = if apart > 0.0 && rate > 0.0 { apart / rate } else { 0.0 };
         for (s, law) in self.start.iter().zip(&self.problem.laws) {
             scale = scale.max(s[0].abs()).max(0.5 * law.slack_m());
         }
-        if scale == 0.0 && hardest > 0.0 {
+        if scale == 0.0 && softest.is_finite() {
             let drive = |d: &(usize, crate::play::Drive)| d.1.measures()[0];
             let force = self.problem.forcing.iter().map(drive).chain(self.state.unbalanced.iter().map(|f| f.abs()));
             let brakes = self.problem.emergency.iter().flat_map(|e| e.full_n.iter().copied());
@@ -141,9 +141,23 @@ impl<'a> March<'a> {
         self.nothing = [NOTHING * scale, NOTHING * scale * rate];
     }
 
+    /// The largest rate that the motion can have, every coupler at its stiffest, 1/s.
+    pub fn fastest(&self) -> f64 {
+        let laws = &self.problem.laws;
+        let stiffness = |i: Option<usize>| i.and_then(|i| laws.get(i)).map_or(0.0, stiffest);
+        let of = |(v, m): (usize, &f64)| m * (stiffness(v.checked_sub(1)) + stiffness(Some(v)));
+        let damping = |(v, m): (usize, &f64)| {
+            let c = &self.problem.dashpot_n_s_per_m;
+            m * (v.checked_sub(1).and_then(|i| c.get(i)).unwrap_or(&0.0) + c.get(v).unwrap_or(&0.0))
+        };
+        let masses = || self.state.inverse_mass.iter().enumerate();
+        (2.0 * masses().map(of).fold(0.0, f64::max)).sqrt() + 2.0 * masses().map(damping).fold(0.0, f64::max)
+    }
+
     fn set_line(&mut self, i: usize) {
         let line = self.couplers[i].line;
-        (self.state.place[i + 1], self.state.force[i + 1], self.state.slope[i + 1]) = (line.place, line.force, line.slope);
+        (self.state.place[i + 1], self.state.force[i + 1], self.state.slope[i + 1]) =
+            (line.place, line.force, line.slope);
     }
 
     /// Coupler `i` parts now.
@@ -204,7 +218,8 @@ impl<'a> March<'a> {
         self.series.advance(&mut self.state);
         self.t = next;
         self.steps += 1;
-        self.mean_width = if self.steps == 1 { width } else { 0.8 * self.mean_width + 0.2 * width }.max(1e-3 * self.manner.phase / rate);
+        self.mean_width = if self.steps == 1 { width } else { 0.8 * self.mean_width + 0.2 * width }
+            .max(1e-3 * self.manner.phase / rate);
         self.audit_step();
         for (_, i, what) in found {
             self.happens(i, what);

@@ -7,7 +7,8 @@ use std::process::{Command, Output};
 use serde_json::Value;
 use tempfile::TempDir;
 
-const GEAR: &str = "travel [mm];loading [kN];unloading [kN]\n0,0;0;0\n7,0;120;60\n38,0;680;172\n114,0;1350;300\n149,0;2520;360\n";
+const GEAR: &str =
+    "travel [mm];loading [kN];unloading [kN]\n0,0;0;0\n7,0;120;60\n38,0;680;172\n114,0;1350;300\n149,0;2520;360\n";
 const GEARS: &str = "gear = \"gear.csv\"\nsolid_stiffness = \"200 MN/m\"";
 
 /// Half a unit of the eighth digit after the point, and a little.
@@ -74,7 +75,10 @@ fn trains_let_go_reach_the_published_shares() {
         let found = if share < 1.0 { largest(&case, "peak_buff_n", all) / 6e5 } else { found };
         assert!((found - share).abs() < tolerance, "{coupler}: {found:.12} for {share}");
         assert_eq!(case["method"], "march");
-        assert!(case["error_bound_n"].is_null() && case["error_estimate_n"].as_f64().is_some_and(|n| n < 1.0), "{case}");
+        assert!(
+            case["error_bound_n"].is_null() && case["error_estimate_n"].as_f64().is_some_and(|n| n < 1.0),
+            "{case}"
+        );
         assert_eq!((&case["predictable_until_s"], &case["safe_load_factor"]), (&Value::Null, &Value::Null));
     }
 }
@@ -151,7 +155,10 @@ fn check_tells_slack_travel_and_losses() {
 
 #[test]
 fn a_study_varies_gears_slack_and_friction() {
-    let train = let_go("gear = [[\"0 mm\", \"0 kN\"], [\"149 mm\", \"2520 kN\"]]\nsolid_stiffness = \"200 MN/m\"\nfriction = \"50 %\"", "");
+    let train = let_go(
+        "gear = [[\"0 mm\", \"0 kN\"], [\"149 mm\", \"2520 kN\"]]\nsolid_stiffness = \"200 MN/m\"\nfriction = \"50 %\"",
+        "",
+    );
     let train = train.replace("count = 106", "count = 11").replace("= 106", "= 11").replace("40 s", "8 s");
     let with_file = train.replace("gear = [[\"0 mm\", \"0 kN\"], [\"149 mm\", \"2520 kN\"]]", "gear = \"wedge.csv\"");
     let study = "trains = \"train.toml\"\n[[vary]]\nkey = \"coupler.slack\"\nvalues = [\"0 mm\", \"20 mm\"]\n[[vary]]\n\
@@ -184,7 +191,8 @@ fn parted_pieces_meet_again() {
         "brake_force = \"5.714285714285714 kN\"\ntractive_effort = \"0 kN\"",
     );
     let throttle = "time [s],force [kN]\n0,600\n0,-900\n";
-    let folder = folder(&[("train.toml", &format!("{train}throttle = \"throttle.csv\"\n")), ("throttle.csv", throttle)]);
+    let folder =
+        folder(&[("train.toml", &format!("{train}throttle = \"throttle.csv\"\n")), ("throttle.csv", throttle)]);
     let json = text(folder.path(), &["analyze", "train.toml", "--json"]);
     let json: Value = serde_json::from_str(&json).expect("JSON");
     let closure = &json["scenarios"][0]["cases"][0]["gap_closures"][0];
@@ -204,7 +212,10 @@ fn a_vehicle_that_stops_ends_the_report() {
     assert_eq!(json["doubts"][0]["code"], "vehicle-stops", "{}", json["doubts"]);
     text(folder.path(), &["analyze", "train.toml", "--out", "out"]);
     let report = fs::read_to_string(folder.path().join("out/report.md")).expect("a report");
-    assert!(report.contains("would come to a stand then") && report.contains("This is an estimate, not a bound"), "{report}");
+    assert!(
+        report.contains("would come to a stand then") && report.contains("This is an estimate, not a bound"),
+        "{report}"
+    );
 }
 
 #[test]

@@ -18,15 +18,15 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::file::{Group, OwnKeys, group, wrongly_held};
-use super::heading::{Content, Wanted, normal};
+use super::heading::{Content, Wanted, normal, only_unit};
 use super::keys::{OVERRIDE, VEHICLE};
-use super::sheet::{Record, Sheet};
+use super::sheet::{ABOVE, Record, Sheet};
 use super::tree::{Found, Table};
 use super::{Files, MOST_VEHICLES};
 use crate::doubts::Doubt;
 use crate::error::{InputError, Problem, Problems, printable_path, quoted};
 use crate::keys::{Kind, Shape};
-use crate::units::one_of;
+use crate::units::{Dimension, one_of};
 
 /// The vehicles of a table, in groups, and what it says of the coupler behind each.
 pub(super) struct Rows {
@@ -154,8 +154,11 @@ pub(super) fn parse(text: &str, path: &Path, train: &Path, files: &Files) -> Res
         // Nothing is shown of a file that is no table of vehicles: a train file may come from anyone, and name any file.
         Err(None) => {
             let what = super::kinds::of_text(text).map_or(String::new(), |what| format!(": it is {what}"));
-            let help =
-                format!("a row above the vehicles names the columns: mass [t], and any of {}", all_columns(&slots));
+            let help = match masses(text) {
+                Some(place) => format!("{place} is in a unit of mass; if it holds the masses, head it mass [t]"),
+                None => "a row above the vehicles names the columns: mass [t]".to_owned(),
+            };
+            let help = format!("{help}, and others with any of {}", all_columns(&slots));
             return Err(InputError::of_file(path, format!("this is no table of vehicles{what}"), help));
         }
     };
@@ -172,6 +175,15 @@ pub(super) fn parse(text: &str, path: &Path, train: &Path, files: &Files) -> Res
     let rows = reader.rows(train, files);
     let Reader { problems, doubts, .. } = reader;
     if problems.is_empty() { Ok(Rows { doubts, ..rows }) } else { Err(InputError::new(path, text, problems)) }
+}
+
+/// Where a heading with a unit of mass probably stands, in words that show nothing of the file.
+fn masses(text: &str) -> Option<String> {
+    let mass = Content::Quantity { of: Dimension::Mass, share: false };
+    let is_mass = |cell: &str| cell.trim().ends_with([')', ']']) && only_unit(cell, mass).is_some();
+    let column = |line: &str| line.split([';', ',', '\t']).position(is_mass);
+    let (row, column) = text.lines().take(ABOVE).enumerate().find_map(|(row, line)| Some((row, column(line)?)))?;
+    Some(format!("column {} of row {}", column + 1, row + 1))
 }
 
 struct Reader<'t> {
@@ -396,8 +408,10 @@ impl Reader<'_> {
             let text = text.trim_start_matches('#').trim_end_matches('.').trim();
             Some(text.parse::<i64>().ok())
         };
-        let given: Vec<(usize, Option<i64>)> =
+        let mut given: Vec<(usize, Option<i64>)> =
             records.iter().enumerate().filter_map(|(i, record)| Some((i, number(record)?))).collect();
+        // A row of sums has a word there.
+        given.pop_if(|(row, number)| number.is_none() && *row + 1 == records.len());
         let numbers: Option<Vec<(usize, i64)>> = given.into_iter().map(|(i, n)| Some((i, n?))).collect();
         let numbers = numbers.unwrap_or_default();
         let [low, high] =

@@ -146,7 +146,7 @@ pub struct Estimate {
 /// [`FleetError`]; what has been computed until then stays, for a run that resumes.
 pub fn run(request: &Request, dir: &Path) -> Result<Outcome, FleetError> {
     outputs::can_write(&request.formats)?;
-    let inputs = Inputs::find(&request.paths)?;
+    let inputs = Inputs::find(&request.paths, &request.options)?;
     let memo = Memo::new(request.memo_bytes.unwrap_or(REMEMBERED));
     let plan = Plan::new(&inputs, &request.options, &memo);
     let description = description(&inputs, &plan, &request.options);
@@ -200,7 +200,7 @@ pub fn is_begun(dir: &Path) -> bool {
 /// As for [`run`].
 pub fn estimate(request: &Request) -> Result<Estimate, FleetError> {
     outputs::can_write(&request.formats)?;
-    let inputs = Inputs::find(&request.paths)?;
+    let inputs = Inputs::find(&request.paths, &request.options)?;
     let memo = Memo::new(REMEMBERED);
     let plan = Plan::new(&inputs, &request.options, &memo);
     Ok(Estimate {
@@ -229,7 +229,7 @@ pub fn estimate(request: &Request) -> Result<Estimate, FleetError> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn stream(request: &Request, out: &mut dyn Write) -> Result<Outcome, FleetError> {
-    let inputs = Inputs::find(&request.paths)?;
+    let inputs = Inputs::find(&request.paths, &request.options)?;
     let memo = Memo::new(request.memo_bytes.unwrap_or(REMEMBERED));
     let plan = Plan::new(&inputs, &request.options, &memo);
     let run = description(&inputs, &plan, &request.options);

@@ -128,7 +128,7 @@ pub const COLUMNS: &[(&str, &str, &str)] = &[
     ("count", "", "3"),
     ("mass", "t", "300"),
     ("held", "", "yes"),
-    ("length", "m", "11"),
+    ("length", "m", "0.05"),
     ("tractive_effort", "kN", "-30"),
     ("rolling_resistance", "N/t", "50"),
     ("grade", "%", "2"),

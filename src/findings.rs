@@ -35,6 +35,7 @@ use crate::scenario::{Event, Scales, Scenario};
 use crate::solve::memo::Memo;
 use crate::solve::watch::{Side, SpringPeaks};
 use crate::solve::{Ask, Method, SolveError, Wanted};
+use crate::units::UnitSystem;
 
 /// What one analysis may remember of scenes that it has solved, bytes.
 const REMEMBERED: usize = 32 << 20;
@@ -90,6 +91,9 @@ pub struct Analysis {
     pub options: OptionFindings,
     /// What is probably not meant, of the train and of the scenarios that were run.
     pub doubts: Vec<Doubt>,
+    /// The units of its reports.
+    #[serde(skip)]
+    pub units: UnitSystem,
     /// The train's name.
     pub train: String,
     /// Number of vehicles.
@@ -382,6 +386,7 @@ pub fn analyze(train: &Train, options: &Options) -> Result<Analysis, AnalyzeErro
         inputs,
         options: OptionFindings { tolerance: options.tolerance, method: options.method.map(Method::name) },
         doubts,
+        units: train.origin.units,
         train: train.name.clone(),
         vehicles,
         couplers,

@@ -19,7 +19,7 @@ use crate::error::{Problem, printable, quoted};
 use crate::law::Law;
 use crate::play::Rule;
 use crate::scenario::{self, Scenario};
-use crate::units::Amount;
+use crate::units::{Amount, UnitSystem};
 
 /// Reads the whole train, going on after a problem as far as what follows can be judged without it.
 ///
@@ -93,7 +93,11 @@ pub(super) fn train(
     for (coupler, law) in couplers.iter_mut().zip(&extras.laws) {
         coupler.stiffness_n_per_m = secant_n_per_m(law, largest_n);
     }
-    let origin = Origin { by_label: labels.named.take(), ..Origin::default() };
+    let units = match root.get("units") {
+        Some(value) => UnitSystem::from_name(value.word()?).unwrap_or_default(),
+        None => found.units(),
+    };
+    let origin = Origin { by_label: labels.named.take(), units, ..Origin::default() };
     Ok(Train { name: name?, initial_force_n, vehicles, couplers, scenarios, extras, origin })
 }
 

@@ -33,6 +33,7 @@ use crate::doubts::Doubt;
 use crate::error::{InputError, Problem};
 use crate::fleet::study;
 use crate::scenario::Scenario;
+use crate::units::UnitSystem;
 
 pub use describe::describe;
 pub(crate) use describe::{count, of_parts};
@@ -112,6 +113,8 @@ pub struct Origin {
     pub by_label: Vec<String>,
     /// The text of the train file.
     pub text: Arc<str>,
+    /// The units of reports: those that the file asks for, or in which most of its quantities are written.
+    pub units: UnitSystem,
 }
 
 /// Reads a train file.

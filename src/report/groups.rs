@@ -1,8 +1,9 @@
 //! The inputs repeated: vehicles and couplers in groups of neighbours that are alike.
 
-use super::numbers::{digits, given_force, given_mass, without_zeros};
+use super::numbers::{given_damping, given_force, given_length, given_mass, given_stiffness};
 use crate::consist::{LIMITS, Train};
 use crate::law::Law;
+use crate::units::{Dimension, UnitSystem, shown};
 
 /// Rows of each table, at most.
 const ROWS: usize = 40;
@@ -20,6 +21,7 @@ pub struct Groups {
 
 /// Vehicles from the head.
 pub fn vehicles(train: &Train) -> Groups {
+    let units = train.origin.units;
     let outside = |i: usize| train.extras.steady.as_ref().map_or(0.0, |s| s.outside_n[i]);
     let head = ["vehicles", "label", "mass of each", "length of each", "held", "steady force of each"];
     let cells = |i: usize| {
@@ -28,10 +30,10 @@ pub fn vehicles(train: &Train) -> Groups {
         let way = if force < 0.0 { "backward" } else { "forward" };
         vec![
             stem(&v.label).to_owned(),
-            given_mass(v.mass_kg),
-            v.length_m.map_or(String::new(), |l| format!("{} m", without_zeros(&digits(l, 0.0, 6)))),
+            given_mass(units, v.mass_kg),
+            v.length_m.map_or(String::new(), |l| given_length(units, l)),
             if v.held { "yes".to_owned() } else { String::new() },
-            if force == 0.0 { String::new() } else { format!("{} {way}", given_force(force)) },
+            if force == 0.0 { String::new() } else { format!("{} {way}", given_force(units, force)) },
         ]
     };
     grouped("Vehicles, alike neighbours together", &head, train.vehicles.len(), cells)
@@ -39,22 +41,25 @@ pub fn vehicles(train: &Train) -> Groups {
 
 /// Couplers from the head.
 pub fn couplers(train: &Train) -> Groups {
+    let units = train.origin.units;
     let head =
         ["couplers", "stiffness", "rated in draft", "rated in buff", "dashpot", "limits in draft", "limits in buff"];
     let cells = |i: usize| {
         let (c, extras) = (&train.couplers[i], &train.extras);
         let of = |capacities: [Option<f64>; 3]| {
-            let given =
-                LIMITS.iter().zip(capacities).filter_map(|(name, n)| Some(format!("{name} {}", given_force(n?))));
+            let given = LIMITS
+                .iter()
+                .zip(capacities)
+                .filter_map(|(name, n)| Some(format!("{name} {}", given_force(units, n?))));
             given.collect::<Vec<_>>().join(", ")
         };
         let limits = extras.limits.get(i).copied().unwrap_or_default();
         let dashpot = extras.dashpot_n_s_per_m.get(i).filter(|c| **c > 0.0);
         vec![
-            extras.laws.get(i).map_or(format!("{}/m", given_force(c.stiffness_n_per_m)), law),
-            given_force(c.rated_draft_n),
-            given_force(c.rated_buff_n),
-            dashpot.map_or(String::new(), |c| format!("{}\u{b7}s/m", given_force(*c))),
+            extras.laws.get(i).map_or_else(|| given_stiffness(units, c.stiffness_n_per_m), |l| law(l, units)),
+            given_force(units, c.rated_draft_n),
+            given_force(units, c.rated_buff_n),
+            dashpot.map_or(String::new(), |c| given_damping(units, *c)),
             of(limits.draft_n),
             of(limits.buff_n),
         ]
@@ -63,11 +68,11 @@ pub fn couplers(train: &Train) -> Groups {
 }
 
 /// A coupler's law in short.
-fn law(law: &Law) -> String {
-    let stiffness = |k: f64| format!("{}/m", given_force(k));
+fn law(law: &Law, units: UnitSystem) -> String {
+    let stiffness = |k: f64| given_stiffness(units, k);
     let slack = match law.slack_m() {
         0.0 => String::new(),
-        s => format!(", slack {} mm", without_zeros(&digits(1e3 * s, 0.0, 4))),
+        s => format!(", slack {}", shown(s, Dimension::Length)),
     };
     match law {
         Law::Elastic { draft_n_per_m, buff_n_per_m, .. } if draft_n_per_m == buff_n_per_m => {

@@ -138,7 +138,7 @@ impl Page<'_> {
             (Event::Start(Tag::Strong), Some(end)) => plain(&block[1..end]),
             _ => String::new(),
         };
-        let verdict_of = |s: &&ScenarioFindings| spaced(&words::verdict_of(s)) == opening;
+        let verdict_of = |s: &&ScenarioFindings| spaced(&words::verdict_of(s, self.analysis.units)) == opening;
         let found = self.analysis.scenarios.iter().find(verdict_of);
         let from = self.out.len();
         self.push(block);

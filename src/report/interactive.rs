@@ -116,7 +116,7 @@ fn scene<'a>(shown: &'a Shown, values: usize) -> Scene<'a> {
         since: words::time_axis(shown.case),
         several,
         broken_coupler: broken,
-        force_unit: pair(force_unit(ratings)),
+        force_unit: pair(force_unit(shown.train.origin.units, ratings)),
         time_unit: pair(time_unit(shown.case.horizon_s)),
         worst: shown.worst.coupler,
         horizon_s: shown.case.horizon_s,

@@ -1,9 +1,10 @@
 //! What the findings come to, in sentences: plain text, shared by the report and the terminal.
 
-use super::numbers::{brief_time, digits, down, given_force, given_time, percent, time, without_zeros};
+use super::numbers::{brief_time, digits, down, given_force, given_speed, given_time, percent, time};
 use crate::consist::{self, Train};
 use crate::findings::{CaseFindings, CouplerFindings, ScenarioFindings};
 use crate::scenario::{Event, Scenario};
+use crate::units::UnitSystem;
 
 /// The scenario of the train that a scenario of findings was made from, with its index.
 pub fn source<'a>(train: &'a Train, findings: &ScenarioFindings) -> Option<(usize, &'a Scenario)> {
@@ -73,7 +74,7 @@ fn happens(train: &Train, scenario: &Scenario) -> String {
                 let names = [b, b + 1].map(|v| train.vehicles[v].label.as_str());
                 let carried = match load {
                     0.0 => "which carries no force".to_owned(),
-                    _ => format!("which carries {} in {}", given_force(load), sense(load)),
+                    _ => format!("which carries {} in {}", given_force(train.origin.units, load), sense(load)),
                 };
                 format!("Coupler {}, between {} and {}, {carried}, breaks at t = 0.", b + 1, names[0], names[1])
             }
@@ -92,7 +93,7 @@ fn happens(train: &Train, scenario: &Scenario) -> String {
         Event::Pulse { vehicle, force_n, duration_s } => {
             let way = if *force_n < 0.0 { "backward" } else { "forward" };
             let label = &train.vehicles[*vehicle].label;
-            let (size, lasting) = (given_force(*force_n), given_time(*duration_s));
+            let (size, lasting) = (given_force(train.origin.units, *force_n), given_time(*duration_s));
             format!(
                 "A constant force of {size} acts {way} on vehicle {} ({label}) from t = 0 for {lasting}.",
                 vehicle + 1
@@ -101,7 +102,7 @@ fn happens(train: &Train, scenario: &Scenario) -> String {
         Event::Shaped { vehicle, shape, force_n, duration_s, .. } => {
             let way = if *force_n < 0.0 { "backward" } else { "forward" };
             let label = &train.vehicles[*vehicle].label;
-            let (size, lasting) = (given_force(*force_n), given_time(*duration_s));
+            let (size, lasting) = (given_force(train.origin.units, *force_n), given_time(*duration_s));
             format!(
                 "A force pulls vehicle {} ({label}) {way} with up to {size} from t = 0 to {lasting}, its course over time: {shape}.",
                 vehicle + 1
@@ -114,7 +115,7 @@ fn happens(train: &Train, scenario: &Scenario) -> String {
         }
         Event::Impact { vehicles, at_head, speed_m_per_s } => {
             let end = if *at_head { "head" } else { "tail" };
-            let speed = without_zeros(&digits(*speed_m_per_s, 0.0, 4));
+            let speed = given_speed(train.origin.units, *speed_m_per_s);
             let before = match scenario.event.joint(train.vehicles.len()) {
                 Some(joint) if train.initial_force_n.iter().any(|f| *f != 0.0) => {
                     format!(
@@ -125,7 +126,7 @@ fn happens(train: &Train, scenario: &Scenario) -> String {
                 _ => "no coupler carries a force before".to_owned(),
             };
             format!(
-                "At t = 0 the {} at the {end} run into the others at {speed} m/s and couple; the others stand, and {before}.",
+                "At t = 0 the {} at the {end} run into the others at {speed} and couple; the others stand, and {before}.",
                 count(*vehicles, "vehicle")
             )
         }
@@ -168,7 +169,7 @@ fn within(case: &CaseFindings) -> String {
 }
 
 /// The verdict on one case, in one sentence.
-fn verdict(case: &CaseFindings) -> String {
+fn verdict(case: &CaseFindings, units: UnitSystem) -> String {
     let Some(worst) = &case.worst else {
         return match case.left_out {
             0 => "No coupler is left to exceed anything.".to_owned(),
@@ -177,7 +178,7 @@ fn verdict(case: &CaseFindings) -> String {
         };
     };
     if case.exceeding > 0 {
-        return verdict_exceeding(case);
+        return verdict_exceeding(case, units);
     }
     let (when, within) = (after(case), within(case));
     if case.undecided > 0 {
@@ -187,7 +188,7 @@ fn verdict(case: &CaseFindings) -> String {
             "Not decided {when} for {}: {} peaks {}, and its rating lies inside.",
             count(case.undecided, "coupler"),
             place(first),
-            interval(first, case.margin_n()),
+            interval(first, case.margin_n(), units),
         );
     }
     if worst.utilisation == 0.0 {
@@ -196,15 +197,15 @@ fn verdict(case: &CaseFindings) -> String {
     format!(
         "No coupler would exceed its rating {when}{within}: the most used is {}, {}, a margin of {} %.{}",
         place(worst),
-        most_used(worst, case),
+        most_used(worst, case, units),
         digits(100.0 * (1.0 - worst.utilisation), 0.0, 3),
         share_of_load(worst),
     )
 }
 
 /// "1.339 MN in draft, 75.3 % of its rating, 4.010 s after the break".
-fn most_used(worst: &CouplerFindings, case: &CaseFindings) -> String {
-    let force = super::numbers::force(worst.peak_force_n, case.error_n());
+fn most_used(worst: &CouplerFindings, case: &CaseFindings, units: UnitSystem) -> String {
+    let force = super::numbers::force(units, worst.peak_force_n, case.error_n());
     let (share, at) = (percent(worst.utilisation), moment(worst.peak_time_s, case));
     format!("{force} in {}, {share} % of its rating, {at}", sense(worst.peak_force_n))
 }
@@ -223,7 +224,7 @@ fn share_of_load(worst: &CouplerFindings) -> String {
     }
 }
 
-fn verdict_exceeding(case: &CaseFindings) -> String {
+fn verdict_exceeding(case: &CaseFindings, units: UnitSystem) -> String {
     let others = case.couplers.len() + case.left_out;
     let which = count(others, if case.broken_coupler.is_some() { "other coupler" } else { "coupler" });
     let whose = if case.exceeding == 1 { "its" } else { "their" };
@@ -255,7 +256,7 @@ fn verdict_exceeding(case: &CaseFindings) -> String {
             Some(first) if first.coupler == worst.coupler => "It is also the worst:".to_owned(),
             _ => format!("The worst is {}:", place(worst)),
         };
-        format!(" {which} {}.{}", most_used(worst, case), share_of_load(worst))
+        format!(" {which} {}.{}", most_used(worst, case, units), share_of_load(worst))
     });
     format!("{head}{first}{open}.{worst}")
 }
@@ -266,15 +267,16 @@ pub fn moment(time_s: f64, case: &CaseFindings) -> String {
 }
 
 /// The interval in which a peak force lies, with the digits that it takes to tell its ends apart.
-pub fn interval(c: &CouplerFindings, error_n: f64) -> String {
-    let [low, high] = super::numbers::interval(c.peak_force_n.abs(), error_n);
-    format!("between {low} N and {high} N in {}", sense(c.peak_force_n))
+pub fn interval(c: &CouplerFindings, error_n: f64, units: UnitSystem) -> String {
+    let unit = super::numbers::force_unit(units, 0.0);
+    let [low, high] = super::numbers::interval(c.peak_force_n.abs() / unit.size, error_n / unit.size);
+    format!("between {low} {name} and {high} {name} in {}", sense(c.peak_force_n), name = unit.name)
 }
 
 /// The verdict on a scenario: over the horizon, over the first passage where that differs, and both senses of an impact.
-pub fn verdict_of(scenario: &ScenarioFindings) -> String {
-    let [case] = &scenario.cases[..] else { return verdict_each(scenario) + &first_passages(scenario) };
-    verdict(case) + &first_passage(case) + &impact(case)
+pub fn verdict_of(scenario: &ScenarioFindings, units: UnitSystem) -> String {
+    let [case] = &scenario.cases[..] else { return verdict_each(scenario, units) + &first_passages(scenario) };
+    verdict(case, units) + &first_passage(case) + &impact(case, units)
 }
 
 const LOSSES: &str = "come after reflections from the ends, which the losses of a real train reduce";
@@ -317,7 +319,7 @@ fn first_passages(scenario: &ScenarioFindings) -> String {
 }
 
 /// The largest buff and draft of an impact: those of the collision and of the rebound.
-fn impact(case: &CaseFindings) -> String {
+fn impact(case: &CaseFindings, units: UnitSystem) -> String {
     if case.kind != "impact" {
         return String::new();
     }
@@ -328,7 +330,7 @@ fn impact(case: &CaseFindings) -> String {
     let buff = largest(|c| Some((c.peak_buff_n?, c.peak_buff_time_s?, -c.peak_buff_n? / c.rated_buff_n)));
     let draft = largest(|c| Some((c.peak_draft_n?, c.peak_draft_time_s?, c.peak_draft_n? / c.rated_draft_n)));
     let told = |(c, (newtons, at, share)): (&CouplerFindings, (f64, f64, f64))| {
-        let force = super::numbers::force(newtons.abs(), case.error_n());
+        let force = super::numbers::force(units, newtons.abs(), case.error_n());
         format!("{force} ({} % of the rating) in coupler {}, {}", percent(share), c.coupler, moment(at, case))
     };
     let of = |sense: &str, found: Option<_>| found.map_or(String::new(), |f| format!(" Largest {sense}: {}.", told(f)));
@@ -342,7 +344,7 @@ fn impact(case: &CaseFindings) -> String {
 }
 
 /// The verdict on a scenario of many cases, in one sentence.
-fn verdict_each(scenario: &ScenarioFindings) -> String {
+fn verdict_each(scenario: &ScenarioFindings, units: UnitSystem) -> String {
     if scenario.cases.is_empty() {
         let couplers = count(scenario.left_out_in_buff.len(), "coupler");
         return format!("No break is computed: {couplers} would break in turn, but carry buff, so that nothing parts.");
@@ -355,7 +357,7 @@ fn verdict_each(scenario: &ScenarioFindings) -> String {
         return format!("None of {breaks} leaves a coupler to watch{open}.");
     };
     let broken = case.broken_coupler.unwrap_or_default();
-    let extreme = format!("{}, when coupler {broken} breaks: {}", place(worst), most_used(worst, case));
+    let extreme = format!("{}, when coupler {broken} breaks: {}", place(worst), most_used(worst, case, units));
     let load = share_of_load(worst);
     match harmful {
         0 => format!(

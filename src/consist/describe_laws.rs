@@ -55,7 +55,7 @@ fn kind(law: &Law) -> String {
 fn gear(curve: &Curve) -> String {
     let last_n = curve.rows().last().map_or(0.0, |row| row.loading_n);
     format!(
-        "which closes after {} at {}; a full stroke takes {:.4} kJ and loses {:.0} % of it",
+        "which closes after {} at {}; a full stroke takes {:.1} kJ and loses {:.0} % of it",
         shown(curve.stroke_m(), Dimension::Length),
         shown(last_n, Dimension::Force),
         1e-3 * curve.absorbed_j(),

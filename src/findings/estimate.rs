@@ -68,8 +68,7 @@ pub(crate) fn case_estimate_s(
 ) -> Result<f64, SolveError> {
     let horizon_s = scenario::horizon_s(train, scenario, broken);
     if scenario::is_march(train, scenario) {
-        let marches = if scenario.cascade == Rule::Keep { 1.0 } else { 2.0 };
-        return Ok(marches * march::estimate_s(train, horizon_s));
+        return Ok(march::estimate_s(train, scenario, broken, horizon_s, options));
     }
     let mut seconds = 0.0;
     if scenario.cascade != Rule::Keep {

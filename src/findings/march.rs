@@ -15,11 +15,6 @@ const TOLERANCE: f64 = 1e-6;
 /// A rating that lies so many estimated errors from a peak, or less, is not decided.
 pub(super) const MARGIN: f64 = 10.0;
 
-/// Estimated time of a step of one coupler in one run, s, and runs.
-const COUPLER_STEP_S: f64 = 2e-6;
-const STEPS_PER_UNIT: f64 = 20.0;
-const RUNS: f64 = 3.0;
-
 /// What only a march finds.
 pub(super) struct Marched {
     /// The couplers over the first passage.
@@ -129,10 +124,16 @@ pub(super) fn errors(bound: &Bound) -> (f64, Option<f64>) {
     }
 }
 
-/// Estimated time, s.
-pub(super) fn estimate_s(train: &Train, until_s: f64) -> f64 {
-    let units = until_s / scenario::wave(train).time_unit_s;
-    RUNS * STEPS_PER_UNIT * COUPLER_STEP_S * units * train.couplers.len() as f64
+/// Estimated time of a case, s: its march, and a second one where couplers break one after the other.
+pub(super) fn estimate_s(
+    train: &Train,
+    scenario: &Scenario,
+    broken: Option<usize>,
+    horizon_s: f64,
+    options: &Options,
+) -> f64 {
+    let once = march::estimate_s(&problem(train, scenario, broken, horizon_s), &ask(train, options));
+    if scenario.cascade == Rule::Keep { once } else { 2.0 * once }
 }
 
 fn reason(train: &Train) -> &'static str {

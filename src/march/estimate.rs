@@ -51,6 +51,21 @@ pub fn solve(problem: &Problem, ask: &Ask) -> Outcome {
     }
 }
 
+/// Time of one coupler in one step, s.
+const COUPLER_STEP_S: f64 = 100e-9;
+/// Events of one coupler with slack or friction in a second, many.
+const EVENTS: f64 = 8.0;
+
+/// Estimated time of [`solve`] on one core, s.
+pub fn estimate_s(problem: &Problem, ask: &Ask) -> f64 {
+    let march = March::new(problem, &Ask::default(), Manner { phase: PHASE, noise: None });
+    let linear = problem.laws.iter().filter(|l| l.is_linear()).count();
+    let couplers = problem.laws.len();
+    let rate = march.fastest() / PHASE + EVENTS * (couplers - linear) as f64;
+    let runs = if ask.tolerance_n.is_some() && Proof::new(&march).is_none() { 3.0 } else { 1.0 };
+    runs * rate * problem.horizon_s * (couplers + 1) as f64 * COUPLER_STEP_S
+}
+
 fn check(problem: &Problem, ask: &Ask) {
     let (n, couplers) = (problem.mass_kg.len(), problem.laws.len());
     assert!(n > 0 && couplers == n - 1 && problem.start.len() == couplers, "one coupler between two vehicles");

@@ -21,6 +21,8 @@ mod record;
 mod roots;
 mod series;
 mod step;
+#[cfg(test)]
+mod tests;
 
 use crate::law::{Law, Rest};
 use crate::play::Drive;
@@ -182,4 +184,4 @@ pub struct Energy {
     pub created_j: f64,
 }
 
-pub use estimate::solve;
+pub use estimate::{estimate_s, solve};

@@ -189,12 +189,12 @@ impl Branches {
 }
 
 #[cfg(test)]
-mod tests {
+pub mod tests {
     use super::*;
     use crate::law::{Curve, Row};
 
     /// Moves a coupler to an elongation, mode by mode; its force there.
-    fn moved(c: &mut Coupler, from: f64, to: f64) -> f64 {
+    pub fn moved(c: &mut Coupler, from: f64, to: f64) -> f64 {
         let grows = to > from;
         if c.turn != 0.0 && (c.turn > 0.0) != grows {
             c.switch(End::Turn, from);

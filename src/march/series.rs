@@ -110,9 +110,8 @@ impl Series {
             let next = &mut self.q[k + 1];
             apart(&self.v[k], if k == 0 { Some(&state.v[1]) } else { None }, [from, to], next);
             if !state.dashpot.is_empty() {
-                for x in from..=to {
-                    self.tension[x] += state.dashpot[x] * next[x];
-                }
+                let pairs = state.dashpot[from..=to].iter().zip(&next[from..=to]);
+                self.tension[from..=to].iter_mut().zip(pairs).for_each(|(t, (c, apart))| *t += c * apart);
             }
             next[from..=to].iter_mut().for_each(|x| *x *= share);
             let next = &mut self.v[k + 1][from..to];
@@ -193,8 +192,8 @@ impl Series {
 
     /// Coefficients of the rate of elongation `i` times the width, over the step.
     pub fn rate_of(&self, i: usize, sign: f64, out: &mut [f64; DEGREE + 1]) {
-        for k in 0..self.terms {
-            out[k] = sign * (k + 1) as f64 * self.q[k + 1][i + 1];
+        for (k, row) in self.q.iter().enumerate().take(self.terms + 1).skip(1) {
+            out[k - 1] = sign * k as f64 * row[i + 1];
         }
         out[self.terms] = 0.0;
     }
@@ -205,8 +204,8 @@ impl Series {
         self.beyond(state, i, state.place[x], state.slope[x], out);
         out[0] += state.force[x];
         if !state.dashpot.is_empty() && width > 0.0 {
-            for k in 0..self.terms {
-                out[k] += state.dashpot[x] * (k + 1) as f64 * self.q[k + 1][x] / width;
+            for (k, row) in self.q.iter().enumerate().take(self.terms + 1).skip(1) {
+                out[k - 1] += state.dashpot[x] * k as f64 * row[x] / width;
             }
         }
     }

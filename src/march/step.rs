@@ -124,16 +124,14 @@ impl<'a> March<'a> {
 
     /// The scale of elongations, for what is past a guard and what is nothing.
     fn set_scales(&mut self) {
-        let stiffness: Vec<f64> = self.problem.laws.iter().map(stiffest).collect();
-        let (softest, hardest) = stiffness.iter().fold((f64::INFINITY, 0.0f64), |(a, b), s| (a.min(*s), b.max(*s)));
-        let lightest = self.state.inverse_mass.iter().copied().fold(0.0, f64::max);
-        let rate = (4.0 * hardest * lightest).sqrt();
+        let softest = self.problem.laws.iter().map(stiffest).fold(f64::INFINITY, f64::min);
+        let rate = self.fastest();
         let apart = self.state.v[0].windows(2).map(|v| (v[0] - v[1]).abs()).fold(0.0, f64::max);
         let mut scale = if apart > 0.0 && rate > 0.0 { apart / rate } else { 0.0 };
         for (s, law) in self.start.iter().zip(&self.problem.laws) {
             scale = scale.max(s[0].abs()).max(0.5 * law.slack_m());
         }
-        if scale == 0.0 && hardest > 0.0 {
+        if scale == 0.0 && softest.is_finite() {
             let drive = |d: &(usize, crate::play::Drive)| d.1.measures()[0];
             let force = self.problem.forcing.iter().map(drive).chain(self.state.unbalanced.iter().map(|f| f.abs()));
             let brakes = self.problem.emergency.iter().flat_map(|e| e.full_n.iter().copied());
@@ -141,6 +139,19 @@ impl<'a> March<'a> {
         }
         self.past = PAST * scale;
         self.nothing = [NOTHING * scale, NOTHING * scale * rate];
+    }
+
+    /// The largest rate that the motion can have, every coupler at its stiffest, 1/s.
+    pub fn fastest(&self) -> f64 {
+        let laws = &self.problem.laws;
+        let stiffness = |i: Option<usize>| i.and_then(|i| laws.get(i)).map_or(0.0, stiffest);
+        let of = |(v, m): (usize, &f64)| m * (stiffness(v.checked_sub(1)) + stiffness(Some(v)));
+        let damping = |(v, m): (usize, &f64)| {
+            let c = &self.problem.dashpot_n_s_per_m;
+            m * (v.checked_sub(1).and_then(|i| c.get(i)).unwrap_or(&0.0) + c.get(v).unwrap_or(&0.0))
+        };
+        let masses = || self.state.inverse_mass.iter().enumerate();
+        (2.0 * masses().map(of).fold(0.0, f64::max)).sqrt() + 2.0 * masses().map(damping).fold(0.0, f64::max)
     }
 
     fn set_line(&mut self, i: usize) {

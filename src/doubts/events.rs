@@ -3,8 +3,7 @@
 use super::{Doubt, more, overloaded};
 use crate::consist::Train;
 use crate::scenario::{
-    self,
-    Event, Scenario, horizon_s, initial_force_n, last_change_s, longest_horizon_s, longest_transit_s,
+    self, Event, Scenario, horizon_s, initial_force_n, last_change_s, longest_horizon_s, longest_transit_s,
 };
 use crate::units::{Dimension, shown};
 
@@ -42,8 +41,12 @@ fn breaks(train: &Train, scenario: &Scenario, couplers: &[usize]) -> Vec<(&'stat
     if let Some(first) = in_buff.next() {
         let which = format!("coupler {}{}", first + 1, more(in_buff.count(), "coupler"));
         let text = match scenario::is_march(train, scenario) {
-            true => "carries buff: when it breaks its vehicles stay pressed together, and part once the force there turns to draft",
-            false => "carries buff and breaks as if the parts could pass through each other; in a train they stay pressed together",
+            true => {
+                "carries buff: when it breaks its vehicles stay pressed together, and part once the force there turns to draft"
+            }
+            false => {
+                "carries buff and breaks as if the parts could pass through each other; in a train they stay pressed together"
+            }
         };
         found.push(("breaks-in-buff", format!("{which} {text}")));
     }

@@ -7,7 +7,10 @@ use crate::units::{Dimension, shown};
 
 /// Every doubt that the cases of a scenario have.
 pub fn found(scenario: &Scenario, cases: &[CaseFindings]) -> Vec<Doubt> {
-    [closing_gap(scenario, cases), not_predictable(scenario, cases), stops(scenario, cases)].into_iter().flatten().collect()
+    [closing_gap(scenario, cases), not_predictable(scenario, cases), stops(scenario, cases)]
+        .into_iter()
+        .flatten()
+        .collect()
 }
 
 /// The end of what can be told of a motion in which small differences grow.

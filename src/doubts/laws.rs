@@ -14,7 +14,9 @@ pub(super) fn of_train(train: &Train) -> Vec<Doubt> {
 
 /// A gear that the load, or the pull before, has closed.
 fn closed(train: &Train) -> Option<Doubt> {
-    let force_n = |i: usize| train.history_n(i).into_iter().fold(train.initial_force_n[i], |a, f| if f.abs() > a.abs() { f } else { a });
+    let force_n = |i: usize| {
+        train.history_n(i).into_iter().fold(train.initial_force_n[i], |a, f| if f.abs() > a.abs() { f } else { a })
+    };
     let over = |i: &usize| match &train.extras.laws[*i] {
         Law::Gear { draft, buff, .. } => {
             let f = force_n(*i);
@@ -67,12 +69,15 @@ fn no_memory(train: &Train) -> Option<Doubt> {
 
 /// Keys of brakes in a train none of whose scenarios applies any.
 fn without_brakes(train: &Train) -> Vec<Doubt> {
-    let applies = |s: &crate::scenario::Scenario| s.response.emergency.is_some() || matches!(s.event, Event::Brake { .. });
+    let applies =
+        |s: &crate::scenario::Scenario| s.response.emergency.is_some() || matches!(s.event, Event::Brake { .. });
     if train.scenarios.iter().any(applies) {
         return vec![];
     }
     let told = |given: bool, code: &'static str, key: &str| {
-        let text = format!("{key} changes nothing: no scenario applies brakes; give a break an emergency, or add a scenario of kind \"brake\"");
+        let text = format!(
+            "{key} changes nothing: no scenario applies brakes; give a break an emergency, or add a scenario of kind \"brake\""
+        );
         given.then(|| Doubt::of_train(code, text))
     };
     let speed = told(train.extras.speed_m_per_s.is_some(), "speed-unused", "speed");

@@ -300,7 +300,9 @@ fn first_passage(case: &CaseFindings) -> String {
     );
     match case.exceeding_first_passage {
         0 => format!(" In the first passage, to {end}, none exceeds: {largest}. The exceedances {}.", later_ones(case)),
-        n => format!(" In the first passage, to {end}, {n} of them exceed; {largest}. The others {}.", later_ones(case)),
+        n => {
+            format!(" In the first passage, to {end}, {n} of them exceed; {largest}. The others {}.", later_ones(case))
+        }
     }
 }
 

@@ -1,5 +1,8 @@
 //! Largest forces of trains let go, in shares of their pull: published digits of two marches of 53 and one of 64 bits with other steps.
 
+// Reference numbers are given with all their digits.
+#![allow(clippy::excessive_precision)]
+
 mod gears;
 use gears::{gear, gear_a, gear_a_dash, let_go, train, wedge};
 use trainsafe::law::{Curve, Law, Row};

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use trainsafe::fleet::{self, Shard};
 use trainsafe::report;
+use trainsafe::units::UnitSystem;
 
 const STATUS: &str = "\
 Exit status: 0 the analysis ran, whatever it found; 1 a coupler exceeds, with --fail-on-exceed;
@@ -90,6 +91,9 @@ pub struct Analyze {
     #[arg(long, value_name = "LIST", default_value = "md,html", value_delimiter = ',',
           value_parser = report::Format::ALL.map(report::Format::name), conflicts_with = "json")]
     pub format: Vec<String>,
+    /// Units of the report [default: the file's]
+    #[arg(long, value_name = "SYSTEM", value_parser = UnitSystem::NAMES, conflicts_with = "json")]
+    pub units: Option<String>,
     /// Run this scenario only
     #[arg(long, value_name = "NAME")]
     pub scenario: Option<String>,

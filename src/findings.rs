@@ -2,6 +2,7 @@
 
 mod cascade;
 mod case;
+pub(crate) mod damping;
 mod estimate;
 mod field;
 mod first_passage;
@@ -14,6 +15,7 @@ mod safe_speed;
 
 pub use cascade::{CascadeBreak, CascadeFindings};
 pub(crate) use case::case_findings;
+pub use damping::DampingFindings;
 pub(crate) use estimate::case_estimate_s;
 pub use estimate::{estimate_s, memory_bytes};
 pub(crate) use field::larger;
@@ -31,6 +33,7 @@ use crate::scenario::{Event, Scales, Scenario};
 use crate::solve::memo::Memo;
 use crate::solve::watch::{Side, SpringPeaks};
 use crate::solve::{Ask, Method, SolveError, Wanted};
+use crate::units::UnitSystem;
 
 /// What one analysis may remember of scenes that it has solved, bytes.
 const REMEMBERED: usize = 32 << 20;
@@ -52,6 +55,8 @@ pub struct Options {
     pub wanted: Wanted,
     /// Add a map to every scenario: overloading force by duration, or safe load by broken coupler.
     pub map: bool,
+    /// Add what the worst case of each scenario would be with dashpots in every coupler, for a train without losses.
+    pub damping: bool,
 }
 
 impl Default for Options {
@@ -64,6 +69,7 @@ impl Default for Options {
             all_time_bound: false,
             wanted: Wanted::Everything,
             map: false,
+            damping: false,
         }
     }
 }
@@ -81,6 +87,9 @@ pub struct Analysis {
     pub options: OptionFindings,
     /// What is probably not meant, of the train and of the scenarios that were run.
     pub doubts: Vec<Doubt>,
+    /// The units of its reports.
+    #[serde(skip)]
+    pub units: UnitSystem,
     /// The train's name.
     pub train: String,
     /// Number of vehicles.
@@ -132,6 +141,9 @@ pub struct ScenarioFindings {
     /// What it looks like around the event, where asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map: Option<MapFindings>,
+    /// The worst case with dashpots in every coupler, by damping ratio; empty for a train that has losses, and where not asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub damping: Vec<DampingFindings>,
 }
 
 /// What one event does to every coupler.
@@ -315,6 +327,7 @@ pub fn analyze(train: &Train, options: &Options) -> Result<Analysis, AnalyzeErro
         inputs,
         options: OptionFindings { tolerance: options.tolerance, method: options.method.map(Method::name) },
         doubts,
+        units: train.origin.units,
         train: train.name.clone(),
         vehicles,
         couplers,
@@ -372,8 +385,11 @@ fn scenario_findings(
         .map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
     let map = if options.map { map::find(train, scenario, options, memo) } else { Ok(None) };
     let map = map.map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
+    let damping = if options.damping { damping::sweep(train, scenario, &cases, options) } else { Ok(Vec::new()) };
+    let damping = damping.map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
     let left_out_in_buff = scenario.left_out_in_buff.iter().map(|i| i + 1).collect();
-    Ok(ScenarioFindings { name: scenario.name.clone(), kind: scenario.event.kind(), cases, left_out_in_buff, map })
+    let (name, kind) = (scenario.name.clone(), scenario.event.kind());
+    Ok(ScenarioFindings { name, kind, cases, left_out_in_buff, map, damping })
 }
 
 /// The findings of the coupler of that number, if they are among these, which are in order from the head.

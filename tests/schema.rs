@@ -229,6 +229,14 @@ const ONLY_BY_READER: &[&str] = &[
     "vehicle []",
     "vehicle[1].count 1",
     "vehicle[1].count left out",
+    // Beside damping, which is of linear couplers.
+    "coupler.slack \"1 m\"",
+    // Less than the load.
+    "load.pulled_to \".5 kN\"",
+    "load.pulled_to \"1 kN\"",
+    "load.pulled_to \"1e-3 %\"",
+    "load.pulled_to \"5. kN\"",
+    "load.pulled_to \"50 %\"",
 ];
 
 /// What came of every value of every kind at each key of a file.

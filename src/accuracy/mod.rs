@@ -145,7 +145,9 @@ pub enum AccuracyError {
         scenario: String,
     },
     /// The methods compared are not made for the train or the event.
-    #[error("{scenario}: the comparison is of methods for breaks and rectangular pulses of trains of linear couplers without damping and brakes")]
+    #[error(
+        "{scenario}: the comparison is of methods for breaks and rectangular pulses of trains of linear couplers without damping and brakes"
+    )]
     BeyondSteps {
         /// The scenario's name.
         scenario: String,

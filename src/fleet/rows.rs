@@ -121,14 +121,7 @@ impl Chunk {
     }
 
     /// A case that was computed, and the doubts that it has.
-    pub fn add(
-        &mut self,
-        place: &Place,
-        train: &Train,
-        scenario: &Scenario,
-        case: &CaseFindings,
-        found: &[Doubt],
-    ) {
+    pub fn add(&mut self, place: &Place, train: &Train, scenario: &Scenario, case: &CaseFindings, found: &[Doubt]) {
         let front = [text(&place.file), text(&train.name), train.vehicles.len().to_string(), whole(place.variation)];
         let inputs = place.inputs.iter().map(|cell| text_or_number(cell));
         let codes = place.codes(scenario, found);

@@ -1,8 +1,8 @@
 //! What the model leaves out or assumes, and on which side of the real forces that errs for this train and its events.
 
 use crate::consist::Train;
-use crate::play::Rule;
 use crate::law::Law;
+use crate::play::Rule;
 use crate::scenario::{self, Event, Scenario};
 
 /// An assumption with its effect: what it is, the real draft and the real buff against those of the report, and why.

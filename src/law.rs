@@ -332,6 +332,7 @@ fn risen(w: f64, force: f64, half: f64, draft: &Curve, buff: &Curve) -> f64 {
 }
 
 #[cfg(test)]
+#[allow(clippy::excessive_precision)] // Reference numbers are given with all their digits.
 mod tests {
     use super::{Curve, CurveProblem, Law, LawProblem, Row};
 

@@ -11,6 +11,7 @@
 //! coupler's largest force in a scene, with a bound on its error; [`findings`] turns those into utilisations and
 //! verdicts; [`report`] writes them down. [`fleet`] does all of it for many trains and what-ifs. [`play`] is a scene with all
 //! that the paper's chain has not: dashpots, speeds, forces of any shape, couplers that break one after the other.
+//! [`law`] is a coupler's force with slack and friction, and [`march`] the motion of trains that have them.
 //! [`schema`] makes of the reader's tables of keys a JSON Schema for editors.
 //!
 //! Features, both on by default: `cli` builds the program, `accuracy` the module of that name. `parquet` lets a fleet write

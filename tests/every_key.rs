@@ -185,6 +185,10 @@ fn every_key_changes_the_answer_or_is_named() {
         .map(|(name, text)| of_text(text, folder.path()).unwrap_or_else(|e| panic!("{name}: {e}")))
         .collect();
     let of_sample = |(path, text): &(&str, &str)| {
+        if path.starts_with("units=") {
+            // Of the text of reports alone, which is not compared here.
+            return vec![];
+        }
         let value = value(text);
         let (mut used, mut silent) = (0, vec![]);
         for ((name, base), plain) in bases.iter().zip(&plain) {

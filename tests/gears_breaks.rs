@@ -148,3 +148,22 @@ fn proven_with_constant_friction() {
     println!("bound {bound:e}, apart {off:e}");
     assert!(off < 1e-5 + 2.0 * bound, "{off}");
 }
+
+/// A slider holds a coupler that is pulled out of compression; one that has parted cannot be held, for its heads only push.
+#[test]
+fn parted_heads_do_not_pull() {
+    let law = gear(2e8, 0.0, gears::curve(&[[0., 200., -200.], [100., 1200., 800.]]));
+    let pulled = |gone: Vec<usize>| {
+        let start = vec![law.rest(&[-2.5e5])];
+        let steady_n = vec![-2.5e5, 2.5e5];
+        let apart = Drive::Lines(vec![[0.1, 0.0], [0.5, 3.5e5], [9.0, 3.5e5]]);
+        let forcing = vec![(0, apart.clone()), (1, apart.scaled(1.0, -1.0))];
+        let problem = Problem { start, steady_n, forcing, gone, ..train(vec![M; 2], vec![law.clone()], 1.0) };
+        solve(&problem, &Ask { audit: true, ..Ask::default() })
+    };
+    assert!(pulled(Vec::new()).extremes[0].draft.force_n > 1e5);
+    let parted = pulled(vec![0]);
+    assert_eq!(parted.extremes[0].draft.force_n, 0.0);
+    assert!(parted.end_speed_m_s[0] > parted.end_speed_m_s[1] + 0.1, "they part: {:?}", parted.end_speed_m_s);
+    assert!(parted.energy.is_some_and(|e| e.created_j < 1e-9), "{:?}", parted.energy);
+}

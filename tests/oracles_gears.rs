@@ -1,6 +1,9 @@
 //! Closed forms of trains with slack, gears, stops and brake waves, computed with 40 digits apart from this code. Tolerances are some tens
 //! of units in the last place of the largest force, and for instants of a root what that makes of them.
 
+// Reference numbers are given with all their digits.
+#![allow(clippy::excessive_precision)]
+
 mod gears;
 use gears::{curve, gear, gear_a, let_go, train, wedge};
 use trainsafe::law::{Law, Rest};

@@ -44,6 +44,10 @@ fn preset(name: &'static str, emergency: bool) -> Application {
 /// Reads `emergency` or `service`.
 pub(super) fn application(value: &Value, emergency: bool) -> Read<Application> {
     let Some(table) = value.table_if(&APPLICATION_TABLE) else {
+        if value.as_text().is_none() {
+            let right = "expected \"AAR\", \"UIC G\" or \"UIC P\", or { wave = \"290 m/s\", build_up = [[\"0 s\", \"0 %\"], [\"8 s\", \"100 %\"]] }";
+            return Err(value.wrong_type(right));
+        }
         return Ok(preset(value.word_of(&PRESETS)?, emergency));
     };
     let table = table?;

@@ -127,12 +127,11 @@ impl LawKeys {
         let buff = self.gear_in_buff.as_ref().map_or(Ok(draft.clone()), |gear| curve("gear_in_buff", gear))?;
         let law = Law::Gear { solid_n_per_m, slack_m, draft, buff };
         law.check().map_err(|bad| {
-            let key = if matches!(bad, LawProblem::Slack(_)) { "slack" } else { "gear" };
-            (
-                key,
-                bad.to_string(),
-                "with these two curves the force would fall while the coupler gets longer".to_owned(),
-            )
+            let (key, help) = match bad {
+                LawProblem::NegativeBesideSlack(_) => ("gear", "give it 0 or more, or leave slack out"),
+                _ => ("gear", "with these two curves the force would fall while the coupler gets longer"),
+            };
+            (key, bad.to_string(), help.to_owned())
         })?;
         Ok(Some(law))
     }
@@ -154,7 +153,9 @@ pub(super) fn secant_n_per_m(law: &Law, force_n: f64) -> f64 {
         Law::Elastic { draft_n_per_m, .. } => *draft_n_per_m,
         Law::Gear { draft, slack_m, .. } => {
             let last_n = draft.rows().last().map_or(1.0, |row: &Row| row.loading_n);
-            let force_n = if force_n > 0.0 { force_n } else { last_n };
+            // Near a preload only what is in series gives way, which says nothing of the gear.
+            let preload_n = draft.rows().first().map_or(0.0, |row| row.loading_n);
+            let force_n = if force_n > 0.0 { force_n.max(2.0 * preload_n) } else { last_n };
             force_n / (law.elongation_m(&law.rest(&[force_n])) - 0.5 * slack_m)
         }
     }

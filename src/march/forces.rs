@@ -167,6 +167,7 @@ impl Forces {
 }
 
 #[cfg(test)]
+#[allow(clippy::excessive_precision)] // Reference numbers are given with all their digits.
 mod tests {
     use super::*;
 

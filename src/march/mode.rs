@@ -189,6 +189,7 @@ impl Branches {
 }
 
 #[cfg(test)]
+#[allow(clippy::excessive_precision)] // Reference numbers are given with all their digits.
 pub mod tests {
     use super::*;
     use crate::law::{Curve, Row};

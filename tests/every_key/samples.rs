@@ -6,6 +6,8 @@ pub const TRAIN: &[(&str, &str)] = &[
     ("damping_ratio", "0.1"),
     ("vehicles", "'other.csv'"),
     ("speed", "'40 km/h'"),
+    ("units=si", "'si'"),
+    ("units=us", "'us'"),
     ("coupler.stiffness", "'14 MN/m'"),
     ("coupler.rated_load", "'0.65 MN'"),
     ("coupler.rated_buff", "'0.1 MN'"),

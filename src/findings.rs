@@ -11,6 +11,7 @@ mod limits;
 mod map;
 mod safe_factor;
 mod safe_speed;
+mod stop;
 
 pub use cascade::{CascadeBreak, CascadeFindings};
 pub(crate) use case::case_findings;
@@ -24,6 +25,7 @@ pub use limits::{LimitFindings, LimitInSense};
 pub use map::{MapFindings, MapPoint};
 use rayon::prelude::*;
 use serde::Serialize;
+pub use stop::{Stop, Stopped};
 
 use crate::consist::{Source, Train};
 use crate::doubts::{Doubt, doubts};
@@ -52,6 +54,8 @@ pub struct Options {
     pub wanted: Wanted,
     /// Add a map to every scenario: overloading force by duration, or safe load by broken coupler.
     pub map: bool,
+    /// By which another thread stops it.
+    pub stop: Stop,
 }
 
 impl Default for Options {
@@ -64,6 +68,7 @@ impl Default for Options {
             all_time_bound: false,
             wanted: Wanted::Everything,
             map: false,
+            stop: Stop::default(),
         }
     }
 }
@@ -242,6 +247,9 @@ pub struct RodFindings {
 /// Why an analysis could not be done.
 #[derive(Debug, thiserror::Error)]
 pub enum AnalyzeError {
+    /// The caller stopped it.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
     /// `--scenario` names none of the train's.
     #[error("no scenario is named {asked:?}; the train has {}", known.join(", "))]
     UnknownScenario {
@@ -367,9 +375,13 @@ fn scenario_findings(
 ) -> Result<ScenarioFindings, AnalyzeError> {
     let cases = cases(&scenario.event)
         .par_iter()
-        .map(|&b| case_findings(train, scenario, b, options, memo))
-        .collect::<Result<Vec<_>, _>>()
-        .map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
+        .map(|&b| {
+            options.stop.check()?;
+            case_findings(train, scenario, b, options, memo)
+                .map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    options.stop.check()?;
     let map = if options.map { map::find(train, scenario, options, memo) } else { Ok(None) };
     let map = map.map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
     let left_out_in_buff = scenario.left_out_in_buff.iter().map(|i| i + 1).collect();

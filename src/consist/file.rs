@@ -13,7 +13,7 @@ use super::loads::{self, OwnLoad};
 use super::scenarios;
 use super::table::Rows;
 use super::tree::{Found, Read, Table, Value};
-use super::{Coupler, EachCoupler, Files, MOST_VEHICLES, Origin, Train};
+use super::{Coupler, EachCoupler, Files, MOST_VEHICLES, Origin, STDIN, Train};
 use crate::error::{Problem, printable, quoted};
 use crate::play::Rule;
 use crate::scenario::{self, Scenario};
@@ -101,7 +101,9 @@ fn extras(ratings: &[Ratings], steady: Option<Steady>) -> Extras {
 }
 
 fn stem(path: &Path) -> String {
-    path.file_stem().map_or_else(|| "train".to_owned(), |s| printable(&s.to_string_lossy()))
+    path.file_stem()
+        .filter(|stem| *stem != STDIN)
+        .map_or_else(|| "train".to_owned(), |s| printable(&s.to_string_lossy()))
 }
 
 /// What a table says of some couplers beyond `[coupler]`.

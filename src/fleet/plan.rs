@@ -172,6 +172,7 @@ impl<'a> Plan<'a> {
         place.doubts = doubts(&train);
         self.keep(&rows::file_cell(&self.inputs.files[file]), variation, &place.doubts);
         for (scenario, broken) in all_cases(&train).skip(range.start).take(range.len()) {
+            self.options.stop.check()?;
             match findings::case_findings(&train, scenario, broken, &self.options, self.memo) {
                 Ok(case) => rows.add(&place, &train, scenario, &case),
                 Err(error) => rows.fail(&place, Some((scenario, broken)), &error.to_string()),

@@ -28,6 +28,12 @@ bytes, key, message, help, related) and doubts (code, scenario, text).
 
 Example: trainsafe check trains/ore-train.toml trains/paper-figure-4.toml";
 
+const IMPORT: &str = "\
+Behind each number stands where it comes from. What is missing is marked MISSING and told here; the file cannot be
+analysed before it is filled in. The vehicles of a consist are looked for beside it, in TRAINSET and in ../TRAINSET.
+
+Example: echo \"mass [t],90,80\" | tr , '\\n' > cars.csv && trainsafe import cars.csv > train.toml";
+
 /// Which couplers of a train exceed their capacity, and when, after another coupler breaks or a shock hits the train
 #[derive(Debug, Parser)]
 #[command(version, arg_required_else_help = true, after_help = STATUS)]
@@ -71,6 +77,15 @@ pub enum Command {
     /// Print a commented train file to start from
     #[command(after_help = "Example: trainsafe new > train.toml")]
     New,
+    /// Print a commented train file made from a table of vehicles or a consist of Open Rails
+    #[command(after_help = IMPORT)]
+    Import {
+        /// The table (CSV, or a workbook: consist.xlsx#Sheet1), or the consist (.con)
+        file: PathBuf,
+        /// Look for the vehicles of a consist in this folder too
+        #[arg(long, value_name = "DIR")]
+        trainset: Vec<PathBuf>,
+    },
     /// Print the JSON Schema of train files, by which editors complete and check them
     #[command(after_help = "\
 An editor with a TOML language server goes by it where a file's first line is

@@ -6,7 +6,7 @@ mod run_check;
 mod run_fleet;
 mod signals;
 
-use std::ffi::OsStr;
+use std::ffi::{OsStr, OsString};
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -44,7 +44,12 @@ enum Failure {
 static QUIET: AtomicBool = AtomicBool::new(false);
 
 fn main() -> ExitCode {
-    let Cli { command, general } = Cli::try_parse().unwrap_or_else(|e| usage(e));
+    ExitCode::from(run(std::env::args_os()))
+}
+
+/// Does what a command line says, whose first word is the program's name; the exit status.
+pub fn run(args: impl Iterator<Item = OsString>) -> u8 {
+    let Cli { command, general } = Cli::try_parse_from(args).unwrap_or_else(|e| usage(e));
     settle(&general);
     let done = match command {
         Command::Analyze(args) => analyze(&args),
@@ -52,11 +57,12 @@ fn main() -> ExitCode {
         Command::Accuracy(args) => accuracy(&args),
         Command::Check(args) => run_check::run(&args),
         Command::New => print(consist::TEMPLATE),
+        Command::Import { file, trainset } => import(&file, &trainset),
         Command::Schema { study } => print(&schema::text(study)),
         Command::Completions { shell } => print(&manual::completions(shell)),
         Command::Man { of, out } => man(of.as_deref(), out.as_deref()),
     };
-    done.map_or_else(|failure| ExitCode::from(failure as u8), |()| ExitCode::SUCCESS)
+    done.map_or_else(|failure| failure as u8, |()| 0)
 }
 
 /// What is wrong with the command line; a train file in the place of a command is told what commands take it.
@@ -120,6 +126,17 @@ fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
         summary(&report::terminal(&analysis, &written[written.len() - formats.len()..]))?;
     }
     if args.fail_on_exceed && exceeds(&analysis) { Err(Failure::Exceeds) } else { Ok(()) }
+}
+
+fn import(file: &Path, trainsets: &[PathBuf]) -> Result<(), Failure> {
+    let imported = consist::import(file, trainsets).map_err(|e| {
+        say(&e.render(true));
+        Failure::Input
+    })?;
+    print(&imported.text)?;
+    imported.missing.iter().for_each(|what| tell(&format!("missing: {what}")));
+    imported.doubts.iter().for_each(|warning| tell(&format!("warning: {warning}")));
+    Ok(())
 }
 
 /// Does long work, and says every so often how long it has been at it.

@@ -7,7 +7,7 @@ use trainsafe::consist;
 use trainsafe::doubts::doubts;
 use trainsafe::error::printable_path;
 
-use crate::{Failure, cli, print, quiet, read_train, say};
+use super::{Failure, cli, print, quiet, read_train, say};
 
 pub fn run(args: &cli::Check) -> Result<(), Failure> {
     if args.json {

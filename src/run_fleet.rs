@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use trainsafe::error::printable_path;
 use trainsafe::fleet::{self, Estimate, FleetError, Format, Outcome, Request};
 
-use crate::{Failure, cli, options, print, quiet, say, signals, stem, summary, tell};
+use super::{Failure, cli, options, print, quiet, say, signals, stem, summary, tell};
 
 pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
     let request = Request {

@@ -130,11 +130,11 @@ fn problems_as_json_have_places_and_keys() {
             8,
             8,
             "{ gross = \"\u{fc}\", net = 1 }",
-            "vehicle[2].mass",
+            "vehicle[1].mass",
             "mass is a table",
             "expected a string with a number and its unit: kg, t, lb, klb or ton_us",
         ),
-        problem(9, 8, "2", "vehicle[2].held", "held is a number", "expected true or false, without quotes"),
+        problem(9, 8, "2", "vehicle[1].held", "held is a number", "expected true or false, without quotes"),
     ];
     assert_eq!(bad["problems"], json!(expected));
 }
@@ -158,7 +158,7 @@ fn json_tells_the_related_place_the_table_and_doubts() {
     let first = |i: usize| &json["files"][i]["problems"][0];
     let at = twice.rfind("rated_load").expect("it is there");
     assert_eq!(first(0)["span"], json!([at, at + "rated_load".len()]));
-    assert_eq!(first(0)["key"], "coupler_override[2].rated_load");
+    assert_eq!(first(0)["key"], "coupler_override[1].rated_load");
     assert_eq!(first(0)["related"][0]["line"], 11);
     assert_eq!(first(0)["related"][0]["message"], "overridden here before");
     assert_eq!((&first(1)["path"], &first(1)["line"], &first(1)["column"]), (&json!("c.csv"), &json!(3), &json!(4)));

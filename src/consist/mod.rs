@@ -8,6 +8,7 @@ mod describe;
 mod extras;
 mod file;
 mod heading;
+mod import;
 pub(crate) mod keys;
 mod kinds;
 mod labels;
@@ -19,6 +20,8 @@ mod sheet;
 mod table;
 mod text;
 pub(crate) mod tree;
+#[cfg(feature = "xlsx")]
+mod workbook;
 
 use std::path::Path;
 
@@ -32,7 +35,9 @@ use crate::scenario::Scenario;
 pub use describe::describe;
 pub(crate) use describe::{count, of_parts};
 pub use extras::{Extras, LIMITS, Limits, SENSES, Steady};
+pub use import::{Imported, import};
 pub use loads::steady_forces;
+pub use numbers::{cell_of_number, cell_of_text};
 pub use text::{Files, Source};
 
 /// A commented train file to start from, with every key explained; it runs as it is.
@@ -177,7 +182,7 @@ pub(crate) fn parse_drawn(
     let found = tree::Found::default();
     let root = tree::Table::root(&found, parsed.get_ref(), &keys::TRAIN);
     let named = root.get("vehicles").filter(|value| value.as_text().is_some());
-    let rows = match named.map(|value| value.text_beside(path, files)) {
+    let rows = match named.map(|value| value.text_beside(path, files, table::is_table)) {
         Some(Ok((beside, text))) => Ok(Some(table::parse(&text, &beside)?)),
         Some(Err(reported)) => Err(reported),
         None => Ok(None),

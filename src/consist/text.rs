@@ -71,22 +71,42 @@ impl Files {
         text.map_err(|[title, help]| InputError::of_file(path, title, help))
     }
 
-    /// The text of a file that a train file names. Pipes and devices are refused: the train file may come from somebody else, and
-    /// reading them may never end.
-    pub(super) fn beside(&self, path: &Path) -> Text {
-        let give = "give the path of a CSV file";
+    /// The text of a file that a train file names, or of a sheet of a workbook: `consist.xlsx#Sheet1`, or the only sheet that is wanted.
+    /// Pipes and devices are refused: the train file may come from somebody else, and reading them may never end.
+    pub(super) fn beside(&self, path: &Path, is_wanted: fn(&str) -> bool) -> Text {
+        let give = "give the path of a CSV file or a workbook";
         self.text(path, || {
-            let about = fs::metadata(path).map_err(|e| unreadable(&e, path, give))?;
-            if about.is_file() || about.is_dir() {
-                let bytes = bytes(path, "a CSV file", give, LARGEST_TABLE)?;
-                if let Some((what, workbook)) = kinds::of_bytes(&bytes) {
-                    let help = if workbook { "save its sheet as CSV, and give the path of that file" } else { give };
-                    return Err([format!("this is {what}, and no CSV file"), help.into()]);
-                }
-                return read(bytes, decoded);
+            let (file, sheet) = sheet(path);
+            let about = fs::metadata(&file).map_err(|e| unreadable(&e, &file, give))?;
+            if !about.is_file() && !about.is_dir() {
+                return Err(["this is a pipe or a device".into(), give.into()]);
             }
-            Err(["this is a pipe or a device".into(), give.into()])
+            let bytes = bytes(&file, "a CSV file", give, LARGEST_TABLE)?;
+            match kinds::of_bytes(&bytes) {
+                Some((what, true)) => {
+                    let sha256 = Sha256::digest(&bytes).into();
+                    Ok((workbook_text(what, &bytes, sheet.as_deref(), is_wanted)?.into(), sha256))
+                }
+                Some((what, false)) => Err([format!("this is {what}, and no CSV file"), give.into()]),
+                None if sheet.is_some() => {
+                    let title = "this is no workbook, so it has no sheets".to_owned();
+                    Err([title, "leave out the # and what follows it".into()])
+                }
+                None => read(bytes, decoded),
+            }
         })
+    }
+
+    /// Files that need not be read, for they are here.
+    pub fn holding(contents: impl IntoIterator<Item = (Source, Arc<str>)>) -> Files {
+        let read = contents.into_iter().map(|(source, text)| (source, Ok(text)));
+        Files { read: Mutex::new(read.collect()) }
+    }
+
+    /// Every file that has been read, with its text: of a table in another encoding as UTF-8, of a workbook that of the sheet.
+    pub fn contents(&self) -> Vec<(Source, Arc<str>)> {
+        let read = self.lock();
+        read.iter().filter_map(|(source, text)| Some((source.clone(), text.clone().ok()?))).collect()
     }
 
     /// Every file that was asked for, in the order of the first time.
@@ -109,6 +129,39 @@ impl Files {
     fn lock(&self) -> std::sync::MutexGuard<'_, Vec<(Source, Text)>> {
         self.read.lock().unwrap_or_else(PoisonError::into_inner)
     }
+}
+
+/// A path without the name of a sheet, and that name; a file may have a # in its own name.
+fn sheet(path: &Path) -> (PathBuf, Option<String>) {
+    let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+    match name.split_once('#') {
+        Some((file, sheet)) if !path.exists() => (path.with_file_name(file), Some(sheet.to_owned())),
+        _ => (path.to_owned(), None),
+    }
+}
+
+/// The text of a workbook's sheet.
+#[cfg(feature = "xlsx")]
+fn workbook_text(
+    what: &str,
+    bytes: &[u8],
+    sheet: Option<&str>,
+    is_wanted: fn(&str) -> bool,
+) -> Result<String, [String; 2]> {
+    if what.contains("xls)") || what.contains("xlsb)") {
+        let help = "save it as xlsx, or its sheet as CSV, and give the path of that file";
+        return Err([format!("this is {what}, which is not read"), help.into()]);
+    }
+    super::workbook::text(bytes, sheet, is_wanted)
+}
+
+/// What to say of a workbook where none is read.
+#[cfg(not(feature = "xlsx"))]
+fn workbook_text(what: &str, _: &[u8], _: Option<&str>, _: fn(&str) -> bool) -> Result<String, [String; 2]> {
+    let title = format!(
+        "this is {what}, and no CSV file; this trainsafe was built without the feature xlsx, by which workbooks are read"
+    );
+    Err([title, "save its sheet as CSV, and give the path of that file; or build with --features xlsx".into()])
 }
 
 fn bytes(path: &Path, kind: &str, give: &str, most: u64) -> Result<Vec<u8>, [String; 2]> {

@@ -36,7 +36,7 @@ Example: echo \"mass [t],90,80\" | tr , '\\n' > cars.csv && trainsafe import car
 
 /// Which couplers of a train exceed their capacity, and when, after another coupler breaks or a shock hits the train
 #[derive(Debug, Parser)]
-#[command(version, arg_required_else_help = true, after_help = STATUS)]
+#[command(name = "trainsafe", version = trainsafe::VERSION, arg_required_else_help = true, after_help = STATUS)]
 pub struct Cli {
     #[command(subcommand)]
     pub command: Command,

@@ -3,6 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use sha2::{Digest, Sha256};
+
 use crate::consist::{self, Files, Source, Train};
 use crate::error::InputError;
 use crate::fleet::key::Key;
@@ -32,7 +34,10 @@ impl Document {
     /// # Errors
     /// As for [`consist::parse`].
     pub fn of_text(text: &str, path: &Path, held: Vec<(Source, Arc<str>)>) -> Result<(Document, Train), InputError> {
-        Document { path: path.to_owned(), text: text.into(), files: Files::holding(held) }.with_train()
+        let own = Source { path: path.to_owned(), sha256: Sha256::digest(text).into() };
+        let text: Arc<str> = text.into();
+        let files = Files::holding(std::iter::once((own, text.clone())).chain(held));
+        Document { path: path.to_owned(), text, files }.with_train()
     }
 
     fn with_train(self) -> Result<(Document, Train), InputError> {

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use trainsafe::fleet::{self, Shard};
 use trainsafe::report;
+use trainsafe::units::UnitSystem;
 
 const MOST_THREADS: usize = 1024;
 
@@ -136,6 +137,9 @@ pub struct Analyze {
     #[arg(long, value_name = "LIST", default_value = "md,html", value_delimiter = ',',
           value_parser = report::Format::ALL.map(report::Format::name), conflicts_with = "json")]
     pub format: Vec<String>,
+    /// Units of the report [default: the file's]
+    #[arg(long, value_name = "SYSTEM", value_parser = UnitSystem::NAMES, conflicts_with = "json")]
+    pub units: Option<String>,
     /// Run this scenario only
     #[arg(long, value_name = "NAME")]
     pub scenario: Option<String>,

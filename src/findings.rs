@@ -2,6 +2,7 @@
 
 mod cascade;
 mod case;
+pub(crate) mod damping;
 mod estimate;
 mod field;
 mod first_passage;
@@ -15,6 +16,7 @@ mod stop;
 
 pub use cascade::{CascadeBreak, CascadeFindings};
 pub(crate) use case::case_findings;
+pub use damping::DampingFindings;
 pub(crate) use estimate::case_estimate_s;
 pub use estimate::{estimate_s, memory_bytes};
 pub(crate) use field::larger;
@@ -33,6 +35,7 @@ use crate::scenario::{Event, Scales, Scenario};
 use crate::solve::memo::Memo;
 use crate::solve::watch::{Side, SpringPeaks};
 use crate::solve::{Ask, Method, SolveError, Wanted};
+use crate::units::UnitSystem;
 
 /// What one analysis may remember of scenes that it has solved, bytes.
 const REMEMBERED: usize = 32 << 20;
@@ -56,6 +59,8 @@ pub struct Options {
     pub map: bool,
     /// By which another thread stops it.
     pub stop: Stop,
+    /// Add what the worst case of each scenario would be with dashpots in every coupler, for a train without losses.
+    pub damping: bool,
 }
 
 impl Default for Options {
@@ -69,6 +74,7 @@ impl Default for Options {
             wanted: Wanted::Everything,
             map: false,
             stop: Stop::default(),
+            damping: false,
         }
     }
 }
@@ -86,6 +92,9 @@ pub struct Analysis {
     pub options: OptionFindings,
     /// What is probably not meant, of the train and of the scenarios that were run.
     pub doubts: Vec<Doubt>,
+    /// The units of its reports.
+    #[serde(skip)]
+    pub units: UnitSystem,
     /// The train's name.
     pub train: String,
     /// Number of vehicles.
@@ -137,6 +146,9 @@ pub struct ScenarioFindings {
     /// What it looks like around the event, where asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map: Option<MapFindings>,
+    /// The worst case with dashpots in every coupler, by damping ratio; empty for a train that has losses, and where not asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub damping: Vec<DampingFindings>,
 }
 
 /// What one event does to every coupler.
@@ -323,6 +335,7 @@ pub fn analyze(train: &Train, options: &Options) -> Result<Analysis, AnalyzeErro
         inputs,
         options: OptionFindings { tolerance: options.tolerance, method: options.method.map(Method::name) },
         doubts,
+        units: train.origin.units,
         train: train.name.clone(),
         vehicles,
         couplers,
@@ -384,8 +397,11 @@ fn scenario_findings(
     options.stop.check()?;
     let map = if options.map { map::find(train, scenario, options, memo) } else { Ok(None) };
     let map = map.map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
+    let damping = if options.damping { damping::sweep(train, scenario, &cases, options) } else { Ok(Vec::new()) };
+    let damping = damping.map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
     let left_out_in_buff = scenario.left_out_in_buff.iter().map(|i| i + 1).collect();
-    Ok(ScenarioFindings { name: scenario.name.clone(), kind: scenario.event.kind(), cases, left_out_in_buff, map })
+    let (name, kind) = (scenario.name.clone(), scenario.event.kind());
+    Ok(ScenarioFindings { name, kind, cases, left_out_in_buff, map, damping })
 }
 
 /// The findings of the coupler of that number, if they are among these, which are in order from the head.

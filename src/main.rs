@@ -21,6 +21,7 @@ use trainsafe::doubts::{doubts, idle_options};
 use trainsafe::error::{InputError, printable_path};
 use trainsafe::report::Format;
 use trainsafe::solve::Method;
+use trainsafe::units::UnitSystem;
 use trainsafe::{Analysis, Options, Train, consist, findings, report, schema};
 
 use cli::{Cli, Command};
@@ -94,12 +95,16 @@ fn settle(general: &cli::General) {
 }
 
 fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
-    let train = read(&args.train)?;
+    let mut train = read(&args.train)?;
+    if let Some(units) = args.units.as_deref().and_then(UnitSystem::from_name) {
+        train.origin.units = units;
+    }
     let options = Options {
         scenario: args.scenario.clone(),
         verdict_only: args.verdict_only,
         all_time_bound: args.all_time_bound,
         map: args.map,
+        damping: true,
         ..options(&args.solver)
     };
     let seconds = findings::estimate_s(&train, &options).map_err(|e| complain(&args.train, &e))?;

@@ -44,6 +44,26 @@ pub enum Dimension {
     Grade,
 }
 
+/// The units of a reader: of reports, not of the files for programs, which are in SI.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum UnitSystem {
+    /// kN, t, m.
+    #[default]
+    Si,
+    /// kip, short tons, feet.
+    Us,
+}
+
+impl UnitSystem {
+    /// Their names in a train file and on the command line.
+    pub const NAMES: [&str; 2] = ["si", "us"];
+
+    /// The system of that name.
+    pub fn from_name(name: &str) -> Option<UnitSystem> {
+        [UnitSystem::Si, UnitSystem::Us].into_iter().zip(UnitSystem::NAMES).find(|(_, n)| *n == name).map(|(of, _)| of)
+    }
+}
+
 /// A quantity as read.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Amount {
@@ -203,6 +223,14 @@ pub fn parse(text: &str, dimension: Dimension, share: bool) -> Result<Amount, Ba
     };
     let value = shifted(mantissa, exponent.saturating_add(scale.exponent.into())) * scale.factor / scale.divisor;
     in_range(mantissa, value, dimension.si()).map(Amount::Si)
+}
+
+/// Whether a quantity that [`parse`] takes has a unit of US practice, such as kip or ft; `None` for one that tells nothing of it.
+pub(crate) fn is_us(text: &str, dimension: Dimension) -> Option<bool> {
+    if !matches!(dimension, Dimension::Mass | Dimension::Force | Dimension::Stiffness | Dimension::Length) {
+        return None;
+    }
+    spellings::find(dimension, split(text.trim()).1).map(|scale| !scale.is_decimal())
 }
 
 /// The longest start that looks like a number, and the rest without the whitespace between.

@@ -27,7 +27,7 @@ pub struct Findings {
 /// Runs a train's scenarios, or one of them.
 #[allow(clippy::too_many_arguments)] // They are keywords in Python.
 #[pyfunction]
-#[pyo3(signature = (document, scenario, tolerance, method, verdict_only, all_time_bound, map))]
+#[pyo3(signature = (document, scenario, tolerance, method, verdict_only, all_time_bound, map, damping))]
 pub fn analyze(
     py: Python<'_>,
     document: &Bound<'_, Document>,
@@ -37,9 +37,10 @@ pub fn analyze(
     verdict_only: bool,
     all_time_bound: bool,
     map: bool,
+    damping: bool,
 ) -> PyResult<Findings> {
     let train = document.get().train.clone();
-    let options = Options { scenario, verdict_only, all_time_bound, map, ..options(tolerance, method)? };
+    let options = Options { scenario, verdict_only, all_time_bound, map, damping, ..options(tolerance, method)? };
     let (stop, of) = (options.stop.clone(), train.clone());
     let analysis = work(py, &stop, move || {
         // Refuses what would take hours or all memory.

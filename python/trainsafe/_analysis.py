@@ -284,11 +284,13 @@ def analyze(
     verdict_only: bool = False,
     all_time_bound: bool = False,
     map: bool = False,
+    damping: bool = False,
 ) -> Analysis:
     """Runs a train's scenarios, or the one of that name. A path is read, a dictionary is made a train.
 
     `tolerance` is the error that each force may have, as a share of the largest rating. Other Python threads run meanwhile, and Ctrl-C
-    is obeyed.
+    is obeyed. `all_time_bound` adds each coupler's bound over all time, `map` the smallest overloading force by duration or the safe load
+    by broken coupler, `damping` the worst case with dashpots; `verdict_only` leaves out couplers that cannot exceed at any time.
 
     >>> import trainsafe
     >>> trainsafe.analyze("trains/paper-figure-4.toml")
@@ -305,5 +307,6 @@ def analyze(
         "verdict_only": verdict_only,
         "all_time_bound": all_time_bound,
         "map": map,
+        "damping": damping,
     }
     return Analysis(train, options, _native.analyze(train._document, **options))

@@ -17,7 +17,7 @@ use super::{Coupler, EachCoupler, Files, MOST_VEHICLES, Origin, STDIN, Train};
 use crate::error::{Problem, printable, quoted};
 use crate::play::Rule;
 use crate::scenario::{self, Scenario};
-use crate::units::Amount;
+use crate::units::{Amount, UnitSystem};
 
 /// Reads the whole train, going on after a problem as far as what follows can be judged without it.
 ///
@@ -65,7 +65,11 @@ pub(super) fn train(
     let (initial_force_n, steady) = load?;
     let mut extras = extras(&ratings, steady);
     extras.damping_ratio = damping_ratio(root, &extras, &scenarios)?;
-    let origin = Origin { by_label: labels.named.take(), ..Origin::default() };
+    let units = match root.get("units") {
+        Some(value) => UnitSystem::from_name(value.word()?).unwrap_or_default(),
+        None => found.units(),
+    };
+    let origin = Origin { by_label: labels.named.take(), units, ..Origin::default() };
     Ok(Train { name: name?, initial_force_n, vehicles, couplers, scenarios, extras, origin })
 }
 

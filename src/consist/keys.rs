@@ -2,7 +2,7 @@
 
 use super::{LIMITS, MOST_VEHICLES, SENSES};
 use crate::keys::{Key, Kind, Shape, Sign, Variant};
-use crate::units::Dimension;
+use crate::units::{Dimension, UnitSystem};
 
 const fn quantity(of: Dimension, sign: Sign) -> Kind {
     Kind::Quantity { of, sign, share: false }
@@ -32,6 +32,13 @@ pub(crate) static TRAIN: Shape = Shape {
         "A train for trainsafe: its vehicles and couplers, the load before the event, and what is to happen.",
         &[
             Key::optional("name", Kind::Name, "The train's name; the file's name if absent.", "Ore train"),
+            Key::optional(
+                "units",
+                Kind::Word(&UnitSystem::NAMES),
+                "The units of the report; those in which most quantities of this file are written if absent. Files for programs are in SI \
+                 always.",
+                "us",
+            ),
             Key::optional(
                 "damping_ratio",
                 Kind::Ratio,

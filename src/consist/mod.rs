@@ -24,6 +24,7 @@ pub(crate) mod tree;
 mod workbook;
 
 use std::path::Path;
+use std::sync::Arc;
 
 use toml::de::DeTable;
 
@@ -31,6 +32,7 @@ use crate::doubts::Doubt;
 use crate::error::{InputError, Problem};
 use crate::fleet::study;
 use crate::scenario::Scenario;
+use crate::units::UnitSystem;
 
 pub use describe::describe;
 pub(crate) use describe::{count, of_parts};
@@ -99,6 +101,10 @@ pub struct Origin {
     pub doubts: Vec<Doubt>,
     /// What the file names by a label, with its number: `coupler 41 is behind "coal car 40"`.
     pub by_label: Vec<String>,
+    /// The text of the train file.
+    pub text: Arc<str>,
+    /// The units of reports: those that the file asks for, or in which most of its quantities are written.
+    pub units: UnitSystem,
 }
 
 /// Reads a train file.
@@ -191,7 +197,7 @@ pub(crate) fn parse_drawn(
     let (problems, doubts) = found.into_parts();
     match train {
         Ok(train) if problems.is_empty() => {
-            Ok(Train { origin: Origin { sources: files.list(), doubts, ..train.origin }, ..train })
+            Ok(Train { origin: Origin { sources: files.list(), doubts, text: text.into(), ..train.origin }, ..train })
         }
         _ => Err(InputError::new(path, text, problems).with_keys(parsed.get_ref())),
     }

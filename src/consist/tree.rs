@@ -1,6 +1,6 @@
 //! Reading a spanned TOML tree: every getter knows where its value stands and what would be right there.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use super::Files;
 use crate::doubts::Doubt;
 use crate::error::{InputError, Problem, Problems, is_obeyed, printable_path, quoted};
 use crate::keys::{Key, Kind, LONGEST_NAME, Shape, Sign};
-use crate::units::{self, Amount, Dimension, one_of};
+use crate::units::{self, Amount, Dimension, UnitSystem, one_of};
 
 /// What to do about a path of Windows between double quotes.
 pub(super) const BACKSLASH: &str = "a backslash between double quotes starts an escape, such as \\t for a tab: write / between folders, \
@@ -22,6 +22,8 @@ pub(super) const BACKSLASH: &str = "a backslash between double quotes starts an 
 pub(crate) struct Found {
     problems: RefCell<Problems>,
     doubts: RefCell<Vec<Doubt>>,
+    /// How many quantities have metric units and units of US practice, of those that only one of them has.
+    written_in: [Cell<usize>; 2],
 }
 
 /// Proof that a problem has been noted: whoever holds one need not note it again.
@@ -32,6 +34,12 @@ pub(crate) struct Reported(());
 pub(crate) type Read<T> = Result<T, Reported>;
 
 impl Found {
+    /// The units in which most quantities are written.
+    pub(crate) fn units(&self) -> UnitSystem {
+        let [metric, us] = &self.written_in;
+        if us.get() > metric.get() { UnitSystem::Us } else { UnitSystem::Si }
+    }
+
     pub(crate) fn note(&self, problem: Problem) -> Reported {
         self.problems.borrow_mut().note(problem);
         Reported(())
@@ -366,6 +374,10 @@ impl<'s> Value<'s> {
             (None, Some(text)) => text,
             (None, None) => return Err(self.wrong_type(right())),
         };
+        if let Some(us) = units::is_us(text, dimension) {
+            let count = &self.found.written_in[usize::from(us)];
+            count.set(count.get() + 1);
+        }
         let amount = units::parse(text, dimension, share)
             .map_err(|bad| self.wrong(format!("{} {}", self.key.name, bad.found), bad.right))?;
         let (Amount::Si(value) | Amount::Share(value)) = amount;

@@ -4,6 +4,7 @@ use super::numbers::{digits, force, time};
 use super::words::{count, moment, sense};
 use crate::consist::LIMITS;
 use crate::findings::{CascadeBreak, CascadeFindings, CaseFindings, ScenarioFindings};
+use crate::units::UnitSystem;
 
 /// Pieces told one by one; more are counted.
 const TOLD: usize = 8;
@@ -135,12 +136,12 @@ fn of_many(cascades: &[(&CaseFindings, &CascadeFindings)]) -> String {
 }
 
 /// A row of the sequence.
-pub fn row(b: &CascadeBreak, cascade: &CascadeFindings) -> Vec<String> {
+pub fn row(b: &CascadeBreak, cascade: &CascadeFindings, units: UnitSystem) -> Vec<String> {
     vec![
         time(b.time_s),
         format!("{}{}", b.coupler, if b.together { " (with others)" } else { "" }),
         b.between.join(", "),
-        format!("{} in {}", force(b.force_n, cascade.error_bound_n), sense(b.force_n)),
+        format!("{} in {}", force(units, b.force_n, cascade.error_bound_n), sense(b.force_n)),
         (if b.breaks_at == LIMITS[2] { "ultimate load" } else { "rating" }).to_owned(),
         joules(b.energy_j),
     ]

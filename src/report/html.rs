@@ -18,6 +18,7 @@ use sha2::{Digest, Sha256};
 
 use super::markdown::{Picture, Pictures};
 use super::words;
+use crate::consist::Train;
 use crate::error::harmless;
 use crate::figures::{css, escaped};
 use crate::findings::{Analysis, ScenarioFindings};
@@ -30,7 +31,7 @@ static LIBRARY: LazyLock<String> =
 const LIBRARY_DIGEST: &str = include_str!("../../assets/plotly-cartesian.min.js.sha256");
 
 /// The report as a page: its Markdown, its figures, and what the script draws from.
-pub fn html(analysis: &Analysis, markdown: &str, pictures: &Pictures, data: &str) -> String {
+pub fn html(train: &Train, analysis: &Analysis, markdown: &str, pictures: &Pictures, data: &str) -> String {
     let title = escaped(&analysis.train);
     let body = Page { analysis, pictures, out: String::new(), heading: String::new() }.body(markdown);
     let digest = STANDARD.encode(Sha256::digest(SCRIPT.as_bytes()));
@@ -42,10 +43,11 @@ pub fn html(analysis: &Analysis, markdown: &str, pictures: &Pictures, data: &str
          <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data: \
          blob:; script-src 'sha256-{digest}' 'sha256-{LIBRARY_DIGEST}'; base-uri 'none'; form-action 'none'\">\n\
          <title>{title}</title>\n<style>\n{colors}{STYLE}</style>\n</head>\n<body>\n\
-         <a class=\"skip\" href=\"#main\">Skip to the report</a>\n<main id=\"main\">\n{body}</main>\n\
+         <a class=\"skip\" href=\"#main\">Skip to the report</a>\n<main id=\"main\">\n{body}{file}</main>\n\
          <footer><p>Written by trainsafe {version}. Interactive figures: Plotly.js, MIT licence, within this file.</p></footer>\n\
          <script type=\"application/json\" id=\"data\">{data}</script>\n\
          <script type=\"text/plain\" id=\"library\">{library}</script>\n<script>{SCRIPT}</script>\n</body>\n</html>\n",
+        file = train_file(&train.origin.text),
         version = env!("CARGO_PKG_VERSION"),
         colors = css(),
         library = LIBRARY.as_str(),
@@ -63,6 +65,15 @@ pub fn light(analysis: &Analysis, markdown: &str, pictures: &Pictures) -> String
          </html>\n",
         colors = css(),
     )
+}
+
+/// The train file's text, folded; nothing for a train that was not read from a text.
+fn train_file(text: &str) -> String {
+    if text.is_empty() {
+        return String::new();
+    }
+    let lines: Vec<String> = text.lines().map(|line| escaped(&harmless(line))).collect();
+    format!("<details>\n<summary>The train file</summary>\n<pre>{}</pre>\n</details>\n", lines.join("\n"))
 }
 
 /// A page under way.
@@ -140,7 +151,7 @@ impl Page<'_> {
             (Event::Start(Tag::Strong), Some(end)) => plain(&block[1..end]),
             _ => String::new(),
         };
-        let verdict_of = |s: &&ScenarioFindings| spaced(&words::verdict_of(s)) == opening;
+        let verdict_of = |s: &&ScenarioFindings| spaced(&words::verdict_of(s, self.analysis.units)) == opening;
         let found = self.analysis.scenarios.iter().find(verdict_of);
         let from = self.out.len();
         self.push(block);

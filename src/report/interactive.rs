@@ -10,10 +10,12 @@ use super::words;
 use crate::findings::{CouplerFindings, Field};
 use crate::scenario::initial_force_n;
 
-/// Values by place and time that a page holds, two bytes each: they are 1.9 MB in base64 at the most.
-const VALUES: usize = 700_000;
+/// Values by place and time that a page holds, two bytes each: they are 0.6 MB in base64 at the most.
+const VALUES: usize = 220_000;
 /// Couplers that a page holds, some 250 bytes each; scenarios beyond that have no interactive figures.
 const COUPLERS: usize = 4000;
+/// Largest forces by break that a scenario's figures hold, two bytes each.
+const BY_BREAK: usize = 100_000;
 
 #[derive(Serialize)]
 struct Scene<'a> {
@@ -30,8 +32,12 @@ struct Scene<'a> {
     initial_force_n: Option<Vec<f64>>,
     /// Of the case drawn.
     couplers: Vec<Peaks<'a>>,
+    /// The coupler that breaks in the case drawn, where other breaks can be chosen.
+    broken: Option<Peaks<'a>>,
     /// Largest draft and buff of each coupler over all cases, and after which break.
     largest: Vec<Largest>,
+    /// Largest forces of each coupler by break, where a page can carry them.
+    breaks: Option<Breaks>,
     wave: Option<Forces>,
     rod: Option<Forces>,
 }
@@ -57,6 +63,17 @@ struct Largest {
     buff_n: f64,
     buff_break: Option<usize>,
     exceeds: bool,
+}
+
+/// Largest forces of each coupler after each break.
+#[derive(Serialize)]
+struct Breaks {
+    /// The couplers that break, from 1.
+    broken: Vec<usize>,
+    /// N per unit of the numbers.
+    unit_n: f64,
+    /// A row for each break, in it draft and then buff of every coupler from the head: numbers as in [`Forces`].
+    forces: String,
 }
 
 /// Forces by place and time.
@@ -92,19 +109,22 @@ fn scene<'a>(shown: &'a Shown, values: usize) -> Scene<'a> {
     let pair = |u: Unit| (u.name, u.size);
     let ratings = shown.train.couplers.iter().map(|c| c.rated_draft_n.max(c.rated_buff_n)).fold(0.0, f64::max);
     let several = shown.findings.cases.len() > 1;
+    let broken = shown.case.broken_coupler;
     let before = initial_force_n(shown.train, &shown.scenario.event);
     Scene {
         when: shown.when(),
         since: words::time_axis(shown.case),
         several,
-        broken_coupler: shown.case.broken_coupler,
-        force_unit: pair(force_unit(ratings)),
+        broken_coupler: broken,
+        force_unit: pair(force_unit(shown.train.origin.units, ratings)),
         time_unit: pair(time_unit(shown.case.horizon_s)),
         worst: shown.worst.coupler,
         horizon_s: shown.case.horizon_s,
         initial_force_n: Some(before).filter(|f| shown.findings.kind != "impact" || f.iter().any(|n| *n != 0.0)),
         couplers: shown.case.couplers.iter().map(peaks).collect(),
+        broken: shown.findings.cases.iter().flat_map(|c| &c.couplers).find(|c| broken == Some(c.coupler)).map(peaks),
         largest: if several { largest(shown) } else { Vec::new() },
+        breaks: if several { breaks(shown) } else { None },
         wave: shown.wave.as_ref().and_then(|f| forces(shown, f, values)),
         rod: shown.rod.as_ref().and_then(|f| forces(shown, f, values)),
     }
@@ -141,6 +161,32 @@ fn largest(shown: &Shown) -> Vec<Largest> {
     all
 }
 
+fn breaks(shown: &Shown) -> Option<Breaks> {
+    let (cases, couplers) = (&shown.findings.cases, shown.train.couplers.len());
+    if 2 * cases.len() * couplers > BY_BREAK {
+        return None;
+    }
+    let mut force = Vec::with_capacity(2 * cases.len() * couplers);
+    for case in cases {
+        let row = force.len();
+        force.resize(row + 2 * couplers, f64::NAN);
+        for c in &case.couplers {
+            force[row + c.coupler - 1] = c.peak_draft_n.unwrap_or(0.0);
+            force[row + couplers + c.coupler - 1] = c.peak_buff_n.unwrap_or(0.0);
+        }
+    }
+    let (unit_n, forces) = packed(&force);
+    Some(Breaks { broken: cases.iter().filter_map(|c| c.broken_coupler).collect(), unit_n, forces })
+}
+
+/// Forces as 16-bit numbers, low byte first, in base64, and N per unit of them; the smallest number stands for none.
+fn packed(force: &[f64]) -> (f64, String) {
+    let most = force.iter().filter(|f| !f.is_nan()).fold(0.0, |m: f64, f| m.max(f.abs()));
+    let unit_n = most / f64::from(i16::MAX);
+    let number = |f: &f64| if f.is_nan() { i16::MIN } else { (f / unit_n).round() as i16 };
+    (unit_n, STANDARD.encode(force.iter().flat_map(|f| number(f).to_le_bytes()).collect::<Vec<u8>>()))
+}
+
 fn forces(shown: &Shown, field: &Field, values: usize) -> Option<Forces> {
     if field.couplers_per_row > 1 {
         return None;
@@ -153,10 +199,7 @@ fn forces(shown: &Shown, field: &Field, values: usize) -> Option<Forces> {
     };
     let force: Vec<f64> =
         (0..field.rows()).flat_map(|r| field.row(r).iter().map(move |s| rated(r, *s)).collect::<Vec<_>>()).collect();
-    let most = force.iter().filter(|f| !f.is_nan()).fold(0.0, |m: f64, f| m.max(f.abs()));
-    let unit_n = most / f64::from(i16::MAX);
-    let number = |f: &f64| if f.is_nan() { i16::MIN } else { (f / unit_n).round() as i16 };
-    let bytes: Vec<u8> = force.iter().flat_map(|f| number(f).to_le_bytes()).collect();
+    let (unit_n, forces) = packed(&force);
     let [from_s, next] = [field.times_s.first()?, field.times_s.get(1)?];
     Some(Forces {
         from_s: *from_s,
@@ -164,6 +207,6 @@ fn forces(shown: &Shown, field: &Field, values: usize) -> Option<Forces> {
         columns: field.times_s.len(),
         instants_per_column: field.instants_per_column,
         unit_n,
-        forces: STANDARD.encode(bytes),
+        forces,
     })
 }

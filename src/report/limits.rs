@@ -1,16 +1,16 @@
 //! What the report says of capacities besides the rating.
 
-use super::numbers::{digits, force, given_force};
+use super::numbers::{digits, force_in, force_unit, given_force_in};
 use super::words::count;
 use crate::consist::{LIMITS, SENSES};
 use crate::findings::{CaseFindings, CouplerFindings, LimitInSense, ScenarioFindings};
-use crate::units::one_of;
+use crate::units::{UnitSystem, one_of};
 
 /// A capacity of a coupler in one case.
 type Entry<'a> = (&'a CaseFindings, &'a CouplerFindings, &'a LimitInSense);
 
 /// Which capacities couplers pass, which were not given, and the margins: plain sentences; empty where the train has none.
-pub fn sentences(scenario: &ScenarioFindings) -> String {
+pub fn sentences(scenario: &ScenarioFindings, units: UnitSystem) -> String {
     let couplers = scenario.cases.iter().flat_map(|case| case.couplers.iter().map(move |c| (case, c)));
     let all: Vec<Entry> = couplers.flat_map(|(case, c)| entries(case, c)).collect();
     if all.is_empty() {
@@ -20,7 +20,7 @@ pub fn sentences(scenario: &ScenarioFindings) -> String {
     let given = || LIMITS.into_iter().map(|limit| (limit, of(limit))).filter(|(_, entries)| !entries.is_empty());
     let several = scenario.cases.len() > 1;
     let passed = given().map(|(limit, entries)| passed(limit, &entries, several));
-    let margins = given().filter_map(|(limit, entries)| margin(limit, &entries, several));
+    let margins = given().filter_map(|(limit, entries)| margin(limit, &entries, several, units));
     passed.chain(not_given(&all)).chain(margins).collect::<Vec<_>>().join(" ")
 }
 
@@ -81,11 +81,19 @@ fn not_given(all: &[Entry]) -> Vec<String> {
 }
 
 /// The coupler that comes nearest to one capacity, or is furthest above it.
-fn margin(limit: &str, entries: &[Entry], several: bool) -> Option<String> {
+fn margin(limit: &str, entries: &[Entry], several: bool, units: UnitSystem) -> Option<String> {
     let (case, c, l) = entries.iter().reduce(|a, b| if b.2.margin < a.2.margin { b } else { a })?;
     let after =
         case.broken_coupler.filter(|_| several).map(|b| format!(" after coupler {b} breaks")).unwrap_or_default();
-    let loads = format!("{} of {} in {}", force(l.largest_n, case.error_bound_n), given_force(l.limit_n), l.sense);
+    let loads = {
+        let unit = force_unit(units, l.largest_n);
+        format!(
+            "{} of {} in {}",
+            force_in(unit, l.largest_n, case.error_bound_n),
+            given_force_in(unit, l.limit_n),
+            l.sense
+        )
+    };
     let share = digits(100.0 * l.margin.abs(), 0.0, 3);
     let head = if l.margin < 0.0 { "The largest excess over" } else { "The smallest margin to" };
     let article = if limit == LIMITS[2] { "an" } else { "a" };
@@ -111,16 +119,17 @@ fn largest(of: (&CouplerFindings, &'static str)) -> f64 {
 }
 
 /// A row of the table of couplers that pass a capacity.
-pub fn row(of: (&CouplerFindings, &'static str), case: &CaseFindings) -> Vec<String> {
+pub fn row(of: (&CouplerFindings, &'static str), case: &CaseFindings, units: UnitSystem) -> Vec<String> {
     let (c, sense) = of;
+    let unit = force_unit(units, largest(of));
     let margin = |l: &LimitInSense| {
         let word = if l.margin < 0.0 { "over by" } else { "margin" };
-        format!("{} {} ({word} {} %)", l.limit, given_force(l.limit_n), digits(100.0 * l.margin.abs(), 0.0, 3))
+        format!("{} {} ({word} {} %)", l.limit, given_force_in(unit, l.limit_n), digits(100.0 * l.margin.abs(), 0.0, 3))
     };
     vec![
         c.coupler.to_string(),
         c.between.join(", "),
-        format!("{} in {sense}", force(largest(of), case.error_bound_n)),
+        format!("{} in {sense}", force_in(unit, largest(of), case.error_bound_n)),
         side(of).map(margin).collect::<Vec<_>>().join(", "),
     ]
 }

@@ -5,8 +5,11 @@ use minijinja::value::{Serde, Value};
 use minijinja::{AutoEscape, Environment, Error, Output, State};
 use serde::Serialize;
 
-use super::section::{Section, section};
+use super::assumptions;
+use super::groups::{self, Groups};
+use super::section::{Section, overview_row, section};
 use super::train_facts::train_facts;
+use super::words;
 use crate::consist::Train;
 use crate::doubts::doubts;
 use crate::error::is_obeyed;
@@ -35,7 +38,16 @@ struct Report {
     damped: &'static str,
     cascades: bool,
     sections: Vec<Section>,
+    /// The verdict on each of several scenarios in one row.
+    overview: Vec<Vec<String>>,
     train: Vec<[String; 2]>,
+    /// The same by groups: vehicles, couplers.
+    groups: [Groups; 2],
+    assumptions: Vec<assumptions::Row>,
+    program: String,
+    options: String,
+    /// Every file that was read: path and SHA-256.
+    inputs: Vec<[String; 2]>,
     /// What a reader should know beforehand: loads over ratings, horizons that end before a wave has crossed the train.
     warnings: Vec<String>,
 }
@@ -46,6 +58,7 @@ struct Report {
 /// None are known: the template and the facts are this crate's own.
 pub fn markdown(train: &Train, analysis: &Analysis, pictures: &Pictures) -> Result<String, Error> {
     let of = |i: usize| pictures.get(i).map_or(&[][..], |p| p);
+    let ran: Vec<_> = analysis.scenarios.iter().filter_map(|s| words::source(train, s)).map(|(_, s)| s).collect();
     let report = Report {
         name: train.name.clone(),
         several: analysis.scenarios.len() > 1,
@@ -56,10 +69,26 @@ pub fn markdown(train: &Train, analysis: &Analysis, pictures: &Pictures) -> Resu
         },
         cascades: analysis.scenarios.iter().flat_map(|s| &s.cases).any(|c| c.cascade.is_some()),
         sections: analysis.scenarios.iter().enumerate().map(|(i, s)| section(train, s, of(i))).collect(),
+        overview: analysis.scenarios.iter().map(|s| overview_row(train, s)).collect(),
+        groups: [groups::vehicles(train), groups::couplers(train)],
+        program: format!("{} {}", analysis.program.name, analysis.program.version),
+        options: options(analysis),
+        inputs: analysis.inputs.iter().map(|f| [f.path.clone(), f.sha256.clone()]).collect(),
+        assumptions: assumptions::rows(train, &ran),
         train: train_facts(train),
         warnings: doubts(train).iter().map(ToString::to_string).collect(),
     };
     render(TEMPLATE, report)
+}
+
+/// The options that decide the numbers.
+fn options(analysis: &Analysis) -> String {
+    let method = analysis.options.method.map_or("chosen by the program".to_owned(), |m| format!("{m}, as asked for"));
+    let tolerance = analysis.options.tolerance;
+    format!(
+        "tolerance {tolerance:e} of the largest rating, method {method}, results of schema {}",
+        analysis.schema_version
+    )
 }
 
 /// A template filled with facts, every text in them escaped.

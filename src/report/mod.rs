@@ -13,12 +13,14 @@
 //! | `figure-N-map.svg`, `map-N.csv` | overloading force by duration, or safe load by broken coupler, where asked for |
 //! | `figure-N-breaks.svg` | the worst utilisation by broken coupler, where several breaks were examined |
 
+mod assumptions;
 mod cascade;
 pub(crate) mod cells;
 mod couplers_csv;
 pub(crate) mod figures;
 pub(crate) mod files;
 pub(crate) mod folder;
+mod groups;
 pub(crate) mod html;
 mod interactive;
 mod limits;
@@ -97,7 +99,7 @@ pub fn documents(train: &Train, analysis: &Analysis, formats: &[Format]) -> io::
     let report = markdown::markdown(train, analysis, &pictures).map_err(io::Error::other)?;
     let page = wanted(Format::Html).map(|name| {
         let data = interactive::data(&shown).map_err(io::Error::other)?;
-        Ok::<_, io::Error>((name, html::html(analysis, &report, &pictures, &data).into_bytes()))
+        Ok::<_, io::Error>((name, html::html(train, analysis, &report, &pictures, &data).into_bytes()))
     });
     let markdown = wanted(Format::Markdown).map(|name| (name, report.into_bytes()));
     let mut all: Vec<(String, Vec<u8>)> = Vec::new();

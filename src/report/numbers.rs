@@ -1,5 +1,7 @@
 //! Numbers as an engineer writes them: three or four significant digits and a unit, never more than the error allows.
 
+use crate::units::UnitSystem;
+
 /// A unit of force, chosen by size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unit {
@@ -9,11 +11,45 @@ pub struct Unit {
     pub size: f64,
 }
 
-const FORCE: [Unit; 3] =
-    [Unit { name: "N", size: 1.0 }, Unit { name: "kN", size: 1e3 }, Unit { name: "MN", size: 1e6 }];
-const TIME: [Unit; 3] =
-    [Unit { name: "µs", size: 1e-6 }, Unit { name: "ms", size: 1e-3 }, Unit { name: "s", size: 1.0 }];
-const MASS: [Unit; 2] = [Unit { name: "kg", size: 1.0 }, Unit { name: "t", size: 1e3 }];
+const fn unit(name: &'static str, size: f64) -> Unit {
+    Unit { name, size }
+}
+
+/// By definition: N, kg and m.
+const LBF: f64 = 4.448_221_615_260_5;
+const LB: f64 = 0.453_592_37;
+const INCH: f64 = 0.0254;
+
+const TIME: [Unit; 3] = [unit("µs", 1e-6), unit("ms", 1e-3), unit("s", 1.0)];
+
+/// Units of forces, from the smallest.
+fn forces(system: UnitSystem) -> &'static [Unit] {
+    match system {
+        UnitSystem::Si => const { &[unit("N", 1.0), unit("kN", 1e3), unit("MN", 1e6)] },
+        UnitSystem::Us => const { &[unit("lbf", LBF), unit("kip", 1e3 * LBF)] },
+    }
+}
+
+fn masses(system: UnitSystem) -> &'static [Unit] {
+    match system {
+        UnitSystem::Si => const { &[unit("kg", 1.0), unit("t", 1e3)] },
+        UnitSystem::Us => const { &[unit("lb", LB), unit("US tons", 2000.0 * LB)] },
+    }
+}
+
+fn stiffnesses(system: UnitSystem) -> &'static [Unit] {
+    match system {
+        UnitSystem::Si => const { &[unit("N/m", 1.0), unit("kN/m", 1e3), unit("MN/m", 1e6)] },
+        UnitSystem::Us => const { &[unit("lbf/in", LBF / INCH), unit("kip/in", 1e3 * LBF / INCH)] },
+    }
+}
+
+fn dampings(system: UnitSystem) -> &'static [Unit] {
+    match system {
+        UnitSystem::Si => const { &[unit("N\u{b7}s/m", 1.0), unit("kN\u{b7}s/m", 1e3), unit("MN\u{b7}s/m", 1e6)] },
+        UnitSystem::Us => const { &[unit("lbf\u{b7}s/in", LBF / INCH), unit("kip\u{b7}s/in", 1e3 * LBF / INCH)] },
+    }
+}
 
 /// The largest unit that the value reaches, or the smallest there is.
 fn unit_for(units: &[Unit], value: f64) -> Unit {
@@ -21,8 +57,8 @@ fn unit_for(units: &[Unit], value: f64) -> Unit {
 }
 
 /// The unit in which a largest force is at least 1.
-pub fn force_unit(largest_n: f64) -> Unit {
-    unit_for(&FORCE, largest_n)
+pub fn force_unit(system: UnitSystem, largest_n: f64) -> Unit {
+    unit_for(forces(system), largest_n)
 }
 
 /// The unit in which a time axis of this length reads well.
@@ -31,9 +67,19 @@ pub fn time_unit(longest_s: f64) -> Unit {
 }
 
 /// A force without its sign, with unit; no more digits than `error_n` allows.
-pub fn force(value_n: f64, error_n: f64) -> String {
-    let unit = force_unit(value_n);
+pub fn force(system: UnitSystem, value_n: f64, error_n: f64) -> String {
+    force_in(force_unit(system, value_n), value_n, error_n)
+}
+
+/// The same in a unit that others beside it have.
+pub fn force_in(unit: Unit, value_n: f64, error_n: f64) -> String {
     format!("{} {}", digits(value_n.abs() / unit.size, error_n / unit.size, 4), unit.name)
+}
+
+/// A force as small as an error, to two digits.
+pub fn small_force(system: UnitSystem, value_n: f64) -> String {
+    let unit = forces(system)[0];
+    format!("{} {}", digits(value_n / unit.size, 0.0, 2), unit.name)
 }
 
 /// A time with unit.
@@ -44,8 +90,41 @@ pub fn time(value_s: f64) -> String {
 }
 
 /// A force that was given, not computed, without its sign: up to six digits, no trailing zeros.
-pub fn given_force(value_n: f64) -> String {
-    given(&FORCE, value_n.abs())
+pub fn given_force(system: UnitSystem, value_n: f64) -> String {
+    given(forces(system), value_n.abs())
+}
+
+/// The same in a unit that others beside it have.
+pub fn given_force_in(unit: Unit, value_n: f64) -> String {
+    given(&[unit], value_n.abs())
+}
+
+/// A stiffness that was given.
+pub fn given_stiffness(system: UnitSystem, value_n_per_m: f64) -> String {
+    given(stiffnesses(system), value_n_per_m)
+}
+
+/// A dashpot that was given.
+pub fn given_damping(system: UnitSystem, value_n_s_per_m: f64) -> String {
+    given(dampings(system), value_n_s_per_m)
+}
+
+/// A length that was given.
+pub fn given_length(system: UnitSystem, value_m: f64) -> String {
+    given(&[if system == UnitSystem::Us { unit("ft", 12.0 * INCH) } else { unit("m", 1.0) }], value_m)
+}
+
+/// A speed of a vehicle that was given.
+pub fn given_speed(system: UnitSystem, value_m_per_s: f64) -> String {
+    given(
+        &[if system == UnitSystem::Us { unit("mph", 63_360.0 * INCH / 3600.0) } else { unit("m/s", 1.0) }],
+        value_m_per_s,
+    )
+}
+
+/// A length or a speed of waves in m or m/s as a number of m or ft.
+pub fn metres(system: UnitSystem, value: f64) -> (f64, &'static str) {
+    if system == UnitSystem::Us { (value / (12.0 * INCH), "ft") } else { (value, "m") }
 }
 
 /// A time that was given.
@@ -54,8 +133,8 @@ pub fn given_time(value_s: f64) -> String {
 }
 
 /// A mass that was given.
-pub fn given_mass(value_kg: f64) -> String {
-    given(&MASS, value_kg)
+pub fn given_mass(system: UnitSystem, value_kg: f64) -> String {
+    given(masses(system), value_kg)
 }
 
 /// A time of four digits without trailing zeros.
@@ -124,29 +203,42 @@ pub fn digits(value: f64, error: f64, most: i32) -> String {
 mod tests {
     use super::*;
 
+    const SI: UnitSystem = UnitSystem::Si;
+    const US: UnitSystem = UnitSystem::Us;
+
     #[test]
     fn forces_take_the_unit_of_their_size() {
-        assert_eq!(force(-1.47279e6, 1e-6), "1.473 MN");
-        assert_eq!(force(881_234.0, 1e-6), "881.2 kN");
-        assert_eq!(force(1.4727934, 1e-12), "1.473 N");
-        assert_eq!(force(0.0, 1e-12), "0 N");
-        assert_eq!(force(1e300, 1e280), "1.000e294 MN");
+        assert_eq!(force(SI, -1.47279e6, 1e-6), "1.473 MN");
+        assert_eq!(force(SI, 881_234.0, 1e-6), "881.2 kN");
+        assert_eq!(force(SI, 1.4727934, 1e-12), "1.473 N");
+        assert_eq!(force(SI, 0.0, 1e-12), "0 N");
+        assert_eq!(force(SI, 1e300, 1e280), "1.000e294 MN");
     }
 
     #[test]
     fn given_numbers_have_no_trailing_zeros() {
-        assert_eq!(given_force(-600e3), "600 kN");
-        assert_eq!(given_force(1.5e6), "1.5 MN");
+        assert_eq!(given_force(SI, -600e3), "600 kN");
+        assert_eq!(given_force(SI, 1.5e6), "1.5 MN");
         assert_eq!(given_time(0.06), "60 ms");
-        assert_eq!(given_mass(16.8e6), "16800 t");
-        assert_eq!(given_mass(1e300), "1e297 t");
+        assert_eq!(given_mass(SI, 16.8e6), "16800 t");
+        assert_eq!(given_mass(SI, 1e300), "1e297 t");
+    }
+
+    #[test]
+    fn a_reader_of_us_units_gets_them() {
+        assert_eq!(force(US, -1.47279e6, 1e-6), "331.1 kip");
+        assert_eq!(force(US, 2000.0, 1e-6), "449.6 lbf");
+        assert_eq!(given_mass(US, 286_000.0 * LB), "143 US tons");
+        assert_eq!(given_stiffness(US, 16.9173e6), "96.6003 kip/in");
+        assert_eq!(given_length(US, 16.1544), "53 ft");
+        assert_eq!(given_speed(US, 2.68224), "6 mph");
     }
 
     #[test]
     fn no_digit_is_finer_than_the_error() {
-        assert_eq!(force(1.47279e6, 4e3), "1.47 MN");
-        assert_eq!(force(1.47279e6, 6e3), "1.5 MN");
-        assert_eq!(force(1.47279e6, 1e9), "1 MN");
+        assert_eq!(force(SI, 1.47279e6, 4e3), "1.47 MN");
+        assert_eq!(force(SI, 1.47279e6, 6e3), "1.5 MN");
+        assert_eq!(force(SI, 1.47279e6, 1e9), "1 MN");
     }
 
     #[test]

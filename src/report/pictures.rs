@@ -82,7 +82,7 @@ impl<'a> Shown<'a> {
                 "The factor on the load up to which no coupler exceeds, against which coupler breaks"
             };
             let caption = format!("{what}; the numbers are in map-{number}.csv.");
-            all.push(picture("map", caption, &|n| figures::map(map, &self.scenario.event, n)));
+            all.push(picture("map", caption, &|n| figures::map(map, &self.scenario.event, train.origin.units, n)));
         }
         let when = self.when();
         if let Some(field) = &self.wave {

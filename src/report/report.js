@@ -33,17 +33,24 @@
   }
 
   // --- one scenario ----------------------------------------------------------------------------------------------------
-  function decode(forces, rows) {
+  function unpack(forces, columns) {
     const bytes = Uint8Array.from(atob(forces.forces), (c) => c.charCodeAt(0));
     const view = new DataView(bytes.buffer);
-    const n = forces.columns;
-    const force = (row, column) => {
-      const number = view.getInt16(2 * (row * n + column), true);
+    return (row, column) => {
+      const number = view.getInt16(2 * (row * columns + column), true);
       return number === -32768 ? null : number * forces.unit_n;
     };
+  }
+
+  function decode(forces, rows) {
+    const n = forces.columns;
+    const force = unpack(forces, n);
     const times = Array.from({ length: n }, (_, i) => forces.from_s + i * forces.step_s);
     return { rows, times, force, row: (r) => times.map((_, i) => force(r, i)), folded: forces.instants_per_column };
   }
+
+  // Above this the 16-bit numbers leave no doubt that a force is over its rating, %.
+  const OVER = 100.02;
 
   function figures(scene, number, place) {
     const [unitName, unit] = scene.force_unit;
@@ -57,9 +64,22 @@
     const name = (c) => "Coupler " + c.coupler + ", between " + c.between[0] + " and " + c.between[1];
     const wave = scene.wave && decode(scene.wave, count);
     const rod = scene.rod && decode(scene.rod, count);
-    const exceeds = (c, f) => Math.abs(share(c, f)) > 1 && (scene.several ? scene.largest[c.coupler - 1].exceeds : c.exceeds === true);
+    function nearest(t) {
+      return Math.min(wave.times.length - 1, Math.max(0, Math.round((t - scene.wave.from_s) / scene.wave.step_s)));
+    }
+    function worst_instant(c) {
+      const peaks = [[c.peak_draft_n, c.peak_draft_time_s], [c.peak_buff_n, c.peak_buff_time_s]].filter((p) => p[0] !== null);
+      return peaks.reduce((a, b) => (Math.abs(share(c, b[0])) > Math.abs(share(c, a[0])) ? b : a), [0, 0])[1];
+    }
+    // Largest forces of one break of several; null where those over all breaks are shown.
+    const byBreak = scene.breaks && unpack(scene.breaks, 2 * count);
+    const chosen = (c, buff) => byBreak(state.brk, (buff ? count : 0) + c.coupler - 1);
+    // What the 16-bit numbers leave in doubt is not marked.
+    const exceeds = (c, f) => (state.brk !== null ? Math.abs(share(c, f)) > OVER / 100 : Math.abs(share(c, f)) > 1 && (scene.several ? scene.largest[c.coupler - 1].exceeds : c.exceeds === true));
     const over = (c, f) => (exceeds(c, f) ? ", over it" : "");
-    const state = { coupler: scene.worst, column: 0, timer: null };
+    // The page opens at the worst instant; the first run starts at t = 0 all the same.
+    const opening = wave ? nearest(worst_instant(by.get(scene.worst))) : 0;
+    const state = { coupler: scene.worst, column: opening, timer: null, fresh: true, brk: null };
 
     // The largest forces of a coupler in words, a list of lines.
     function facts(c) {
@@ -67,7 +87,12 @@
       const peak = (word, f, t, suffix) => lines.push(
         f === null || f === 0 ? "never in " + word : "largest " + word + " " + digits(Math.abs(f) / unit) + " " + unitName + suffix +
           (t === null ? "" : " at " + time(t)) + ": " + percent(share(c, f)) + " of its rating" + over(c, f));
-      if (scene.several) {
+      if (state.brk !== null && scene.breaks.broken[state.brk] === c.coupler) {
+        lines.push("it breaks");
+      } else if (state.brk !== null) {
+        peak("draft", chosen(c, false), null, "");
+        peak("buff", chosen(c, true), null, "");
+      } else if (scene.several) {
         const l = scene.largest[c.coupler - 1];
         const after = (b) => (b === null ? "" : " after coupler " + b + " breaks");
         peak("draft", l.draft_n, null, after(l.draft_break));
@@ -102,8 +127,14 @@
       heading("Forces along the train" + (scene.several ? ": the largest over all breaks, and the wave" + scene.when.replace(",", "") : "")),
       element("p", { className: "note", textContent: "Point at a coupler for its forces; click it, or choose it below, for its course over time" +
         (wave ? ". The slider and the button run the wave through the train." : ".") }),
-      along,
     ];
+    const brk = element("select", { id: id("break") });
+    if (byBreak) {
+      brk.append(element("option", { value: "", textContent: "all breaks" }));
+      scene.breaks.broken.forEach((b, i) => brk.append(element("option", { value: i, textContent: "the break of coupler " + b })));
+      parts.push(element("div", { className: "bar" }, label(brk, "Largest forces of"), brk));
+    }
+    parts.push(along);
     if (wave) {
       parts.push(element("div", { className: "bar" }, play, label(slider, scene.since), slider, shown));
       if (wave.folded > 1) {
@@ -142,14 +173,24 @@
     // --- along the train: the envelope, the ratings, the wave at an instant ----------------------------------------------
     // Every coupler's place; the broken one is a gap.
     const places = Array.from({ length: count }, (_, i) => i + 1);
-    const of = (value) => places.map((p) => (by.has(p) ? value(by.get(p)) : null));
-    const high = (c) => (scene.several ? scene.largest[c.coupler - 1].draft_n : c.peak_draft_n || 0);
-    const low = (c) => (scene.several ? scene.largest[c.coupler - 1].buff_n : c.peak_buff_n || 0);
-    const exceeding = scene.couplers.flatMap((c) => [high(c), low(c)].filter((f) => exceeds(c, f)).map((f) => [c.coupler, f / unit]));
+    const of = (value) => places.map((p) => {
+      const c = by.get(p) || (state.brk !== null && scene.broken && p === scene.broken.coupler ? scene.broken : null);
+      return c === null ? null : value(c);
+    });
+    const high = (c) => (state.brk !== null ? chosen(c, false) : scene.several ? scene.largest[c.coupler - 1].draft_n : c.peak_draft_n || 0);
+    const low = (c) => (state.brk !== null ? chosen(c, true) : scene.several ? scene.largest[c.coupler - 1].buff_n : c.peak_buff_n || 0);
+    const marked = () => scene.couplers.concat(state.brk !== null && scene.broken ? scene.broken : []).flatMap((c) => [high(c), low(c)].filter((f) => exceeds(c, f)).map((f) => [c.coupler, f / unit]));
     const step = { line: { shape: "hvh" } };
     const dashed = { line: { dash: "dash", width: 1.5, shape: "hvh" } };
-    const WAVE = 6;
+    // A few couplers of a lower rating between stronger ones: a dash of the line of ratings is too narrow to be seen there.
+    const weak = [["rated_draft_n", 1], ["rated_buff_n", -1]].flatMap(([key, sign]) => {
+      const strongest = Math.max(...scene.couplers.map((c) => c[key]));
+      const lower = scene.couplers.filter((c) => c[key] < 0.999 * strongest);
+      return 5 * lower.length > scene.couplers.length ? [] : lower.map((c) => [c.coupler, (sign * c[key]) / unit]);
+    });
+    const WAVE = 7;
     function alongTraces() {
+      const exceeding = marked();
       const filled = (name, paint) => line(places, [], name, paint, { line: { shape: "hvh", width: 1 }, trace: { fill: "tozeroy" } });
       return [
         Object.assign(line(places, of((c) => inUnits(high(c))), "largest draft", color("draft"), step),
@@ -157,6 +198,9 @@
         line(places, of((c) => inUnits(low(c))), "largest buff", color("buff"), step),
         line(places, of((c) => c.rated_draft_n / unit), "rated", color("text"), dashed),
         line(places, of((c) => -c.rated_buff_n / unit), "rated", color("text"), Object.assign({ trace: { showlegend: false } }, dashed)),
+        { x: weak.map((w) => w[0]), y: weak.map((w) => w[1]), mode: weak.length > 6 ? "markers" : "markers+text", showlegend: false, hoverinfo: "skip",
+          text: weak.map((w) => given(Math.abs(w[1]))), textposition: "middle right", textfont: { color: color("text"), size: 11 },
+          marker: { symbol: "line-ew", size: 11, line: { color: color("text"), width: 2.5 } }, visible: weak.length > 0 },
         { x: exceeding.map((e) => e[0]), y: exceeding.map((e) => e[1]), name: "over its rating", mode: "markers", hoverinfo: "skip",
           marker: { symbol: "diamond", color: color("over"), size: 6 }, visible: exceeding.length > 0 },
         line(places, scene.initial_force_n ? of((c) => inUnits(scene.initial_force_n[c.coupler - 1])) : [], "before the event", color("quiet"),
@@ -176,7 +220,7 @@
       const made = layout(narrow() ? 470 : 380, "coupler, counted from the head", forceAxis, { hovermode: "x", hoverdistance: -1 });
       made.xaxis.range = [0.3, count + 0.7];
       if (count < 10) made.xaxis.dtick = 1;
-      const b = scene.broken_coupler;
+      const b = state.brk === null ? scene.broken_coupler : scene.breaks.broken[state.brk];
       if (b === null) return made;
       made.shapes = [{ type: "line", xref: "x", yref: "paper", x0: b, x1: b, y0: 0, y1: 1, line: { color: color("quiet"), width: 1.5, dash: "dot" } }];
       made.annotations = [{ x: b, y: 0.04, yref: "paper", text: "coupler " + b + " breaks", showarrow: false, xanchor: 2 * b > count ? "right" : "left", bgcolor: color("card") }];
@@ -190,9 +234,9 @@
       if (field === wave && wave.folded === 1) {
         for (const [peak, at] of [[c.peak_draft_n, c.peak_draft_time_s], [c.peak_buff_n, c.peak_buff_time_s]]) {
           if (peak === null) continue;
-          const nearest = Math.min(t.length - 1, Math.max(0, Math.round((at - scene.wave.from_s) / scene.wave.step_s)));
-          t[nearest] = at;
-          f[nearest] = peak;
+          const column = nearest(at);
+          t[column] = at;
+          f[column] = peak;
         }
       }
       return [t.map((x) => x / clock), f.map(inUnits)];
@@ -226,8 +270,6 @@
       line: { color: color("quiet"), width: 1 } }];
 
     // --- place and time --------------------------------------------------------------------------------------------------
-    // What the 16-bit numbers leave in doubt is not outlined, %.
-    const OVER = 100.02;
     const scale = () => color("ramp").split(" ").map((paint, i, all) => [i / (all.length - 1), paint]);
     function mapTraces() {
       const panel = (field, axis, bar) => {
@@ -277,7 +319,9 @@
       const at = time(wave.times[column]);
       shown.textContent = at;
       slider.setAttribute("aria-valuetext", at);
-      const [draft, buff] = instant();
+      // The wave is that of one break, and is not drawn beside the largest forces of another.
+      const other = state.brk !== null && scene.breaks.broken[state.brk] !== scene.broken_coupler;
+      const [draft, buff] = other ? [[], []] : instant();
       Plotly.restyle(along, { y: [draft, buff] }, [WAVE, WAVE + 1]);
       Plotly.relayout(over_time, { shapes: cursor() });
       Plotly.relayout(map, { shapes: cursor() });
@@ -297,7 +341,8 @@
     // The whole horizon in some twelve seconds.
     function start() {
       const stride = Math.max(1, Math.round(wave.times.length / 240));
-      if (state.column >= wave.times.length - 1) state.column = 0;
+      if (state.fresh || state.column >= wave.times.length - 1) state.column = 0;
+      state.fresh = false;
       play.textContent = "Pause";
       state.timer = setInterval(() => {
         show(Math.min(state.column + stride, wave.times.length - 1));
@@ -306,15 +351,21 @@
     }
     draw();
     choose(scene.worst);
+    brk.addEventListener("change", () => {
+      state.brk = brk.value === "" ? null : Number(brk.value);
+      draw();
+      describe();
+    });
     select.addEventListener("change", () => choose(Number(select.value)));
     along.on("plotly_click", (event) => choose(event.points[0].x));
     if (wave) {
       play.addEventListener("click", () => (state.timer === null ? start() : stop()));
-      slider.addEventListener("input", () => { stop(); show(Number(slider.value)); });
+      slider.addEventListener("input", () => { stop(); state.fresh = false; show(Number(slider.value)); });
       map.on("plotly_click", (event) => {
         const point = event.points[0];
         choose(point.y);
         stop();
+        state.fresh = false;
         show(Math.round((point.x * clock - scene.wave.from_s) / scene.wave.step_s));
       });
     }
@@ -334,5 +385,7 @@
     const number = Number(place.dataset.scenario);
     if (scenes[number]) figures(scenes[number], number, place);
   });
+  // What is folded is printed open.
+  addEventListener("beforeprint", () => document.querySelectorAll("details").forEach((d) => { d.open = true; }));
   document.documentElement.dataset.drawn = "yes";
 })();

@@ -53,6 +53,7 @@ fn shorten(scenario: &ScenarioFindings) -> ScenarioFindings {
         cases: scenario.cases.iter().map(case).collect(),
         left_out_in_buff: scenario.left_out_in_buff.clone(),
         map: scenario.map.clone(),
+        damping: scenario.damping.clone(),
         ..*scenario
     }
 }

@@ -7,10 +7,11 @@ use serde::Serialize;
 use super::cascade;
 use super::limits;
 use super::markdown::Picture;
-use super::numbers::{brief_time, digits, down, force, given_force, percent, time};
+use super::numbers::{brief_time, down, force, force_unit, given_force_in, percent, small_force, time};
 use super::words;
 use crate::consist::Train;
 use crate::findings::{CaseFindings, CouplerFindings, ScenarioFindings};
+use crate::units::UnitSystem;
 
 /// Rows of a table in the report; the CSV has the rest.
 const ROWS: usize = 20;
@@ -32,11 +33,15 @@ pub struct Section {
     limited: Option<Table>,
     figures: Vec<Figure>,
     rod: String,
+    losses_lead: String,
+    losses: Vec<Vec<String>>,
     /// Couplers left out of all cases because they cannot exceed at any time.
     left_out: usize,
     methods: Vec<String>,
     accuracy: String,
-    horizon: String,
+    /// What was computed after each of several breaks: "28 s to 31.2 s".
+    horizons: String,
+    map: String,
     run_time: String,
 }
 
@@ -54,6 +59,7 @@ struct Figure {
 
 /// The facts of a scenario.
 pub fn section(train: &Train, scenario: &ScenarioFindings, pictures: &[Picture]) -> Section {
+    let units = train.origin.units;
     let source = words::source(train, scenario).map(|(_, s)| s);
     let event = source.map(|s| &s.event);
     let cases = &scenario.cases;
@@ -63,30 +69,84 @@ pub fn section(train: &Train, scenario: &ScenarioFindings, pictures: &[Picture])
     Section {
         heading: scenario.name.clone(),
         event: source.map(|s| words::event(train, s)).unwrap_or_default(),
-        verdict: words::verdict_of(scenario),
+        verdict: words::verdict_of(scenario, units),
         safe_load: event.filter(|_| watched).map(|e| words::safe_load(train, e, factor)).unwrap_or_default(),
         cascade: cascade::sentence(scenario),
-        sequence: single.and_then(sequence),
-        exceeding: single.and_then(|case| table(words::exceeding(case), |c| exceeding_row(c, case))),
-        undecided: single.and_then(|case| table(words::undecided(case), |c| undecided_row(c, case))),
-        breaks: if single.is_none() { table(harmful(scenario), break_row) } else { None },
+        sequence: single.and_then(|case| sequence(case, units)),
+        exceeding: single.and_then(|case| table(words::exceeding(case), |c| exceeding_row(c, case, units))),
+        undecided: single.and_then(|case| table(words::undecided(case), |c| undecided_row(c, case, units))),
+        breaks: if single.is_none() { table(harmful(scenario), |of| break_row(of, units)) } else { None },
         often: if single.is_none() { often(scenario) } else { None },
-        limits: limits::sentences(scenario),
-        limited: single.and_then(|case| table(limits::passing(case), |of| limits::row(of, case))),
+        limits: limits::sentences(scenario, units),
+        limited: single.and_then(|case| table(limits::passing(case), |of| limits::row(of, case, units))),
         figures: pictures.iter().map(|p| Figure { file: p.file.clone(), caption: p.caption.clone() }).collect(),
         rod: words::rod(scenario),
+        losses_lead: losses_lead(scenario),
+        losses: losses(scenario, units),
         left_out: cases.iter().map(|c| c.left_out).sum(),
         methods: methods(cases),
-        accuracy: accuracy(cases),
-        horizon: horizon(cases),
+        accuracy: accuracy(cases, units),
+        horizons: if cases.len() > 1 { horizon(cases) } else { String::new() },
+        map: words::map_of_breaks(scenario),
         run_time: run_time(cases),
     }
 }
 
+/// A row of the table of all scenarios: the verdict in figures.
+pub fn overview_row(train: &Train, scenario: &ScenarioFindings) -> Vec<String> {
+    let exceeding = |of: fn(&CaseFindings) -> usize| match &scenario.cases[..] {
+        [case] => of(case).to_string(),
+        cases => format!("{} of {}", cases.iter().filter(|c| of(c) > 0).count(), words::count(cases.len(), "break")),
+    };
+    let worst = words::worst_case(scenario).map_or([const { String::new() }; 3], |(case, c)| {
+        let after = case.broken_coupler.filter(|_| scenario.cases.len() > 1);
+        let after = after.map_or(String::new(), |b| format!(", when {b} breaks"));
+        [
+            format!("{}{after}", c.coupler),
+            format!("{}, {} %", demand(c, case, train.origin.units), percent(c.utilisation)),
+            time(c.peak_time_s),
+        ]
+    });
+    let factor = scenario.cases.iter().filter_map(|c| c.safe_load_factor).reduce(f64::min).map_or(String::new(), down);
+    let of = words::source(train, scenario).map_or("", |(_, s)| words::cause(&s.event));
+    let factor = if factor.is_empty() { factor } else { format!("{factor} on the {of}") };
+    let head = [scenario.name.clone(), exceeding(|c| c.exceeding), exceeding(|c| c.exceeding_first_passage)];
+    head.into_iter().chain(worst).chain([factor, horizon(&scenario.cases)]).collect()
+}
+
+/// What the table of losses is of.
+fn losses_lead(scenario: &ScenarioFindings) -> String {
+    let broken = words::worst_case(scenario).and_then(|(case, _)| case.broken_coupler);
+    let of = match broken.filter(|_| scenario.cases.len() > 1) {
+        Some(b) => format!("The break of coupler {b}, the worst of these,"),
+        None => "The same event".to_owned(),
+    };
+    format!(
+        "{of} with dashpots in every coupler, for which 0.05 to 0.26 of critical damping are published for draft gears"
+    )
+}
+
+/// The worst case without losses and with dashpots of each ratio.
+fn losses(scenario: &ScenarioFindings, units: UnitSystem) -> Vec<Vec<String>> {
+    let Some((case, worst)) = words::worst_case(scenario).filter(|_| !scenario.damping.is_empty()) else {
+        return Vec::new();
+    };
+    let row = |ratio: String, exceeding: usize, coupler: usize, [newtons, error_n, at, share]: [f64; 4]| {
+        let size = format!("{} in {}", force(units, newtons, error_n), words::sense(newtons));
+        vec![ratio, exceeding.to_string(), coupler.to_string(), size, format!("{} %", percent(share)), time(at)]
+    };
+    let without = [worst.peak_force_n, case.error_bound_n, worst.peak_time_s, worst.utilisation];
+    let with = scenario.damping.iter().map(|d| {
+        let numbers = [d.peak_force_n, d.error_bound_n, d.peak_time_s, d.utilisation];
+        row(d.damping_ratio.to_string(), d.exceeding, d.coupler, numbers)
+    });
+    std::iter::once(row("0".to_owned(), case.exceeding, worst.coupler, without)).chain(with).collect()
+}
+
 /// The couplers that break after the event, in order.
-fn sequence(case: &CaseFindings) -> Option<Table> {
+fn sequence(case: &CaseFindings, units: UnitSystem) -> Option<Table> {
     let found = case.cascade.as_ref()?;
-    table(found.breaks.iter().collect(), |b| cascade::row(b, found))
+    table(found.breaks.iter().collect(), |b| cascade::row(b, found, units))
 }
 
 fn table<T>(items: Vec<T>, row: impl Fn(T) -> Vec<String>) -> Option<Table> {
@@ -95,12 +155,13 @@ fn table<T>(items: Vec<T>, row: impl Fn(T) -> Vec<String>) -> Option<Table> {
     (!rows.is_empty()).then_some(Table { rows, more })
 }
 
-fn exceeding_row(c: &CouplerFindings, case: &CaseFindings) -> Vec<String> {
+fn exceeding_row(c: &CouplerFindings, case: &CaseFindings, units: UnitSystem) -> Vec<String> {
     vec![
         c.coupler.to_string(),
         c.between.join(", "),
-        demand(c, case),
-        given_force(words::rating(c)),
+        demand(c, case, units),
+        // In the unit of the force beside it.
+        given_force_in(force_unit(units, c.peak_force_n), words::rating(c)),
         format!("{} %", percent(c.utilisation)),
         time(c.peak_time_s),
         c.first_exceeds_s
@@ -109,13 +170,14 @@ fn exceeding_row(c: &CouplerFindings, case: &CaseFindings) -> Vec<String> {
     ]
 }
 
-fn undecided_row(c: &CouplerFindings, case: &CaseFindings) -> Vec<String> {
-    let rating = format!("{} N", words::rating(c));
-    vec![c.coupler.to_string(), c.between.join(", "), words::interval(c, case.error_bound_n), rating]
+fn undecided_row(c: &CouplerFindings, case: &CaseFindings, units: UnitSystem) -> Vec<String> {
+    let unit = force_unit(units, 0.0);
+    let rating = format!("{} {}", words::rating(c) / unit.size, unit.name);
+    vec![c.coupler.to_string(), c.between.join(", "), words::interval(c, case.error_bound_n, units), rating]
 }
 
-fn demand(c: &CouplerFindings, case: &CaseFindings) -> String {
-    format!("{} in {}", force(c.peak_force_n, case.error_bound_n), words::sense(c.peak_force_n))
+fn demand(c: &CouplerFindings, case: &CaseFindings, units: UnitSystem) -> String {
+    format!("{} in {}", force(units, c.peak_force_n, case.error_bound_n), words::sense(c.peak_force_n))
 }
 
 /// Cases in which some coupler exceeds, worst first.
@@ -126,12 +188,12 @@ fn harmful(scenario: &ScenarioFindings) -> Vec<(&CaseFindings, &CouplerFindings)
     over
 }
 
-fn break_row((case, worst): (&CaseFindings, &CouplerFindings)) -> Vec<String> {
+fn break_row((case, worst): (&CaseFindings, &CouplerFindings), units: UnitSystem) -> Vec<String> {
     vec![
         case.broken_coupler.map(|b| b.to_string()).unwrap_or_default(),
         case.exceeding.to_string(),
         format!("{} ({})", worst.coupler, worst.between.join(", ")),
-        demand(worst, case),
+        demand(worst, case, units),
         format!("{} %", percent(worst.utilisation)),
         time(worst.peak_time_s),
         case.safe_load_factor.map(|f| format!("{} %", down(100.0 * f))).unwrap_or_default(),
@@ -181,10 +243,10 @@ fn run_time(cases: &[CaseFindings]) -> String {
     if cases.len() > 1 { format!("{total}, summed over {} cases", cases.len()) } else { total }
 }
 
-fn accuracy(cases: &[CaseFindings]) -> String {
+fn accuracy(cases: &[CaseFindings], units: UnitSystem) -> String {
     let bound = cases.iter().map(|c| c.error_bound_n).fold(0.0, f64::max);
     let asked = cases.iter().map(|c| c.tolerance_n).fold(0.0, f64::max);
-    let write = |f: f64| format!("{} N", digits(f, 0.0, 2));
+    let write = |f: f64| small_force(units, f);
     let met = if cases.iter().all(|c| c.error_bound_n <= c.tolerance_n) { "asked for" } else { "not met; asked for" };
     format!(
         "No reported force is further than {} from the exact solution of the model; the bound covers rounding, truncation \

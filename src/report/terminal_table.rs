@@ -9,6 +9,7 @@ use super::numbers::{force, percent, time};
 use super::words;
 use crate::error::{harmless, printable_path};
 use crate::findings::{Analysis, CaseFindings, CouplerFindings, ScenarioFindings};
+use crate::units::UnitSystem;
 
 /// Rows shown of a scenario with many cases.
 const ROWS: usize = 5;
@@ -22,14 +23,14 @@ pub fn terminal(analysis: &Analysis, reports: &[PathBuf]) -> String {
         words::count(analysis.couplers, "coupler")
     );
     for scenario in &analysis.scenarios {
-        let verdict = words::verdict_of(scenario);
+        let verdict = words::verdict_of(scenario, analysis.units);
         // Writing to a String cannot fail.
         let _ = write!(out, "\n{}\n{}\n", harmless(&scenario.name), harmless(&verdict));
         let next = super::cascade::sentence(scenario);
         if !next.is_empty() {
             let _ = writeln!(out, "What breaks next: {}", harmless(&next));
         }
-        if let Some(table) = table(scenario) {
+        if let Some(table) = table(scenario, analysis.units) {
             let _ = writeln!(out, "{table}");
         }
     }
@@ -41,7 +42,7 @@ pub fn terminal(analysis: &Analysis, reports: &[PathBuf]) -> String {
 }
 
 /// The worst coupler of a single case, or of the worst few of many.
-fn table(scenario: &ScenarioFindings) -> Option<Table> {
+fn table(scenario: &ScenarioFindings, units: UnitSystem) -> Option<Table> {
     let mut rows: Vec<(&CaseFindings, &CouplerFindings)> =
         scenario.cases.iter().filter_map(|case| Some((case, case.worst.as_ref()?))).collect();
     if rows.is_empty() {
@@ -60,7 +61,7 @@ fn table(scenario: &ScenarioFindings) -> Option<Table> {
             case.broken_coupler.map(|b| b.to_string()).unwrap_or_default(),
             worst.coupler.to_string(),
             format!("{} %", percent(worst.utilisation)),
-            format!("{} {}", force(worst.peak_force_n, case.error_bound_n), words::sense(worst.peak_force_n)),
+            format!("{} {}", force(units, worst.peak_force_n, case.error_bound_n), words::sense(worst.peak_force_n)),
             time(worst.peak_time_s),
             case.exceeding.to_string(),
             first.map_or("-".to_owned(), |(coupler, sense, at)| format!("{coupler} in {sense}, {}", time(at))),

@@ -1,16 +1,22 @@
 //! The train and its scales, as rows of a table.
 
-use super::numbers::{brief_time, digits, given_force, given_mass, without_zeros};
+use super::numbers::{
+    brief_time, digits, given_damping, given_force, given_mass, given_stiffness, metres, without_zeros,
+};
 use super::words::{count, sense};
 use crate::consist::{Train, Vehicle, of_parts};
+use crate::findings::damping::critical_n_s_per_m;
 use crate::scenario;
 
 /// What the train is: name and value of each fact that it has.
 pub fn train_facts(train: &Train) -> Vec<[String; 2]> {
-    let wave = scenario::wave(train);
+    let (wave, units) = (scenario::wave(train), train.origin.units);
     let four = |x: f64| without_zeros(&digits(x, 0.0, 4));
     let speed = match wave.metres_per_s {
-        Some(v) => format!("{} vehicles/s, {} m/s", four(wave.vehicles_per_s), four(v)),
+        Some(v) => {
+            let (speed, metre) = metres(units, v);
+            format!("{} vehicles/s, {} {metre}/s", four(wave.vehicles_per_s), four(speed))
+        }
         None => format!("{} vehicles/s", four(wave.vehicles_per_s)),
     };
     let couplers = &train.couplers;
@@ -22,12 +28,17 @@ pub fn train_facts(train: &Train) -> Vec<[String; 2]> {
     };
     let mut rows = vec![
         ["vehicles, couplers".to_owned(), format!("{}, {}", train.vehicles.len(), couplers.len())],
-        ["total mass".to_owned(), given_mass(train.vehicles.iter().map(|v| v.mass_kg).sum())],
-        ["mass of a vehicle".to_owned(), span(train.vehicles.iter().map(|v| v.mass_kg), given_mass)],
+        ["total mass".to_owned(), given_mass(units, train.vehicles.iter().map(|v| v.mass_kg).sum())],
+        ["mass of a vehicle".to_owned(), span(train.vehicles.iter().map(|v| v.mass_kg), |m| given_mass(units, m))],
     ];
-    rows.extend(length(train).map(|l| ["length over couplers".to_owned(), format!("{} m", four(l))]));
+    rows.extend(length(train).map(|l| {
+        ["length over couplers".to_owned(), {
+            let (length, metre) = metres(units, l);
+            format!("{} {metre}", four(length))
+        }]
+    }));
     rows.extend(held(train).map(|h| ["held at their speed".to_owned(), h]));
-    let stiffness = span(couplers.iter().map(|c| c.stiffness_n_per_m), |k| format!("{}/m", given_force(k)));
+    let stiffness = span(couplers.iter().map(|c| c.stiffness_n_per_m), |k| given_stiffness(units, k));
     rows.extend([["stiffness of a coupler".to_owned(), stiffness]]);
     if train.extras.damping_ratio > 0.0 {
         let ratio = format!("{} (not that of a dashpot, for which ratios are published)", train.extras.damping_ratio);
@@ -35,15 +46,15 @@ pub fn train_facts(train: &Train) -> Vec<[String; 2]> {
     }
     let dashpots = &train.extras.dashpot_n_s_per_m;
     if !dashpots.is_empty() {
-        let written = span(dashpots.iter().copied(), |c| format!("{}\u{b7}s/m", given_force(c)));
+        let written = span(dashpots.iter().copied(), |c| given_damping(units, c));
         rows.push([
             "dashpot of a coupler".to_owned(),
             format!("{written}, damping ratio c / 2\u{221a}(km) {} (of a dashpot)", ratios(train)),
         ]);
     }
     rows.extend([
-        ["rated in draft".to_owned(), span(couplers.iter().map(|c| c.rated_draft_n), given_force)],
-        ["rated in buff".to_owned(), span(couplers.iter().map(|c| c.rated_buff_n), given_force)],
+        ["rated in draft".to_owned(), span(couplers.iter().map(|c| c.rated_draft_n), |f| given_force(units, f))],
+        ["rated in buff".to_owned(), span(couplers.iter().map(|c| c.rated_buff_n), |f| given_force(units, f))],
         ["load before the event".to_owned(), format!("{}{}", load(train), of_parts(train))],
     ]);
     rows.extend(steady(train));
@@ -57,12 +68,7 @@ pub fn train_facts(train: &Train) -> Vec<[String; 2]> {
 
 /// The share of critical damping that each coupler would have between its lighter vehicle and a wall.
 fn ratios(train: &Train) -> String {
-    let ratio = |(i, c): (usize, &f64)| {
-        let live = [i, i + 1].into_iter().map(|v| &train.vehicles[v]).filter(|v| !v.held);
-        let mass = live.map(|v| v.mass_kg).fold(f64::INFINITY, f64::min);
-        c / (2.0 * (train.couplers[i].stiffness_n_per_m * mass).sqrt())
-    };
-    let all = train.extras.dashpot_n_s_per_m.iter().enumerate().map(ratio);
+    let all = train.extras.dashpot_n_s_per_m.iter().enumerate().map(|(i, c)| c / critical_n_s_per_m(train, i));
     span(all, |r| without_zeros(&digits(r, 0.0, 3)))
 }
 
@@ -92,11 +98,14 @@ fn steady(train: &Train) -> Vec<[String; 2]> {
     let sum = |sign: f64| steady.outside_n.iter().map(|f| (sign * f).max(0.0)).sum::<f64>();
     let acceleration = match steady.acceleration_m_per_s2 {
         0.0 => "none: the speed is constant".to_owned(),
-        a => format!("{} m/s\u{b2}", without_zeros(&digits(a, 0.0, 4))),
+        a => {
+            let (a, metre) = metres(train.origin.units, a);
+            format!("{} {metre}/s\u{b2}", without_zeros(&digits(a, 0.0, 4)))
+        }
     };
     vec![
         ["forces on the vehicles, forward and backward".to_owned(), {
-            format!("{} and {}", given_force(sum(1.0)), given_force(sum(-1.0)))
+            format!("{} and {}", given_force(train.origin.units, sum(1.0)), given_force(train.origin.units, sum(-1.0)))
         }],
         ["acceleration before the event".to_owned(), acceleration],
     ]
@@ -107,7 +116,9 @@ fn load(train: &Train) -> String {
     if forces().all(|f| f == 0.0) {
         return "none".to_owned();
     }
-    let one = |f: f64| if f == 0.0 { "0 N".to_owned() } else { format!("{} in {}", given_force(f), sense(f)) };
+    let one = |f: f64| {
+        if f == 0.0 { "0 N".to_owned() } else { format!("{} in {}", given_force(train.origin.units, f), sense(f)) }
+    };
     if equal(&train.initial_force_n, |&f| f) {
         return format!("{} in {}", one(train.initial_force_n[0]), count(train.couplers.len(), "coupler"));
     }

@@ -1,9 +1,10 @@
 //! What the findings come to, in sentences: plain text, shared by the report and the terminal.
 
-use super::numbers::{digits, down, given_force, given_time, percent, time, without_zeros};
+use super::numbers::{brief_time, digits, down, given_force, given_speed, given_time, percent, time};
 use crate::consist::Train;
 use crate::findings::{CaseFindings, CouplerFindings, ScenarioFindings};
 use crate::scenario::{Event, Scenario};
+use crate::units::UnitSystem;
 
 /// The scenario of the train that a scenario of findings was made from, with its index.
 pub fn source<'a>(train: &'a Train, findings: &ScenarioFindings) -> Option<(usize, &'a Scenario)> {
@@ -66,7 +67,7 @@ pub fn event(train: &Train, scenario: &Scenario) -> String {
                 let names = [b, b + 1].map(|v| train.vehicles[v].label.as_str());
                 let carried = match load {
                     0.0 => "which carries no force".to_owned(),
-                    _ => format!("which carries {} in {}", given_force(load), sense(load)),
+                    _ => format!("which carries {} in {}", given_force(train.origin.units, load), sense(load)),
                 };
                 format!("Coupler {}, between {} and {}, {carried}, breaks at t = 0.", b + 1, names[0], names[1])
             }
@@ -85,7 +86,7 @@ pub fn event(train: &Train, scenario: &Scenario) -> String {
         Event::Pulse { vehicle, force_n, duration_s } => {
             let way = if *force_n < 0.0 { "backward" } else { "forward" };
             let label = &train.vehicles[*vehicle].label;
-            let (size, lasting) = (given_force(*force_n), given_time(*duration_s));
+            let (size, lasting) = (given_force(train.origin.units, *force_n), given_time(*duration_s));
             format!(
                 "A constant force of {size} acts {way} on vehicle {} ({label}) from t = 0 for {lasting}.",
                 vehicle + 1
@@ -94,7 +95,7 @@ pub fn event(train: &Train, scenario: &Scenario) -> String {
         Event::Shaped { vehicle, shape, force_n, duration_s, .. } => {
             let way = if *force_n < 0.0 { "backward" } else { "forward" };
             let label = &train.vehicles[*vehicle].label;
-            let (size, lasting) = (given_force(*force_n), given_time(*duration_s));
+            let (size, lasting) = (given_force(train.origin.units, *force_n), given_time(*duration_s));
             format!(
                 "A force pulls vehicle {} ({label}) {way} with up to {size} from t = 0 to {lasting}, its course over time: {shape}.",
                 vehicle + 1
@@ -102,7 +103,7 @@ pub fn event(train: &Train, scenario: &Scenario) -> String {
         }
         Event::Impact { vehicles, at_head, speed_m_per_s } => {
             let end = if *at_head { "head" } else { "tail" };
-            let speed = without_zeros(&digits(*speed_m_per_s, 0.0, 4));
+            let speed = given_speed(train.origin.units, *speed_m_per_s);
             let before = match scenario.event.joint(train.vehicles.len()) {
                 Some(joint) if train.initial_force_n.iter().any(|f| *f != 0.0) => {
                     format!(
@@ -113,7 +114,7 @@ pub fn event(train: &Train, scenario: &Scenario) -> String {
                 _ => "no coupler carries a force before".to_owned(),
             };
             format!(
-                "At t = 0 the {} at the {end} run into the others at {speed} m/s and couple; the others stand, and {before}.",
+                "At t = 0 the {} at the {end} run into the others at {speed} and couple; the others stand, and {before}.",
                 count(*vehicles, "vehicle")
             )
         }
@@ -150,8 +151,13 @@ pub fn undecided(case: &CaseFindings) -> Vec<&CouplerFindings> {
     found
 }
 
+/// ", within the 8 s that were computed".
+fn within(case: &CaseFindings) -> String {
+    format!(", within the {} that were computed", brief_time(case.horizon_s))
+}
+
 /// The verdict on one case, in one sentence.
-fn verdict(case: &CaseFindings) -> String {
+fn verdict(case: &CaseFindings, units: UnitSystem) -> String {
     let Some(worst) = &case.worst else {
         return match case.left_out {
             0 => "No coupler is left to exceed anything.".to_owned(),
@@ -160,9 +166,9 @@ fn verdict(case: &CaseFindings) -> String {
         };
     };
     if case.exceeding > 0 {
-        return verdict_exceeding(case);
+        return verdict_exceeding(case, units);
     }
-    let when = after(case);
+    let (when, within) = (after(case), within(case));
     if case.undecided > 0 {
         let open = undecided(case);
         let first = open.first().copied().unwrap_or(worst);
@@ -170,28 +176,47 @@ fn verdict(case: &CaseFindings) -> String {
             "Not decided {when} for {}: {} peaks {}, and its rating lies inside.",
             count(case.undecided, "coupler"),
             place(first),
-            interval(first, case.error_bound_n),
+            interval(first, case.error_bound_n, units),
         );
     }
     if worst.utilisation == 0.0 {
-        return format!("No coupler would exceed its rating {when}: no force arises in any.");
+        return format!("No coupler would exceed its rating {when}{within}: no force arises in any.");
     }
     format!(
-        "No coupler would exceed its rating {when}: the most used is {}, at {} % of its rating in {}, {}, a margin of \
-         {} %.",
+        "No coupler would exceed its rating {when}{within}: the most used is {}, {}, a margin of {} %.{}",
         place(worst),
-        percent(worst.utilisation),
-        sense(worst.peak_force_n),
-        moment(worst.peak_time_s, case),
+        most_used(worst, case, units),
         digits(100.0 * (1.0 - worst.utilisation), 0.0, 3),
+        share_of_load(worst),
     )
 }
 
-fn verdict_exceeding(case: &CaseFindings) -> String {
+/// "1.339 MN in draft, 75.3 % of its rating, 4.010 s after the break".
+fn most_used(worst: &CouplerFindings, case: &CaseFindings, units: UnitSystem) -> String {
+    let force = super::numbers::force(units, worst.peak_force_n, case.error_bound_n);
+    let (share, at) = (percent(worst.utilisation), moment(worst.peak_time_s, case));
+    format!("{force} in {}, {share} % of its rating, {at}", sense(worst.peak_force_n))
+}
+
+/// What the load alone does to a coupler, where that is most of its largest force; empty where it is not.
+fn share_of_load(worst: &CouplerFindings) -> String {
+    let (load, peak) = (worst.initial_force_n, worst.peak_force_n);
+    match load / peak {
+        share if worst.peak_time_s == 0.0 && share >= 1.0 => {
+            " This is its load before the event, which does not raise the force in it.".to_owned()
+        }
+        share if share >= 0.9 && worst.peak_time_s > 0.0 => {
+            format!(" Its load before the event is already {} % of its rating.", percent((load / rating(worst)).abs()))
+        }
+        _ => String::new(),
+    }
+}
+
+fn verdict_exceeding(case: &CaseFindings, units: UnitSystem) -> String {
     let others = case.couplers.len() + case.left_out;
     let which = count(others, if case.broken_coupler.is_some() { "other coupler" } else { "coupler" });
     let whose = if case.exceeding == 1 { "its" } else { "their" };
-    let head = format!("{} of {which} would exceed {whose} rating {}", case.exceeding, after(case));
+    let head = format!("{} of {which} would exceed {whose} rating {}{}", case.exceeding, after(case), within(case));
     let first = first_to_exceed(case).map_or(String::new(), |c| {
         let when = match c.first_exceeds_s {
             Some(0.0) if case.kind == "impact" && !over_before(c) => "at once, as the vehicles meet".to_owned(),
@@ -212,7 +237,16 @@ fn verdict_exceeding(case: &CaseFindings) -> String {
         0 => String::new(),
         n => format!("; for {n} more it is not decided"),
     };
-    format!("{head}{first}{open}.")
+    // An impact's sentences name its largest draft and buff anyway.
+    let worst = case.worst.as_ref().filter(|_| case.kind != "impact").map_or(String::new(), |worst| {
+        let which = match first_to_exceed(case) {
+            _ if case.exceeding == 1 => "Its largest force is".to_owned(),
+            Some(first) if first.coupler == worst.coupler => "It is also the worst:".to_owned(),
+            _ => format!("The worst is {}:", place(worst)),
+        };
+        format!(" {which} {}.{}", most_used(worst, case, units), share_of_load(worst))
+    });
+    format!("{head}{first}{open}.{worst}")
 }
 
 /// "4.010 s after the break".
@@ -221,15 +255,16 @@ pub fn moment(time_s: f64, case: &CaseFindings) -> String {
 }
 
 /// The interval in which a peak force lies, with the digits that it takes to tell its ends apart.
-pub fn interval(c: &CouplerFindings, error_n: f64) -> String {
-    let [low, high] = super::numbers::interval(c.peak_force_n.abs(), error_n);
-    format!("between {low} N and {high} N in {}", sense(c.peak_force_n))
+pub fn interval(c: &CouplerFindings, error_n: f64, units: UnitSystem) -> String {
+    let unit = super::numbers::force_unit(units, 0.0);
+    let [low, high] = super::numbers::interval(c.peak_force_n.abs() / unit.size, error_n / unit.size);
+    format!("between {low} {name} and {high} {name} in {}", sense(c.peak_force_n), name = unit.name)
 }
 
 /// The verdict on a scenario: over the horizon, over the first passage where that differs, and both senses of an impact.
-pub fn verdict_of(scenario: &ScenarioFindings) -> String {
-    let [case] = &scenario.cases[..] else { return verdict_each(scenario) + &first_passages(scenario) };
-    verdict(case) + &first_passage(case) + &impact(case)
+pub fn verdict_of(scenario: &ScenarioFindings, units: UnitSystem) -> String {
+    let [case] = &scenario.cases[..] else { return verdict_each(scenario, units) + &first_passages(scenario) };
+    verdict(case, units) + &first_passage(case) + &impact(case, units)
 }
 
 const LOSSES: &str = "come after reflections from the ends, which the losses of a real train reduce";
@@ -266,7 +301,7 @@ fn first_passages(scenario: &ScenarioFindings) -> String {
 }
 
 /// The largest buff and draft of an impact: those of the collision and of the rebound.
-fn impact(case: &CaseFindings) -> String {
+fn impact(case: &CaseFindings, units: UnitSystem) -> String {
     if case.kind != "impact" {
         return String::new();
     }
@@ -277,7 +312,7 @@ fn impact(case: &CaseFindings) -> String {
     let buff = largest(|c| Some((c.peak_buff_n?, c.peak_buff_time_s?, -c.peak_buff_n? / c.rated_buff_n)));
     let draft = largest(|c| Some((c.peak_draft_n?, c.peak_draft_time_s?, c.peak_draft_n? / c.rated_draft_n)));
     let told = |(c, (newtons, at, share)): (&CouplerFindings, (f64, f64, f64))| {
-        let force = super::numbers::force(newtons.abs(), case.error_bound_n);
+        let force = super::numbers::force(units, newtons.abs(), case.error_bound_n);
         format!("{force} ({} % of the rating) in coupler {}, {}", percent(share), c.coupler, moment(at, case))
     };
     let of = |sense: &str, found: Option<_>| found.map_or(String::new(), |f| format!(" Largest {sense}: {}.", told(f)));
@@ -291,7 +326,7 @@ fn impact(case: &CaseFindings) -> String {
 }
 
 /// The verdict on a scenario of many cases, in one sentence.
-fn verdict_each(scenario: &ScenarioFindings) -> String {
+fn verdict_each(scenario: &ScenarioFindings, units: UnitSystem) -> String {
     if scenario.cases.is_empty() {
         let couplers = count(scenario.left_out_in_buff.len(), "coupler");
         return format!("No break is computed: {couplers} would break in turn, but carry buff, so that nothing parts.");
@@ -304,16 +339,25 @@ fn verdict_each(scenario: &ScenarioFindings) -> String {
         return format!("None of {breaks} leaves a coupler to watch{open}.");
     };
     let broken = case.broken_coupler.unwrap_or_default();
-    let extreme = format!(
-        "{} at {} % of its rating in {}, after coupler {broken} breaks",
-        place(worst),
-        percent(worst.utilisation),
-        sense(worst.peak_force_n)
-    );
+    let extreme = format!("{}, when coupler {broken} breaks: {}", place(worst), most_used(worst, case, units));
+    let load = share_of_load(worst);
     match harmful {
-        0 => format!("None of {breaks} would overload another coupler{open}; the nearest to it is {extreme}."),
-        n => format!("{n} of {breaks} would overload another coupler{open}; the worst is {extreme}."),
+        0 => format!(
+            "None of {breaks} would overload another coupler{open}. The nearest to its rating is {extreme}.{load}"
+        ),
+        n => format!("{n} of {breaks} would overload another coupler{open}. The worst is {extreme}.{load}"),
     }
+}
+
+/// What a map over the coupler that breaks says in one sentence: which break leaves the smallest safe load; empty without one.
+pub fn map_of_breaks(scenario: &ScenarioFindings) -> String {
+    let points = scenario.map.iter().filter(|m| m.over == "broken_coupler").flat_map(|m| &m.points);
+    let bounded = points.filter_map(|p| Some((p.at, p.chain?)));
+    let Some((at, factor)) = bounded.reduce(|a, b| if b.1 < a.1 { b } else { a }) else { return String::new() };
+    format!(
+        "Of all couplers that can part, coupler {at} is the worst to break: no coupler exceeds up to {} % of this load.",
+        down(100.0 * factor)
+    )
 }
 
 /// The case whose worst coupler has the largest utilisation, with that coupler.
@@ -322,20 +366,32 @@ pub fn worst_case(scenario: &ScenarioFindings) -> Option<(&CaseFindings, &Couple
     worst.reduce(|a, b| if b.1.utilisation > a.1.utilisation { b } else { a })
 }
 
+/// What a safe factor multiplies: the load, a pulse's force, an impact's speed.
+pub fn cause(event: &Event) -> &'static str {
+    match event {
+        Event::Pulse { .. } | Event::Shaped { .. } => "force",
+        Event::Impact { .. } => "speed",
+        Event::Break { .. } => "load",
+    }
+}
+
 /// What the safe load factor means, in one sentence.
 pub fn safe_load(train: &Train, event: &Event, factor: Option<f64>) -> String {
-    let (what, cause) = match event {
-        Event::Pulse { .. } | Event::Shaped { .. } => ("force", "force"),
-        Event::Impact { .. } => ("speed", "speed"),
-        Event::Break { .. } if train.initial_force_n.iter().all(|&f| f >= 0.0) => ("pull", "load"),
-        Event::Break { .. } if train.initial_force_n.iter().all(|&f| f <= 0.0) => ("push", "load"),
-        Event::Break { .. } => ("load", "load"),
+    let cause = cause(event);
+    let what = match event {
+        Event::Break { .. } if train.initial_force_n.iter().all(|&f| f >= 0.0) => "pull",
+        Event::Break { .. } if train.initial_force_n.iter().all(|&f| f <= 0.0) => "push",
+        _ => cause,
     };
     match factor {
         None => format!("Nothing bounds the {cause}: no force in any coupler grows with it."),
         Some(0.0) => format!("Some coupler is at or over its rating however small the {cause} is."),
         Some(f) => {
-            format!("No coupler exceeds up to {} % of this {what} (safe {cause} factor {}).", down(100.0 * f), down(f))
+            let share = down(100.0 * f);
+            format!(
+                "No coupler would be overloaded if the {what} were {share} % of this, or less (safe {cause} factor {}).",
+                down(f)
+            )
         }
     }
 }

@@ -169,6 +169,7 @@ test("the time axes of history and map lie under each other", async () => {
 test("slider and play button run the wave", async () => {
   const page = await open(paper());
   const wave = () => page.evaluate(() => document.getElementById("along-1").data.slice(-2).map((t) => Array.from(t.y)));
+  await page.locator("#time-1").fill("0");
   const [draft, buff] = await wave();
   assert.ok(draft.slice(0, 50).every((f) => Math.abs(f - 1) < 1e-4) && buff.slice(0, 50).every((f) => f === 0), "the load at t = 0");
   // At t = 100 s the first couplers are in buff: the wave has been mirrored at the held end.
@@ -263,6 +264,37 @@ test("names run nothing, whatever they hold", async () => {
   await close(page);
 });
 
+test("any of several breaks can be chosen, with its own largest forces", async () => {
+  const out = report(join(root, "trains/mixed-manifest-train.toml"));
+  const rows = readFileSync(join(out, "couplers.csv"), "utf8").trim().split("\n").map((row) => row.split(","));
+  const head = rows[0];
+  const value = (row, name) => Number(row[head.indexOf(name)]);
+  const page = await open(out);
+  const drawn = (trace) => page.evaluate((i) => document.getElementById("along-2").data[i].y, trace);
+  await page.locator("#break-2").selectOption({ label: "the break of coupler 30" });
+  const draft = await drawn(0), buff = await drawn(1);
+  const of = rows.filter((row) => row[0] === "each coupler in turn" && value(row, "broken_coupler") === 30);
+  assert.equal(of.length, 138);
+  for (const row of of) {
+    const i = value(row, "coupler") - 1;
+    assert.ok(Math.abs(draft[i] * 1e6 - value(row, "peak_draft_n")) < 100, "draft of coupler " + (i + 1));
+    assert.ok(Math.abs(buff[i] * 1e6 - value(row, "peak_buff_n")) < 100, "buff of coupler " + (i + 1));
+  }
+  assert.equal(draft[29], null, "the coupler that breaks has none");
+  await page.locator("#break-2").selectOption({ label: "all breaks" });
+  assert.ok((await drawn(0))[29] > 0);
+  await close(page);
+});
+
+test("a page opens at the worst instant", async () => {
+  const page = await open(paper());
+  const worst = result(paper()).scenarios[0].cases[0].worst;
+  const shown = parseFloat(await page.locator("#shown-1").textContent());
+  assert.ok(Math.abs(shown - worst.peak_time_s) < 1, shown + " s and " + worst.peak_time_s + " s");
+  await close(page);
+});
+
 test("a report is of a size that can be sent", () => {
   assert.ok(statSync(join(paper(), "report.html")).size < 1.5e6);
+  assert.ok(statSync(join(report(join(root, "trains/mixed-manifest-train.toml")), "report.html")).size < 2e6);
 });

@@ -58,7 +58,7 @@ pub fn envelope(train: &Train, scenario: &ScenarioFindings, name: &str) -> Strin
     let before = source.map_or_else(Vec::new, |(_, source)| initial_force_n(train, &source.event));
     let forces = all.iter().flat_map(|e| [e.draft, e.buff]).flatten().chain(before.iter().copied());
     let reach = Reach::new(forces, &ratings(|c| c.rated_draft_n), &ratings(|c| c.rated_buff_n));
-    let unit = force_unit(reach.largest());
+    let unit = force_unit(train.origin.units, reach.largest());
     let mut figure = Figure::new(name);
     let y_label = format!("force, {} (draft +, buff −)", unit.name);
     let range = (reach.range.0 / unit.size, reach.range.1 / unit.size);
@@ -79,7 +79,7 @@ pub fn envelope(train: &Train, scenario: &ScenarioFindings, name: &str) -> Strin
     if marked {
         figure.explain("exceeds its rating", Sample::Mark(Shape::Diamond, Color::Over));
     }
-    reach.tell(&mut panel);
+    reach.tell(&mut panel, train.origin.units);
     if let [case] = &scenario.cases[..]
         && let Some(broken) = case.broken_coupler
     {
@@ -137,7 +137,7 @@ fn draw_ratings(panel: &mut Panel, train: &Train, reach: &Reach, unit: Unit) -> 
             }
             if several && panel.width_of(x) < NARROW {
                 panel.cap(x, y, NARROW, Color::Ink);
-                named.push((four_digits(run[0]), (0.5 * (x.0 + x.1), y)));
+                named.push((four_digits(train.origin.units, run[0]), (0.5 * (x.0 + x.1), y)));
             } else {
                 panel.line(&[(x.0, y), (x.1, y)], RATED);
             }

@@ -5,15 +5,16 @@ use crate::figures::{Axis, Color, Figure, Point, Sample, Stroke};
 use crate::findings::{MapFindings, MapPoint};
 use crate::report::numbers::{Unit, force_unit, given_force, time_unit};
 use crate::scenario::Event;
+use crate::units::UnitSystem;
 
 const CHAIN: Stroke = Stroke::solid(Color::Ink, 2.0);
 
 /// A map as SVG; the scenario's own event is marked in it.
-pub fn map(map: &MapFindings, event: &Event, name: &str) -> String {
+pub fn map(map: &MapFindings, event: &Event, units: UnitSystem, name: &str) -> String {
     let of_pulse = map.over == "duration_s";
     let values = || map.points.iter().flat_map(|p| [p.chain, p.rod]).flatten().map(f64::abs);
     let least = values().fold(f64::INFINITY, f64::min);
-    let size = if of_pulse { force_unit(least) } else { Unit { name: "", size: 1.0 } };
+    let size = if of_pulse { force_unit(units, least) } else { Unit { name: "", size: 1.0 } };
     let longest = map.points.last().map_or(1.0, |p| p.at);
     let clock = if of_pulse { time_unit(longest) } else { Unit { name: "", size: 1.0 } };
     let line = |value: fn(&MapPoint) -> Option<f64>| {
@@ -46,7 +47,7 @@ pub fn map(map: &MapFindings, event: &Event, name: &str) -> String {
     let (point, label) = match given {
         Some(g) => (
             Some((g.0, g.1)).filter(|p| (x.0..=x.1).contains(&p.0)),
-            format!("force of this pulse, {}", given_force(g.2)),
+            format!("force of this pulse, {}", given_force(units, g.2)),
         ),
         None => (None, String::new()),
     };

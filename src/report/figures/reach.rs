@@ -3,6 +3,7 @@
 use super::HEIGHT;
 use crate::figures::Panel;
 use crate::report::numbers::{digits, force_unit, without_zeros};
+use crate::units::UnitSystem;
 
 /// Of the axis, the least that the forces must have for another rating to be on it: one of the sense that comes nearest to its
 /// rating, and one of the other.
@@ -71,18 +72,18 @@ impl Reach {
     }
 
     /// Says in the panel what lies beyond its ends.
-    pub fn tell(&self, panel: &mut Panel) {
+    pub fn tell(&self, panel: &mut Panel, units: UnitSystem) {
         for (beyond, above) in [(self.draft, true), (self.buff, false)] {
             let Some((low, high)) = beyond else { continue };
-            let to = if low < high { format!(" to {}", four_digits(high)) } else { String::new() };
-            panel.beyond(&format!("rated {}{to}", four_digits(low)), above);
+            let to = if low < high { format!(" to {}", four_digits(units, high)) } else { String::new() };
+            panel.beyond(&format!("rated {}{to}", four_digits(units, low)), above);
         }
     }
 }
 
 /// A force in a figure.
-pub fn four_digits(force_n: f64) -> String {
-    let unit = force_unit(force_n);
+pub fn four_digits(units: UnitSystem, force_n: f64) -> String {
+    let unit = force_unit(units, force_n);
     format!("{} {}", without_zeros(&digits(force_n / unit.size, 0.0, 4)), unit.name)
 }
 

@@ -1,0 +1,98 @@
+//! The inputs repeated: vehicles and couplers in groups of neighbours that are alike.
+
+use super::numbers::{given_damping, given_force, given_length, given_mass, given_stiffness};
+use crate::consist::{LIMITS, Train};
+
+/// Rows of each table, at most.
+const ROWS: usize = 40;
+
+/// Headings of those columns in which any group has something, and the groups' rows.
+#[derive(Debug, serde::Serialize)]
+pub struct Groups {
+    /// What the table is of.
+    pub of: &'static str,
+    pub head: Vec<&'static str>,
+    pub rows: Vec<Vec<String>>,
+    /// How many groups are not shown.
+    pub more: usize,
+}
+
+/// Vehicles from the head.
+pub fn vehicles(train: &Train) -> Groups {
+    let units = train.origin.units;
+    let outside = |i: usize| train.extras.steady.as_ref().map_or(0.0, |s| s.outside_n[i]);
+    let head = ["vehicles", "label", "mass of each", "length of each", "held", "steady force of each"];
+    let cells = |i: usize| {
+        let v = &train.vehicles[i];
+        let force = outside(i);
+        let way = if force < 0.0 { "backward" } else { "forward" };
+        vec![
+            stem(&v.label).to_owned(),
+            given_mass(units, v.mass_kg),
+            v.length_m.map_or(String::new(), |l| given_length(units, l)),
+            if v.held { "yes".to_owned() } else { String::new() },
+            if force == 0.0 { String::new() } else { format!("{} {way}", given_force(units, force)) },
+        ]
+    };
+    grouped("Vehicles, alike neighbours together", &head, train.vehicles.len(), cells)
+}
+
+/// Couplers from the head.
+pub fn couplers(train: &Train) -> Groups {
+    let units = train.origin.units;
+    let head =
+        ["couplers", "stiffness", "rated in draft", "rated in buff", "dashpot", "limits in draft", "limits in buff"];
+    let cells = |i: usize| {
+        let (c, extras) = (&train.couplers[i], &train.extras);
+        let of = |capacities: [Option<f64>; 3]| {
+            let given = LIMITS
+                .iter()
+                .zip(capacities)
+                .filter_map(|(name, n)| Some(format!("{name} {}", given_force(units, n?))));
+            given.collect::<Vec<_>>().join(", ")
+        };
+        let limits = extras.limits.get(i).copied().unwrap_or_default();
+        let dashpot = extras.dashpot_n_s_per_m.get(i).filter(|c| **c > 0.0);
+        vec![
+            given_stiffness(units, c.stiffness_n_per_m),
+            given_force(units, c.rated_draft_n),
+            given_force(units, c.rated_buff_n),
+            dashpot.map_or(String::new(), |c| given_damping(units, *c)),
+            of(limits.draft_n),
+            of(limits.buff_n),
+        ]
+    };
+    grouped("Couplers, alike neighbours together", &head, train.couplers.len(), cells)
+}
+
+/// The label without the number that tells alike vehicles apart.
+fn stem(label: &str) -> &str {
+    let stem = label.trim_end_matches(|c: char| c.is_ascii_digit()).trim_end();
+    if stem.is_empty() { label } else { stem }
+}
+
+fn grouped(of: &'static str, head: &[&'static str], items: usize, cells: impl Fn(usize) -> Vec<String>) -> Groups {
+    let mut groups: Vec<(usize, usize, Vec<String>)> = Vec::new();
+    for i in 0..items {
+        let these = cells(i);
+        match groups.last_mut() {
+            Some((_, last, known)) if *known == these => *last = i,
+            _ => groups.push((i, i, these)),
+        }
+    }
+    let more = groups.len().saturating_sub(ROWS);
+    let used: Vec<usize> = (0..head.len() - 1).filter(|&c| groups.iter().any(|g| !g.2[c].is_empty())).collect();
+    let place = |first: usize, last: usize| match last - first {
+        0 => format!("{}", first + 1),
+        _ => format!("{} to {}", first + 1, last + 1),
+    };
+    let row = |(first, last, cells): &(usize, usize, Vec<String>)| {
+        std::iter::once(place(*first, *last)).chain(used.iter().map(|&c| cells[c].clone())).collect()
+    };
+    Groups {
+        of,
+        head: std::iter::once(head[0]).chain(used.iter().map(|&c| head[c + 1])).collect(),
+        rows: groups.iter().take(ROWS).map(row).collect(),
+        more,
+    }
+}

@@ -74,7 +74,7 @@ impl Files {
     /// The text of a file that a train file names, or of a sheet of a workbook: `consist.xlsx#Sheet1`, or the only sheet that is wanted.
     /// Pipes and devices are refused: the train file may come from somebody else, and reading them may never end.
     pub(super) fn beside(&self, path: &Path, is_wanted: fn(&str) -> bool) -> Text {
-        let give = "give the path of a CSV file or a workbook";
+        let give = "give the path of a CSV file";
         self.text(path, || {
             let (file, sheet) = sheet(path);
             let about = fs::metadata(&file).map_err(|e| unreadable(&e, &file, give))?;

@@ -1,10 +1,15 @@
 //! What can be wrong with an input, and where: a message with file, line, column and the text underlined.
 
+mod diagnostic;
+
 use std::fmt;
 use std::ops::Range;
 use std::path::Path;
 
 use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
+use toml::de::DeTable;
+
+pub use diagnostic::{Diagnostic, Position, Related};
 
 /// More problems than this in one file are counted, not shown.
 const SHOWN: usize = 20;
@@ -44,12 +49,14 @@ pub(crate) struct Problem {
 struct Shown {
     title: String,
     help: Option<String>,
+    key: Option<String>,
     places: Vec<Place>,
 }
 
 /// A line of the file with a part of it marked; the problem's own place has no label, for the title is its label.
 #[derive(Clone, Debug)]
 struct Place {
+    span: Range<usize>,
     line_number: usize,
     column: usize,
     line: String,
@@ -88,7 +95,7 @@ impl Problem {
         let own = self.place.iter().map(|span| Place::new(text, span, None));
         let other = self.other.iter().map(|(span, label)| Place::new(text, span, Some(label)));
         let help = self.help.as_deref().map(printable);
-        Shown { title: printable(&self.title), help, places: own.chain(other).collect() }
+        Shown { title: printable(&self.title), help, key: None, places: own.chain(other).collect() }
     }
 }
 
@@ -123,6 +130,7 @@ impl Place {
         let line = text[line_start..floor(text, line_end.min(line_start + LINE))].trim_end_matches('\r');
         let mark = |at: usize| shown(&line[..(at - line_start).min(line.len())]).len();
         Place {
+            span: start..end.max(start),
             line_number: 1 + line_ends(&text[..line_start]),
             column: 1 + text[line_start..start].chars().count(),
             in_view: start <= line_start + line.len(),
@@ -166,6 +174,32 @@ impl InputError {
     /// A problem with the file as a whole.
     pub(crate) fn of_file(path: &Path, title: impl Into<String>, help: impl Into<String>) -> Self {
         InputError::one(path, "", Problem::of_file(title, help))
+    }
+
+    /// The same with the keys that the problems are about; `root` is the text as TOML.
+    pub(crate) fn with_keys(mut self, root: &DeTable) -> Self {
+        for shown in &mut self.shown {
+            shown.key = shown.places.first().and_then(|place| diagnostic::key_path(root, &place.span));
+        }
+        self
+    }
+
+    /// The problems as data, in the order of the text: those that [`render`](InputError::render) shows, and how many more there are.
+    pub fn problems(&self) -> (Vec<Diagnostic>, usize) {
+        let position = |p: &Place| Position { line: p.line_number, column: p.column, span: [p.span.start, p.span.end] };
+        let one = |shown: &Shown| {
+            let own = shown.places.iter().find(|place| place.label.is_none());
+            let others = shown.places.iter().filter_map(|p| p.label.map(|label| (p, label)));
+            Diagnostic {
+                path: self.path.clone(),
+                place: own.map(position),
+                key: shown.key.clone(),
+                message: shown.title.clone(),
+                help: shown.help.clone().filter(|help| !help.is_empty()),
+                related: others.map(|(p, label)| Related { place: position(p), message: label.to_owned() }).collect(),
+            }
+        };
+        (self.shown.iter().map(one).collect(), self.more)
     }
 
     /// The full diagnostic, with ANSI colours or plain.

@@ -14,6 +14,7 @@ mod map;
 mod march;
 mod safe_factor;
 mod safe_speed;
+mod stop;
 
 pub use cascade::{CascadeBreak, CascadeFindings};
 pub(crate) use case::case_findings;
@@ -28,6 +29,7 @@ pub use limits::{LimitFindings, LimitInSense};
 pub use map::{MapFindings, MapPoint};
 use rayon::prelude::*;
 use serde::Serialize;
+pub use stop::{Stop, Stopped};
 
 use crate::consist::{Source, Train};
 use crate::doubts::{self, Doubt};
@@ -57,6 +59,8 @@ pub struct Options {
     pub wanted: Wanted,
     /// Add a map to every scenario: overloading force by duration, or safe load by broken coupler.
     pub map: bool,
+    /// By which another thread stops it.
+    pub stop: Stop,
     /// Add what the worst case of each scenario would be with dashpots in every coupler, for a train without losses.
     pub damping: bool,
 }
@@ -71,6 +75,7 @@ impl Default for Options {
             all_time_bound: false,
             wanted: Wanted::Everything,
             map: false,
+            stop: Stop::default(),
             damping: false,
         }
     }
@@ -306,6 +311,9 @@ pub struct RodFindings {
 /// Why an analysis could not be done.
 #[derive(Debug, thiserror::Error)]
 pub enum AnalyzeError {
+    /// The caller stopped it.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
     /// `--scenario` names none of the train's.
     #[error("no scenario is named {asked:?}; the train has {}", known.join(", "))]
     UnknownScenario {
@@ -439,9 +447,13 @@ fn scenario_findings(
 ) -> Result<ScenarioFindings, AnalyzeError> {
     let cases = cases(&scenario.event)
         .par_iter()
-        .map(|&b| case_findings(train, scenario, b, options, memo))
-        .collect::<Result<Vec<_>, _>>()
-        .map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
+        .map(|&b| {
+            options.stop.check()?;
+            case_findings(train, scenario, b, options, memo)
+                .map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    options.stop.check()?;
     let map = if options.map { map::find(train, scenario, options, memo) } else { Ok(None) };
     let map = map.map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
     let damping = if options.damping { damping::sweep(train, scenario, &cases, options) } else { Ok(Vec::new()) };

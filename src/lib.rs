@@ -34,6 +34,7 @@
 pub mod accuracy;
 pub mod chain;
 pub mod consist;
+pub mod document;
 pub mod doubts;
 pub mod error;
 #[cfg_attr(not(feature = "accuracy"), allow(dead_code))]
@@ -50,6 +51,9 @@ pub mod scenario;
 pub mod schema;
 pub mod solve;
 pub mod units;
+
+/// The version of this crate.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 pub use consist::Train;
 pub use findings::{Analysis, Options, analyze};

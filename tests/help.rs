@@ -6,7 +6,7 @@ use std::process::{Command, Output, Stdio};
 
 use tempfile::TempDir;
 
-const COMMANDS: [&str; 8] = ["analyze", "fleet", "accuracy", "check", "new", "schema", "completions", "man"];
+const COMMANDS: [&str; 9] = ["analyze", "fleet", "accuracy", "check", "new", "import", "schema", "completions", "man"];
 
 fn trainsafe(args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_trainsafe")).args(args).env("COLUMNS", "100").output().expect("it runs")

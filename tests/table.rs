@@ -21,7 +21,8 @@ fn read(table: &str, rest: &str) -> Result<Train, String> {
 }
 
 fn spelt_out(vehicles: &str) -> Train {
-    consist::parse(&format!("{FRONT}{vehicles}"), Path::new("train.toml")).unwrap_or_else(|e| panic!("{e}"))
+    let train = consist::parse(&format!("{FRONT}{vehicles}"), Path::new("train.toml"));
+    Train { origin: Origin::default(), ..train.unwrap_or_else(|e| panic!("{e}")) }
 }
 
 #[test]

@@ -110,7 +110,7 @@ pub(super) fn efforts(
             |v: usize| Forcing { vehicle: v, points: vec![[after_s, 0.0], [after_s + over_s, -traction_n[v]]] };
         return Ok(pulls.into_iter().map(course).collect());
     }
-    let (file, text) = value.text_beside(path, files)?;
+    let (file, text) = value.text_beside(path, files, |text| Sheet::open(text, &wanted(), &[0]).is_ok())?;
     let (courses, doubts) = schedule(&text, &file, labels.vehicles, traction_n).map_err(|bad| value.refer(&bad))?;
     doubts.into_iter().for_each(|doubt| value.doubt(doubt));
     Ok(courses)

@@ -14,7 +14,7 @@ use super::loads::{self, Loads, OwnLoad};
 use super::scenarios;
 use super::table::Rows;
 use super::tree::{Found, Read, Table, Value};
-use super::{Coupler, EachCoupler, Files, MOST_VEHICLES, Origin, Train};
+use super::{Coupler, EachCoupler, Files, MOST_VEHICLES, Origin, STDIN, Train};
 use crate::error::{Problem, printable, quoted};
 use crate::law::Law;
 use crate::play::Rule;
@@ -162,7 +162,9 @@ fn extras(ratings: &[Ratings], laws: Vec<Law>) -> Extras {
 }
 
 fn stem(path: &Path) -> String {
-    path.file_stem().map_or_else(|| "train".to_owned(), |s| printable(&s.to_string_lossy()))
+    path.file_stem()
+        .filter(|stem| *stem != STDIN)
+        .map_or_else(|| "train".to_owned(), |s| printable(&s.to_string_lossy()))
 }
 
 /// What a table says of some couplers beyond `[coupler]`.

@@ -84,7 +84,7 @@ impl Gear {
 /// Reads the value of `gear`: the name of a file beside the train file, or rows.
 pub(super) fn read(value: &Value, path: &Path, files: &Files) -> Read<Arc<Gear>> {
     let gear = if value.as_text().is_some() {
-        let (file, text) = value.text_beside(path, files)?;
+        let (file, text) = value.text_beside(path, files, |text| parse(text, Path::new("")).is_ok())?;
         let (gear, doubts) = parse(&text, &file).map_err(|bad| value.refer(&bad))?;
         doubts.into_iter().for_each(|doubt| value.doubt(doubt));
         gear

@@ -18,6 +18,8 @@ pub(super) fn of_bytes(bytes: &[u8]) -> Option<(&'static str, bool)> {
     if bytes.starts_with(b"PK\x03\x04") {
         return Some(if holds(b"opendocument.spreadsheet") {
             ("a LibreOffice workbook (ods)", true)
+        } else if holds(b"xl/workbook.bin") {
+            ("a binary Excel workbook (xlsb)", true)
         } else if holds(b"xl/") {
             ("an Excel workbook (xlsx)", true)
         } else {

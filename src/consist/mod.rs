@@ -11,6 +11,7 @@ mod extras;
 mod file;
 mod gears;
 mod heading;
+mod import;
 pub(crate) mod keys;
 mod kinds;
 mod labels;
@@ -23,6 +24,8 @@ mod sheet;
 mod table;
 mod text;
 pub(crate) mod tree;
+#[cfg(feature = "xlsx")]
+mod workbook;
 
 use std::path::Path;
 use std::sync::Arc;
@@ -39,7 +42,9 @@ pub use describe::describe;
 pub(crate) use describe::{count, of_parts};
 pub(crate) use describe_laws::{application, laws, place, response_sentences as response};
 pub use extras::{Extras, LIMITS, Limits, SENSES, Steady};
+pub use import::{Imported, import};
 pub use loads::steady_forces;
+pub use numbers::{cell_of_number, cell_of_text};
 pub use text::{Files, Source};
 
 /// A commented train file to start from, with every key explained; it runs as it is.
@@ -126,6 +131,19 @@ pub fn read(path: &Path) -> Result<Train, InputError> {
     parse_with(&files.main(path)?, path, &files)
 }
 
+/// What messages call a train that comes from standard input; files that it names stand in the current folder.
+pub const STDIN: &str = "<stdin>";
+
+/// Reads a train file's text from a stream, such as standard input; `path` is what messages call it, and files that it names
+/// stand beside it.
+///
+/// # Errors
+/// As for [`read`].
+pub fn read_from(input: &mut dyn std::io::Read, path: &Path) -> Result<Train, InputError> {
+    let files = Files::default();
+    parse_with(&files.stream(input, path)?, path, &files)
+}
+
 /// Reads the text of a train file; `path` is what messages call it.
 ///
 /// # Errors
@@ -178,14 +196,14 @@ pub(crate) fn parse_drawn(
         let help = "`trainsafe new` prints one to start from";
         return Err(InputError::of_file(path, "the train file is empty", help));
     }
-    let root = DeTable::parse(text).map_err(|e| not_train(text, path).unwrap_or_else(|| not_toml(e, text, path)))?;
-    if study::is_study_root(root.get_ref()) {
+    let parsed = DeTable::parse(text).map_err(|e| not_train(text, path).unwrap_or_else(|| not_toml(e, text, path)))?;
+    if study::is_study_root(parsed.get_ref()) {
         return Err(not_train(text, path).unwrap_or_else(|| InputError::of_file(path, "this is a study", "")));
     }
     let found = tree::Found::default();
-    let root = tree::Table::root(&found, root.get_ref(), &keys::TRAIN);
+    let root = tree::Table::root(&found, parsed.get_ref(), &keys::TRAIN);
     let named = root.get("vehicles").filter(|value| value.as_text().is_some());
-    let rows = match named.map(|value| value.text_beside(path, files)) {
+    let rows = match named.map(|value| value.text_beside(path, files, table::is_table)) {
         Some(Ok((beside, text))) => Ok(Some(table::parse(&text, &beside, path, files)?)),
         Some(Err(reported)) => Err(reported),
         None => Ok(None),
@@ -196,7 +214,7 @@ pub(crate) fn parse_drawn(
         Ok(train) if problems.is_empty() => {
             Ok(Train { origin: Origin { sources: files.list(), doubts, text: text.into(), ..train.origin }, ..train })
         }
-        _ => Err(InputError::new(path, text, problems)),
+        _ => Err(InputError::new(path, text, problems).with_keys(parsed.get_ref())),
     }
 }
 

@@ -58,6 +58,16 @@ enum Entry {
     Flag(bool),
 }
 
+impl Entry {
+    fn toml(self) -> String {
+        match self {
+            Entry::Text(text) => toml::Value::String(text).to_string(),
+            Entry::Number(number) => number,
+            Entry::Flag(flag) => flag.to_string(),
+        }
+    }
+}
+
 /// Other words for a key where they have no other meaning.
 const SYNONYMS: [(&str, &[&str]); 13] = [
     ("mass", &["weight"]),
@@ -142,36 +152,7 @@ fn position(slots: &[Slot], name: &str) -> usize {
 /// # Errors
 /// Every problem with its row and column.
 pub(super) fn parse(text: &str, path: &Path, train: &Path, files: &Files) -> Result<Rows, InputError> {
-    let slots = slots();
-    let [mass, held] = ["mass", "held"].map(|name| position(&slots, name));
-    let sheet = match Sheet::open(text, &wanted(&slots), &[mass]) {
-        Ok(sheet) => sheet,
-        Err(Some(problems)) => return Err(InputError::new(path, text, problems)),
-        Err(None) if text.trim_matches(['\u{feff}', ' ', '\n', '\r', '\t']).is_empty() => {
-            let help = "give it a header and a row for each vehicle";
-            return Err(InputError::of_file(path, "the table is empty", help));
-        }
-        // Nothing is shown of a file that is no table of vehicles: a train file may come from anyone, and name any file.
-        Err(None) => {
-            let what = super::kinds::of_text(text).map_or(String::new(), |what| format!(": it is {what}"));
-            let help = match masses(text) {
-                Some(place) => format!("{place} is in a unit of mass; if it holds the masses, head it mass [t]"),
-                None => "a row above the vehicles names the columns: mass [t]".to_owned(),
-            };
-            let help = format!("{help}, and others with any of {}", all_columns(&slots));
-            return Err(InputError::of_file(path, format!("this is no table of vehicles{what}"), help));
-        }
-    };
-    let mut reader = Reader {
-        sheet,
-        slots,
-        mass,
-        held,
-        problems: Problems::default(),
-        doubts: vec![],
-        without_unit: HashSet::new(),
-        name: path.file_name().map_or_else(|| printable_path(path), |name| printable_path(Path::new(name))),
-    };
+    let mut reader = Reader::open(text, path)?;
     let rows = reader.rows(train, files);
     let Reader { problems, doubts, .. } = reader;
     if problems.is_empty() { Ok(Rows { doubts, ..rows }) } else { Err(InputError::new(path, text, problems)) }
@@ -184,6 +165,49 @@ fn masses(text: &str) -> Option<String> {
     let column = |line: &str| line.split([';', ',', '\t']).position(is_mass);
     let (row, column) = text.lines().take(ABOVE).enumerate().find_map(|(row, line)| Some((row, column(line)?)))?;
     Some(format!("column {} of row {}", column + 1, row + 1))
+}
+
+/// A row with its cells as they are read.
+pub(super) struct ListedRow {
+    pub(super) row: usize,
+    pub(super) count: usize,
+    pub(super) vehicle: Vec<ListedCell>,
+    pub(super) coupler: Vec<ListedCell>,
+}
+
+/// A cell as the value of its key.
+pub(super) struct ListedCell {
+    /// As `limits.proof`.
+    pub(super) key: String,
+    /// As TOML.
+    pub(super) value: String,
+    pub(super) heading: String,
+}
+
+/// The rows of a table's text with their cells, and the doubts about it.
+///
+/// # Errors
+/// As for [`parse`].
+pub(super) fn listed(text: &str, path: &Path) -> Result<(Vec<ListedRow>, Vec<Doubt>), InputError> {
+    let mut reader = Reader::open(text, path)?;
+    let rows = reader.rows(path, &Files::default());
+    if !reader.problems.is_empty() {
+        return Err(InputError::new(path, text, reader.problems));
+    }
+    let records: Vec<Record> = reader.sheet.rows().collect();
+    let list = records.iter().zip(&rows.groups).map(|(record, group)| {
+        let mut listed = ListedRow { row: record.row, count: group.count, vehicle: vec![], coupler: vec![] };
+        for (slot, _, entry) in reader.values(record) {
+            let heading = reader.sheet.columns[slot].as_ref().map_or_else(String::new, |column| column.heading.clone());
+            let cell = ListedCell { key: reader.slots[slot].path.join("."), value: entry.toml(), heading };
+            match reader.slots[slot].of {
+                Of::Coupler => listed.coupler.push(cell),
+                _ => listed.vehicle.push(cell),
+            }
+        }
+        listed
+    });
+    Ok((list.collect(), std::mem::take(&mut reader.doubts)))
 }
 
 struct Reader<'t> {
@@ -206,7 +230,41 @@ struct Seen {
     label: String,
 }
 
-impl Reader<'_> {
+impl<'t> Reader<'t> {
+    /// Finds the header of a table's text.
+    fn open(text: &'t str, path: &Path) -> Result<Reader<'t>, InputError> {
+        let slots = slots();
+        let [mass, held] = ["mass", "held"].map(|name| position(&slots, name));
+        let sheet = match Sheet::open(text, &wanted(&slots), &[mass]) {
+            Ok(sheet) => sheet,
+            Err(Some(problems)) => return Err(InputError::new(path, text, problems)),
+            Err(None) if text.trim_matches(['\u{feff}', ' ', '\n', '\r', '\t']).is_empty() => {
+                let help = "give it a header and a row for each vehicle";
+                return Err(InputError::of_file(path, "the table is empty", help));
+            }
+            // Nothing is shown of a file that is no table of vehicles: a train file may come from anyone, and name any file.
+            Err(None) => {
+                let what = super::kinds::of_text(text).map_or(String::new(), |what| format!(": it is {what}"));
+                let help = match masses(text) {
+                    Some(place) => format!("{place} is in a unit of mass; if it holds the masses, head it mass [t]"),
+                    None => "a row above the vehicles names the columns: mass [t]".to_owned(),
+                };
+                let help = format!("{help}, and others with any of {}", all_columns(&slots));
+                return Err(InputError::of_file(path, format!("this is no table of vehicles{what}"), help));
+            }
+        };
+        Ok(Reader {
+            sheet,
+            slots,
+            mass,
+            held,
+            problems: Problems::default(),
+            doubts: vec![],
+            without_unit: HashSet::new(),
+            name: path.file_name().map_or_else(|| printable_path(path), |name| printable_path(Path::new(name))),
+        })
+    }
+
     fn rows(&mut self, train: &Path, files: &Files) -> Rows {
         let mut rows = Rows { groups: vec![], behind: vec![], doubts: vec![] };
         self.header();

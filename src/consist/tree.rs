@@ -268,11 +268,17 @@ impl<'s> Value<'s> {
         }
     }
 
-    /// The text of a file that this value names, which stands beside the train file `path`, with its path.
-    pub(super) fn text_beside(&self, path: &Path, files: &Files) -> Read<(PathBuf, Arc<str>)> {
+    /// The text of a file that this value names, which stands beside the train file `path`, with its path. Of a workbook it is that
+    /// of the sheet behind a `#`, or else of the only one that is wanted.
+    pub(super) fn text_beside(
+        &self,
+        path: &Path,
+        files: &Files,
+        is_wanted: fn(&str) -> bool,
+    ) -> Read<(PathBuf, Arc<str>)> {
         let name = self.file_name()?;
         let beside = path.parent().unwrap_or(Path::new("")).join(name);
-        match files.beside(&beside) {
+        match files.beside(&beside, is_wanted) {
             Ok(text) => Ok((beside, text)),
             Err([what, right]) => {
                 let help = if name.contains('\\') && !beside.exists() { BACKSLASH.to_owned() } else { right };

@@ -174,6 +174,7 @@ impl<'a> Plan<'a> {
         let cell = rows::file_cell(&self.inputs.files[file]);
         self.keep(&cell, variation, &place.doubts);
         for (scenario, broken) in all_cases(&train).skip(range.start).take(range.len()) {
+            self.options.stop.check()?;
             match findings::case_findings(&train, scenario, broken, &self.options, self.memo) {
                 Ok(case) => {
                     let found = doubts::found(scenario, std::slice::from_ref(&case));

@@ -37,7 +37,7 @@ pub(crate) mod words;
 use std::io;
 use std::path::{Path, PathBuf};
 
-pub use couplers_csv::csv;
+pub use couplers_csv::{Cells, Column, Row, coupler_columns, coupler_rows, csv};
 pub use files::{WriteError, write_all};
 pub use folder::{between_writes, can_write};
 pub use result_json::json;
@@ -116,6 +116,17 @@ pub fn documents(train: &Train, analysis: &Analysis, formats: &[Format]) -> io::
     all.extend(page.transpose()?);
     all.extend(markdown);
     Ok(all)
+}
+
+/// The report as a page for a notebook: what `report.html` says, with its static figures and without scripts.
+///
+/// # Errors
+/// As for [`documents`].
+pub fn light_page(train: &Train, analysis: &Analysis) -> io::Result<String> {
+    let shown = analysis.scenarios.iter().map(|s| Shown::new(train, s));
+    let pictures: Pictures = shown.map(|s| s.as_ref().map_or_else(Vec::new, Shown::pictures)).collect();
+    let report = markdown::markdown(train, analysis, &pictures).map_err(io::Error::other)?;
+    Ok(html::light(analysis, &report, &pictures))
 }
 
 /// Whether a file's name is one that only a report, its figures and its maps have.

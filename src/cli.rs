@@ -7,6 +7,8 @@ use trainsafe::fleet::{self, Shard};
 use trainsafe::report;
 use trainsafe::units::UnitSystem;
 
+const MOST_THREADS: usize = 1024;
+
 const STATUS: &str = "\
 Exit status: 0 the analysis ran, whatever it found; 1 a coupler exceeds, with --fail-on-exceed;
 2 bad usage or bad input; 3 the analysis ran for some trains and not for others; 4 the results
@@ -28,12 +30,40 @@ train file is written when Save is pressed; files that it names are read in its 
 
 Example: trainsafe serve trains/ore-train.toml";
 
+const CHECK: &str = "\
+Exit status 2 if some file is wrong. In the JSON, files has an entry for each file: problems (path, line, column, span in
+bytes, key, message, help, related) and doubts (code, scenario, text).
+
+Example: trainsafe check trains/ore-train.toml trains/paper-figure-4.toml";
+
+const IMPORT: &str = "\
+Behind each number stands where it comes from. What is missing is marked MISSING and told here; the file cannot be
+analysed before it is filled in. The vehicles of a consist are looked for beside it, in TRAINSET and in ../TRAINSET.
+
+Example: echo \"mass [t],90,80\" | tr , '\\n' > cars.csv && trainsafe import cars.csv > train.toml";
+
 /// Which couplers of a train exceed their capacity, and when, after another coupler breaks or a shock hits the train
 #[derive(Debug, Parser)]
-#[command(version, arg_required_else_help = true, after_help = STATUS)]
+#[command(name = "trainsafe", version = trainsafe::VERSION, arg_required_else_help = true, after_help = STATUS)]
 pub struct Cli {
     #[command(subcommand)]
     pub command: Command,
+    #[command(flatten)]
+    pub general: General,
+}
+
+#[derive(Debug, Args)]
+pub struct General {
+    /// Say nothing but errors, and print only what --json and the commands that print files give
+    #[arg(short, long, global = true, display_order = 100)]
+    pub quiet: bool,
+    /// Compute on so many threads [default: as many as there are processors]
+    #[arg(short = 'j', long, value_name = "N", global = true, value_parser = threads, display_order = 100)]
+    pub threads: Option<usize>,
+    /// Colours in messages: auto, always or never
+    #[arg(long, value_name = "WHEN", global = true, default_value = "auto", hide_default_value = true,
+          value_parser = ["auto", "always", "never"], hide_possible_values = true, display_order = 100)]
+    pub color: String,
 }
 
 #[derive(Debug, Subcommand)]
@@ -52,15 +82,21 @@ pub enum Command {
     /// Open a train's report as a page that follows what is changed in it (in builds with the feature serve)
     #[command(after_help = SERVE)]
     Serve(Serve),
-    /// Say whether a train file is right, what the train is and what will be run
-    #[command(after_help = "Example: trainsafe check trains/ore-train.toml")]
-    Check {
-        /// The train file
-        train: PathBuf,
-    },
+    /// Say whether train files are right, what each train is and what will be run
+    #[command(after_help = CHECK)]
+    Check(Check),
     /// Print a commented train file to start from
     #[command(after_help = "Example: trainsafe new > train.toml")]
     New,
+    /// Print a commented train file made from a table of vehicles or a consist of Open Rails
+    #[command(after_help = IMPORT)]
+    Import {
+        /// The table (CSV, or a workbook: consist.xlsx#Sheet1), or the consist (.con)
+        file: PathBuf,
+        /// Look for the vehicles of a consist in this folder too
+        #[arg(long, value_name = "DIR")]
+        trainset: Vec<PathBuf>,
+    },
     /// Print the JSON Schema of train files, by which editors complete and check them
     #[command(after_help = "\
 An editor with a TOML language server goes by it where a file's first line is
@@ -85,17 +121,27 @@ Example: trainsafe schema > train.schema.json")]
         #[arg(value_name = "COMMAND")]
         of: Option<String>,
         /// Folder for trainsafe.1, trainsafe-analyze.1 and the others
-        #[arg(long, value_name = "DIR", conflicts_with = "of")]
+        #[arg(short, long, value_name = "DIR", conflicts_with = "of")]
         out: Option<PathBuf>,
     },
 }
 
 #[derive(Debug, Args)]
+pub struct Check {
+    /// The train files; - reads standard input
+    #[arg(required = true, value_name = "TRAIN")]
+    pub trains: Vec<PathBuf>,
+    /// Print what is wrong and what is doubtful as JSON, with places by line, column and bytes
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
 pub struct Analyze {
-    /// The train file
+    /// The train file; - reads standard input
     pub train: PathBuf,
     /// Folder for the report [default: reports/<file stem>]
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Forms of the report: md, html, or both
     #[arg(long, value_name = "LIST", default_value = "md,html", value_delimiter = ',',
@@ -132,7 +178,7 @@ pub struct Fleet {
     #[arg(required_unless_present = "merge", value_name = "PATH")]
     pub paths: Vec<PathBuf>,
     /// Folder for the results [default: reports/<stem of the only path>, or reports/fleet]
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Print a line of JSON for every case to standard output; write no files
     #[arg(long, conflicts_with_all = ["out", "resume", "shard", "merge"])]
@@ -187,11 +233,11 @@ pub struct Solver {
 
 #[derive(Debug, Args)]
 pub struct Accuracy {
-    /// The train file
+    /// The train file; - reads standard input
     #[arg(required_unless_present = "stress")]
     pub train: Option<PathBuf>,
     /// Folder for the table, its CSV and the figure [default: reports/accuracy/<file stem>]
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Compare on this scenario [default: the first]
     #[arg(long, value_name = "NAME")]
@@ -206,6 +252,11 @@ fn share(text: &str) -> Result<f64, String> {
         Ok(x) if x > 0.0 && x < 1.0 => Ok(x),
         _ => Err("a number between 0 and 1 is needed, such as 1e-9".to_owned()),
     }
+}
+
+fn threads(text: &str) -> Result<usize, String> {
+    let number = text.parse().ok().filter(|n| (1..=MOST_THREADS).contains(n));
+    number.ok_or_else(|| format!("a number from 1 to {MOST_THREADS} is needed"))
 }
 
 fn shard(text: &str) -> Result<Shard, String> {

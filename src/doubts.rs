@@ -1,6 +1,9 @@
-//! What in a train or scenario is probably not meant. A doubt stops nothing; every command tells the same ones, from this one list.
+//! What in a train or scenario is probably not meant, or does not hold. A doubt stops nothing; every command tells the same ones, from
+//! this one list, but for those that only an analysis can find.
 
 mod events;
+mod found;
+mod laws;
 mod options;
 mod plausible;
 
@@ -11,6 +14,7 @@ use serde::Serialize;
 use crate::consist::{Coupler, Limits, SENSES, Train, count};
 use crate::scenario::Scenario;
 
+pub use found::found;
 pub use options::idle_options;
 pub(crate) use plausible::STEEP;
 
@@ -56,6 +60,7 @@ pub fn doubts(train: &Train) -> Vec<Doubt> {
     found.extend(limit_order(train));
     found.extend(lengths(train));
     found.extend(plausible::of_train(train));
+    found.extend(laws::of_train(train));
     for scenario in &train.scenarios {
         found.extend(events::of_scenario(train, scenario));
     }

@@ -3,6 +3,7 @@
 mod cascade;
 mod case;
 pub(crate) mod damping;
+mod date;
 mod estimate;
 mod field;
 mod first_passage;
@@ -10,8 +11,10 @@ mod general;
 mod history;
 mod limits;
 mod map;
+mod march;
 mod safe_factor;
 mod safe_speed;
+mod stop;
 
 pub use cascade::{CascadeBreak, CascadeFindings};
 pub(crate) use case::case_findings;
@@ -26,9 +29,10 @@ pub use limits::{LimitFindings, LimitInSense};
 pub use map::{MapFindings, MapPoint};
 use rayon::prelude::*;
 use serde::Serialize;
+pub use stop::{Stop, Stopped};
 
 use crate::consist::{Source, Train};
-use crate::doubts::{Doubt, doubts};
+use crate::doubts::{self, Doubt};
 use crate::scenario::{Event, Scales, Scenario};
 use crate::solve::memo::Memo;
 use crate::solve::watch::{Side, SpringPeaks};
@@ -55,6 +59,8 @@ pub struct Options {
     pub wanted: Wanted,
     /// Add a map to every scenario: overloading force by duration, or safe load by broken coupler.
     pub map: bool,
+    /// By which another thread stops it.
+    pub stop: Stop,
     /// Add what the worst case of each scenario would be with dashpots in every coupler, for a train without losses.
     pub damping: bool,
 }
@@ -69,6 +75,7 @@ impl Default for Options {
             all_time_bound: false,
             wanted: Wanted::Everything,
             map: false,
+            stop: Stop::default(),
             damping: false,
         }
     }
@@ -81,6 +88,8 @@ pub struct Analysis {
     pub schema_version: u32,
     /// The program that found them.
     pub program: Program,
+    /// The day in UTC, such as `2026-12-01`; `SOURCE_DATE_EPOCH` sets it.
+    pub date: String,
     /// Every file that the train was read from.
     pub inputs: Vec<InputFile>,
     /// How the analysis was done.
@@ -162,6 +171,18 @@ pub struct CaseFindings {
     pub horizon_s: f64,
     /// No reported force is further than this from the exact solution of the model, N, not negative.
     pub error_bound_n: f64,
+    /// An estimate of that error, N, where there is no proof; `None` where the bound is one.
+    pub error_estimate_n: Option<f64>,
+    /// From when on a small change of the train changes everything, s; `None`: not before the horizon. Nothing is reported of later
+    /// times.
+    pub predictable_until_s: Option<f64>,
+    /// The braked vehicle that would stop first, counted from 1; nothing is reported from then on. `None`: none before the horizon.
+    pub stopped_vehicle: Option<usize>,
+    /// When, s.
+    pub stopped_at_s: Option<f64>,
+    /// When vehicles at a parted coupler come together again and push each other: coupler, counted from 1, and s.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub gap_closures: Vec<GapClosure>,
     /// The error that was asked for, N.
     pub tolerance_n: f64,
     /// Time spent computing this case, s.
@@ -173,6 +194,9 @@ pub struct CaseFindings {
     /// Largest factor on the load (break), the force (pulse) or the speed (impact) at which no coupler exceeds; `None` where
     /// none bounds it.
     pub safe_load_factor: Option<f64>,
+    /// Why there is no such factor, where one cannot be told.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub no_safe_load_factor: Option<&'static str>,
     /// End of the first passage, s: the wave has run to the far end of the longest part and back once.
     pub first_passage_s: f64,
     /// Couplers that exceed their rating in the first passage.
@@ -234,12 +258,45 @@ pub struct CouplerFindings {
     pub first_exceeds_in: Option<&'static str>,
     /// The same over the first passage.
     pub first_passage: Option<FirstPassage>,
+    /// An estimate of the error of its largest forces, N, where there is no proof.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error_estimate_n: Option<f64>,
     /// Bound on |force| over all time, N, where asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub all_time_bound_n: Option<f64>,
     /// Which capacities besides the rating it passes, where the train has any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limits: Option<LimitFindings>,
+}
+
+/// A gap that closes at a coupler that has parted.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct GapClosure {
+    /// Counted from 1.
+    pub coupler: usize,
+    /// When, s after the event.
+    pub time_s: f64,
+}
+
+/// Why a march ended before its horizon.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Ending {
+    /// When, s.
+    pub at_s: f64,
+    /// A braked vehicle, counted from 1, would stop; without one forces cannot be told from then on.
+    pub stopped_vehicle: Option<usize>,
+}
+
+impl CaseFindings {
+    /// What every reported force is within, N: proven, or else estimated.
+    pub fn error_n(&self) -> f64 {
+        self.error_estimate_n.unwrap_or(self.error_bound_n)
+    }
+
+    /// A rating that lies this close to a peak, or closer, is not decided, N: the bound, or ten estimates.
+    pub fn margin_n(&self) -> f64 {
+        self.error_estimate_n.map_or(self.error_bound_n, |n| march::MARGIN * n)
+    }
 }
 
 /// What the continuum model says of the same case.
@@ -254,6 +311,9 @@ pub struct RodFindings {
 /// Why an analysis could not be done.
 #[derive(Debug, thiserror::Error)]
 pub enum AnalyzeError {
+    /// The caller stopped it.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
     /// `--scenario` names none of the train's.
     #[error("no scenario is named {asked:?}; the train has {}", known.join(", "))]
     UnknownScenario {
@@ -262,6 +322,9 @@ pub enum AnalyzeError {
         /// The names there are, quoted.
         known: Vec<String>,
     },
+    /// The date that the environment sets is none.
+    #[error("{0}")]
+    Date(String),
     /// All cases together would take too long.
     #[error("this would take about {:.1} hours: name fewer couplers or a shorter horizon", seconds / 3600.0)]
     TooLong {
@@ -295,7 +358,7 @@ pub enum AnalyzeError {
 /// Cases run in parallel; the result does not depend on how many threads there are.
 ///
 /// # Errors
-/// [`AnalyzeError`] for an unknown scenario, or a method that does not fit the train.
+/// [`AnalyzeError`] for an unknown scenario, a method that does not fit the train, or a `SOURCE_DATE_EPOCH` that is no date.
 ///
 /// ```
 /// use trainsafe::{Options, analyze, consist};
@@ -310,20 +373,24 @@ pub enum AnalyzeError {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn analyze(train: &Train, options: &Options) -> Result<Analysis, AnalyzeError> {
+    let date = date::today().map_err(AnalyzeError::Date)?;
     let memo = Memo::new(REMEMBERED);
     let chosen = chosen(train, options)?;
     let about = |d: &Doubt| d.scenario.as_ref().is_none_or(|name| chosen.iter().any(|s| s.name == *name));
-    let doubts = doubts(train).into_iter().filter(about).collect();
+    let mut doubts: Vec<Doubt> = doubts::doubts(train).into_iter().filter(about).collect();
     let file = |source: &Source| InputFile {
         path: source.path.display().to_string(),
         sha256: source.sha256.iter().map(|byte| format!("{byte:02x}")).collect(),
     };
     let inputs = train.origin.sources.iter().map(file).collect();
-    let scenarios = chosen.into_iter().map(|s| scenario_findings(train, s, options, &memo));
+    let scenarios = chosen.iter().map(|s| scenario_findings(train, s, options, &memo));
+    let scenarios: Vec<ScenarioFindings> = scenarios.collect::<Result<_, _>>()?;
+    doubts.extend(chosen.iter().zip(&scenarios).flat_map(|(s, found)| doubts::found(s, &found.cases)));
     let (vehicles, couplers) = (train.vehicles.len(), train.couplers.len());
     Ok(Analysis {
         schema_version: 2,
         program: Program { name: env!("CARGO_PKG_NAME"), version: env!("CARGO_PKG_VERSION") },
+        date,
         inputs,
         options: OptionFindings { tolerance: options.tolerance, method: options.method.map(Method::name) },
         doubts,
@@ -331,7 +398,7 @@ pub fn analyze(train: &Train, options: &Options) -> Result<Analysis, AnalyzeErro
         train: train.name.clone(),
         vehicles,
         couplers,
-        scenarios: scenarios.collect::<Result<_, _>>()?,
+        scenarios,
     })
 }
 
@@ -352,7 +419,7 @@ fn chosen<'a>(train: &'a Train, options: &Options) -> Result<Vec<&'a Scenario>, 
 pub(crate) fn cases(event: &Event) -> Vec<Option<usize>> {
     match event {
         Event::Break { couplers } => couplers.iter().map(|&b| Some(b)).collect(),
-        Event::Pulse { .. } | Event::Shaped { .. } | Event::Impact { .. } => vec![None],
+        Event::Pulse { .. } | Event::Shaped { .. } | Event::Impact { .. } | Event::Brake { .. } => vec![None],
     }
 }
 
@@ -380,9 +447,13 @@ fn scenario_findings(
 ) -> Result<ScenarioFindings, AnalyzeError> {
     let cases = cases(&scenario.event)
         .par_iter()
-        .map(|&b| case_findings(train, scenario, b, options, memo))
-        .collect::<Result<Vec<_>, _>>()
-        .map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
+        .map(|&b| {
+            options.stop.check()?;
+            case_findings(train, scenario, b, options, memo)
+                .map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    options.stop.check()?;
     let map = if options.map { map::find(train, scenario, options, memo) } else { Ok(None) };
     let map = map.map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
     let damping = if options.damping { damping::sweep(train, scenario, &cases, options) } else { Ok(Vec::new()) };
@@ -410,18 +481,34 @@ fn worst(
     of.into_iter().find(|&i| alike(&couplers[i]))
 }
 
-fn coupler_findings(
-    train: &Train,
-    index: usize,
-    peaks: &SpringPeaks,
-    scales: &Scales,
-    all_time_bound_n: Option<f64>,
-) -> CouplerFindings {
+/// What was seen of a coupler's force, in draft and in buff.
+struct Seen {
+    /// The largest F and the largest -F, N, of either sign, and when, s.
+    largest: [(f64, f64); 2],
+    /// Over the rating; `None`: not decided.
+    exceeds: [Option<bool>; 2],
+    /// When it is first over it, s.
+    first_over_s: [Option<f64>; 2],
+}
+
+impl Seen {
+    fn new(peaks: &SpringPeaks, scales: &Scales) -> Seen {
+        let sides = [&peaks.draft, &peaks.buff];
+        Seen {
+            largest: sides.map(|side| (side.best.value * scales.force_n, side.best.at * scales.time_s)),
+            exceeds: sides.map(Side::exceeds),
+            first_over_s: sides.map(|side| side.first_over.map(|t| t * scales.time_s)),
+        }
+    }
+}
+
+fn coupler_findings(train: &Train, index: usize, seen: &Seen, all_time_bound_n: Option<f64>) -> CouplerFindings {
     let coupler = &train.couplers[index];
-    let extreme = |side: &Side, sign: f64| {
-        (side.best.value > 0.0).then_some((sign * side.best.value * scales.force_n, side.best.at * scales.time_s))
+    let extreme = |side: usize, sign: f64| {
+        let (value, at) = seen.largest[side];
+        (value > 0.0).then_some((sign * value, at))
     };
-    let (draft, buff) = (extreme(&peaks.draft, 1.0), extreme(&peaks.buff, -1.0));
+    let (draft, buff) = (extreme(0, 1.0), extreme(1, -1.0));
     let use_of = |peak: Option<(f64, f64)>, rating: f64| peak.map_or(0.0, |(f, _)| f.abs() / rating);
     let (in_draft, in_buff) = (use_of(draft, coupler.rated_draft_n), use_of(buff, coupler.rated_buff_n));
     // Of equal ones the earliest; what differs by rounding is equal.
@@ -429,14 +516,14 @@ fn coupler_findings(
     let buff_first = buff.zip(draft).is_some_and(|(b, d)| b.1 < d.1);
     let from_buff = if equal { buff_first } else { in_buff > in_draft };
     let (peak_force_n, peak_time_s) = if from_buff { buff } else { draft }.unwrap_or((0.0, 0.0));
-    let exceeds_in = [&peaks.draft, &peaks.buff].map(|side| side.exceeds());
-    let extremes_n = [&peaks.draft, &peaks.buff].map(|side| side.best.value * scales.force_n);
+    let exceeds_in = seen.exceeds;
+    let extremes_n = seen.largest.map(|(value, _)| value);
     let exceeds = match exceeds_in {
         [Some(true), _] | [_, Some(true)] => Some(true),
         [Some(false), Some(false)] => Some(false),
         _ => None,
     };
-    let firsts = [(peaks.draft.first_over, "draft"), (peaks.buff.first_over, "buff")];
+    let firsts = [(seen.first_over_s[0], "draft"), (seen.first_over_s[1], "buff")];
     let firsts = firsts.into_iter().filter_map(|(at, sense)| Some((at?, sense)));
     let first = firsts.reduce(|a, b| if b.0 < a.0 { b } else { a });
     CouplerFindings {
@@ -455,9 +542,10 @@ fn coupler_findings(
         exceeds,
         exceeds_in,
         extremes_n,
-        first_exceeds_s: first.map(|(t, _)| t * scales.time_s),
+        first_exceeds_s: first.map(|(t, _)| t),
         first_exceeds_in: first.map(|(_, sense)| sense),
         first_passage: None,
+        error_estimate_n: None,
         all_time_bound_n,
         limits: None,
     }

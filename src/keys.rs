@@ -39,6 +39,8 @@ pub(crate) enum Kind {
     Either(&'static [Kind]),
     /// Such a value, or a list of at least one of them.
     OneOrMore(&'static Kind),
+    /// A list of rows of quantities, each of at least so many of these.
+    Rows { of: &'static [(&'static str, Dimension, Sign)], least: usize },
     /// A table.
     Table(&'static Shape),
     /// A list of tables.

@@ -11,6 +11,7 @@
 //! coupler's largest force in a scene, with a bound on its error; [`findings`] turns those into utilisations and
 //! verdicts; [`report`] writes them down. [`fleet`] does all of it for many trains and what-ifs. [`play`] is a scene with all
 //! that the paper's chain has not: dashpots, speeds, forces of any shape, couplers that break one after the other.
+//! [`law`] is a coupler's force with slack and friction, and [`march`] the motion of trains that have them.
 //! [`schema`] makes of the reader's tables of keys a JSON Schema for editors.
 //!
 //! Features, both on by default: `cli` builds the program, `accuracy` the module of that name. `parquet` lets a fleet write
@@ -33,6 +34,7 @@
 pub mod accuracy;
 pub mod chain;
 pub mod consist;
+pub mod document;
 pub mod doubts;
 pub mod error;
 #[cfg_attr(not(feature = "accuracy"), allow(dead_code))]
@@ -40,6 +42,8 @@ mod figures;
 pub mod findings;
 pub mod fleet;
 mod keys;
+pub mod law;
+pub mod march;
 pub mod play;
 pub mod report;
 pub mod rod;
@@ -49,6 +53,9 @@ pub mod schema;
 pub mod serve;
 pub mod solve;
 pub mod units;
+
+/// The version of this crate.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 pub use consist::Train;
 pub use findings::{Analysis, Options, analyze};

@@ -2,22 +2,24 @@
 
 mod cli;
 mod manual;
+mod run_check;
 mod run_fleet;
 mod run_serve;
 mod signals;
 
-use std::ffi::OsStr;
+use std::ffi::{OsStr, OsString};
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
 use clap::Parser;
 use trainsafe::accuracy::{self, AccuracyError};
 use trainsafe::doubts::{doubts, idle_options};
-use trainsafe::error::printable_path;
+use trainsafe::error::{InputError, printable_path};
 use trainsafe::report::Format;
 use trainsafe::solve::Method;
 use trainsafe::units::UnitSystem;
@@ -40,19 +42,58 @@ enum Failure {
     Output = 4,
 }
 
+/// Whether nothing but errors is said.
+static QUIET: AtomicBool = AtomicBool::new(false);
+
 fn main() -> ExitCode {
-    let done = match Cli::parse().command {
+    ExitCode::from(run(std::env::args_os()))
+}
+
+/// Does what a command line says, whose first word is the program's name; the exit status.
+pub fn run(args: impl Iterator<Item = OsString>) -> u8 {
+    let Cli { command, general } = Cli::try_parse_from(args).unwrap_or_else(|e| usage(e));
+    settle(&general);
+    let done = match command {
         Command::Analyze(args) => analyze(&args),
         Command::Fleet(args) => run_fleet::run(&args),
         Command::Accuracy(args) => accuracy(&args),
         Command::Serve(args) => run_serve::run(&args),
-        Command::Check { train } => read(&train).and_then(|t| print(&consist::describe(&t))),
+        Command::Check(args) => run_check::run(&args),
         Command::New => print(consist::TEMPLATE),
+        Command::Import { file, trainset } => import(&file, &trainset),
         Command::Schema { study } => print(&schema::text(study)),
         Command::Completions { shell } => print(&manual::completions(shell)),
         Command::Man { of, out } => man(of.as_deref(), out.as_deref()),
     };
-    done.map_or_else(|failure| ExitCode::from(failure as u8), |()| ExitCode::SUCCESS)
+    done.map_or_else(|failure| failure as u8, |()| 0)
+}
+
+/// What is wrong with the command line; a train file in the place of a command is told what commands take it.
+fn usage(error: clap::Error) -> ! {
+    use clap::error::{ContextKind, ContextValue, ErrorKind};
+    if let (ErrorKind::InvalidSubcommand, Some(ContextValue::String(word))) =
+        (error.kind(), error.get(ContextKind::InvalidSubcommand))
+        && Path::new(word).exists()
+    {
+        let shown = printable_path(Path::new(word));
+        say(&format!("error: {shown} is a file and no command: type trainsafe analyze {shown}, or check or fleet"));
+        std::process::exit(Failure::Input as i32);
+    }
+    error.exit()
+}
+
+/// Does what the options say that every command has.
+fn settle(general: &cli::General) {
+    QUIET.store(general.quiet, Ordering::Relaxed);
+    match general.color.as_str() {
+        "always" => anstream::ColorChoice::Always.write_global(),
+        "never" => anstream::ColorChoice::Never.write_global(),
+        _ => {}
+    }
+    if let Some(threads) = general.threads {
+        // It fails only where threads have started, which none have.
+        let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+    }
 }
 
 fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
@@ -69,12 +110,13 @@ fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
         ..options(&args.solver)
     };
     let seconds = findings::estimate_s(&train, &options).map_err(|e| complain(&args.train, &e))?;
-    idle_options(&train, &options).iter().for_each(|note| say(&format!("note: {note}")));
-    doubts(&train).iter().for_each(|warning| say(&format!("warning: {warning}")));
+    idle_options(&train, &options).iter().for_each(|note| tell(&format!("note: {note}")));
+    let known = doubts(&train);
+    known.iter().for_each(|warning| tell(&format!("warning: {warning}")));
     let bytes = findings::memory_bytes(&train, &options).unwrap_or_default();
     let memory = if bytes > LARGE { format!(" and {:.1} GB of memory", bytes as f64 / 1e9) } else { String::new() };
     if seconds > LONG_S || bytes > LARGE {
-        say(&format!("this will take about {seconds:.0} s{memory}"));
+        tell(&format!("this will take about {seconds:.0} s{memory}"));
     }
     let dir = args.out.clone().unwrap_or_else(|| named_after(&args.train, "reports"));
     if !args.json {
@@ -82,6 +124,8 @@ fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
     }
     let analysis =
         with_clock(seconds, || findings::analyze(&train, &options)).map_err(|e| complain(&args.train, &e))?;
+    let found = analysis.doubts.iter().filter(|doubt| !known.contains(doubt));
+    found.for_each(|warning| tell(&format!("warning: {warning}")));
     if args.json {
         let json = report::json(&analysis).map_err(|e| output_failed(&e))?;
         print(&(json + "\n"))?;
@@ -89,9 +133,20 @@ fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
         let wanted = |f: &Format| args.format.iter().any(|name| name == f.name());
         let formats: Vec<Format> = Format::ALL.into_iter().filter(wanted).collect();
         let written = report::write(&train, &analysis, &dir, &formats).map_err(|e| output_failed(&e))?;
-        print(&report::terminal(&analysis, &written[written.len() - formats.len()..]))?;
+        summary(&report::terminal(&analysis, &written[written.len() - formats.len()..]))?;
     }
     if args.fail_on_exceed && exceeds(&analysis) { Err(Failure::Exceeds) } else { Ok(()) }
+}
+
+fn import(file: &Path, trainsets: &[PathBuf]) -> Result<(), Failure> {
+    let imported = consist::import(file, trainsets).map_err(|e| {
+        say(&e.render(true));
+        Failure::Input
+    })?;
+    print(&imported.text)?;
+    imported.missing.iter().for_each(|what| tell(&format!("missing: {what}")));
+    imported.doubts.iter().for_each(|warning| tell(&format!("warning: {warning}")));
+    Ok(())
 }
 
 /// Does long work, and says every so often how long it has been at it.
@@ -104,7 +159,7 @@ fn with_clock<T: Send>(estimate_s: f64, work: impl FnOnce() -> T + Send) -> T {
     std::thread::scope(|scope| {
         scope.spawn(move || {
             while let Err(RecvTimeoutError::Timeout) = wait.recv_timeout(Duration::from_secs_f64(2.0 * LONG_S)) {
-                say(&format!("{:.0} s of about {estimate_s:.0} s", start.elapsed().as_secs_f64()));
+                tell(&format!("{:.0} s of about {estimate_s:.0} s", start.elapsed().as_secs_f64()));
             }
         });
         let result = work();
@@ -126,7 +181,7 @@ fn accuracy(args: &cli::Accuracy) -> Result<(), Failure> {
         AccuracyError::Write(_) => output_failed(&e),
         _ => complain(path, &e),
     })?;
-    print(&format!("{}\nReport: {}\n", accuracy::terminal(&compared, None), printable_path(&dir.join("accuracy.md"))))
+    summary(&format!("{}\nReport: {}\n", accuracy::terminal(&compared, None), printable_path(&dir.join("accuracy.md"))))
 }
 
 /// Refuses a folder that cannot be written before the work rather than after it, and lets signals wait while files are replaced.
@@ -168,12 +223,20 @@ fn named_after(train: &Path, within: &str) -> PathBuf {
 
 /// A file's name as that of a folder: never one that leads elsewhere, as that of "...toml" would.
 fn stem(path: &Path) -> Option<&OsStr> {
-    path.file_stem().filter(|stem| *stem != "." && *stem != "..")
+    path.file_stem().filter(|stem| !["-", ".", ".."].contains(&stem.to_string_lossy().as_ref()))
+}
+
+/// The train of a file, or of standard input.
+fn read_train(path: &Path) -> Result<Train, InputError> {
+    match path.to_str() {
+        Some("-") => consist::read_from(&mut io::stdin().lock(), consist::STDIN.as_ref()),
+        _ => consist::read(path),
+    }
 }
 
 /// The train, or its problems on standard error.
 fn read(path: &Path) -> Result<Train, Failure> {
-    consist::read(path).map_err(|e| {
+    read_train(path).map_err(|e| {
         say(&e.render(true));
         Failure::Input
     })
@@ -187,6 +250,22 @@ fn complain(path: &Path, error: &dyn Display) -> Failure {
 fn output_failed(error: &dyn Display) -> Failure {
     say(&format!("error: {error}"));
     Failure::Output
+}
+
+fn quiet() -> bool {
+    QUIET.load(Ordering::Relaxed)
+}
+
+/// A note, a warning or how far the work is, on standard error unless it is to be quiet there.
+fn tell(text: &str) {
+    if !quiet() {
+        say(text);
+    }
+}
+
+/// What a command has done, on standard output unless it is to be quiet.
+fn summary(text: &str) -> Result<(), Failure> {
+    if quiet() { Ok(()) } else { print(text) }
 }
 
 /// A line on standard error, with colours only where they are wanted. Nobody is left to hear of it if that fails.

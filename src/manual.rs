@@ -5,7 +5,7 @@ use std::io;
 use clap::{Command, CommandFactory};
 use clap_complete::Shell;
 
-use crate::cli::Cli;
+use super::cli::Cli;
 
 /// What makes a shell complete the program's commands and options.
 pub fn completions(shell: Shell) -> String {

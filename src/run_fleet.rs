@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use trainsafe::error::printable_path;
 use trainsafe::fleet::{self, Estimate, FleetError, Format, Outcome, Request};
 
-use crate::{Failure, cli, options, print, say, signals, stem};
+use super::{Failure, cli, options, print, quiet, say, signals, stem, summary, tell};
 
 pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
     let request = Request {
@@ -17,10 +17,11 @@ pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
         formats: args.format.iter().filter_map(|name| Format::from_name(name)).collect(),
         reports: args.reports,
         memo_bytes: None,
+        progress: if quiet() { fleet::Telling::Nothing } else { fleet::Telling::Terminal },
     };
     if args.dry_run {
         return fleet::estimate(&request).map_err(|e| failed(&e)).and_then(|estimate| {
-            estimate.notes.iter().for_each(|note| say(&format!("note: {note}")));
+            estimate.notes.iter().for_each(|note| tell(&format!("note: {note}")));
             print(&told(&estimate))
         });
     }
@@ -51,13 +52,15 @@ pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
         failure
     })?;
     if !args.json {
-        print(&summary(&outcome, &dir, outcome.verdict.is_empty()))?;
+        summary(&told_of(&outcome, &dir, outcome.verdict.is_empty()))?;
     }
-    outcome.notes.iter().for_each(|note| say(&format!("note: {note}")));
-    let kind = if outcome.computed == 0 { "error" } else { "warning" };
-    outcome.warnings.iter().for_each(|warning| say(&format!("{kind}: {warning}")));
+    outcome.notes.iter().for_each(|note| tell(&format!("note: {note}")));
+    match outcome.computed {
+        0 => outcome.warnings.iter().for_each(|warning| say(&format!("error: {warning}"))),
+        _ => outcome.warnings.iter().for_each(|warning| tell(&format!("warning: {warning}"))),
+    }
     if outcome.scenes.0 > 0 {
-        say(&format!(
+        tell(&format!(
             "{} of trains solved, {} more {} the same as one of them",
             count(outcome.scenes.1, "part"),
             outcome.scenes.0,
@@ -86,7 +89,7 @@ fn default_dir(paths: &[PathBuf]) -> PathBuf {
     Path::new("reports").join(name.unwrap_or("fleet".as_ref()))
 }
 
-fn summary(outcome: &Outcome, dir: &Path, is_share: bool) -> String {
+fn told_of(outcome: &Outcome, dir: &Path, is_share: bool) -> String {
     if is_share {
         return format!("this share is done; when all are: trainsafe fleet --merge --out {}\n", printable_path(dir));
     }
@@ -125,7 +128,7 @@ fn failed(error: &FleetError) -> Failure {
             say(&study.render(true));
             Failure::Input
         }
-        FleetError::Usage(_) | FleetError::Changed(_) => {
+        FleetError::Usage(_) | FleetError::Changed(_) | FleetError::Stopped(_) => {
             say(&format!("error: {error}"));
             Failure::Input
         }

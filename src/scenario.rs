@@ -1,11 +1,14 @@
 //! What happens to the train: a coupler breaks, a force strikes a vehicle, or vehicles run into it.
 
+pub mod brakes;
+mod marches;
 mod plays;
 
 use crate::chain::{Chain, Scene};
 use crate::consist::Train;
 use crate::play::{Drive, Rule};
 
+pub use marches::{is_march, march};
 pub use plays::{beyond_steps, break_loads, initial_force_n, play, unbalanced_n};
 
 /// One named event to run, with how long to watch.
@@ -23,6 +26,46 @@ pub struct Scenario {
     /// Couplers, from 0, that would break in turn but carry buff, so that their vehicles stay pressed together: they are not
     /// among those of the event.
     pub left_out_in_buff: Vec<usize>,
+    /// What brakes and drives do after the event; nothing by default.
+    pub response: Response,
+}
+
+/// What brakes and drives do after an event.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Response {
+    /// The emergency application that each parting sets off, both ways.
+    pub emergency: Option<Application>,
+    /// Tractive efforts that change.
+    pub efforts: Vec<Forcing>,
+}
+
+/// A brake application: it runs along the train, and builds up in each vehicle that it has reached.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Application {
+    /// The name of a kind of brake that stands for the numbers, where the file gives one.
+    pub name: Option<&'static str>,
+    /// How fast it runs, m/s.
+    pub wave_m_per_s: f64,
+    /// Time since it reached the vehicle, s, and share of its full emergency brake force; straight lines between, from `[0, 0]` on,
+    /// neither ever falls.
+    pub build_up: Vec<[f64; 2]>,
+}
+
+impl Application {
+    /// When it is fully built up where it is, s.
+    pub fn full_after_s(&self) -> f64 {
+        self.build_up.last().map_or(0.0, |last| last[0])
+    }
+}
+
+/// A change of the outside force on one vehicle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Forcing {
+    /// Index from 0; never a held vehicle.
+    pub vehicle: usize,
+    /// Time, s, and change of the force, N, forward positive: straight lines between, no change before the first and that of the last
+    /// after it. Two at one time are a jump.
+    pub points: Vec<[f64; 2]>,
 }
 
 /// The event at t = 0.
@@ -64,15 +107,25 @@ pub enum Event {
         /// How fast they come toward the rest, m/s; finite and > 0.
         speed_m_per_s: f64,
     },
+    /// Brakes are applied.
+    Brake {
+        /// Vehicles, from 0, at which the application starts at t = 0.
+        from: Vec<usize>,
+        /// An emergency application; a service one if not.
+        emergency: bool,
+        /// Its course.
+        application: Application,
+    },
 }
 
 impl Event {
-    /// The kind as the file names it: `"break"`, `"pulse"` or `"impact"`.
+    /// The kind as the file names it: `"break"`, `"pulse"`, `"impact"` or `"brake"`.
     pub fn kind(&self) -> &'static str {
         match self {
             Event::Break { .. } => "break",
             Event::Pulse { .. } | Event::Shaped { .. } => "pulse",
             Event::Impact { .. } => "impact",
+            Event::Brake { .. } => "brake",
         }
     }
 
@@ -153,8 +206,8 @@ pub fn parts(train: &Train, event: &Event, broken: Option<usize>, horizon_s: f64
     let parts = match (event, broken) {
         (Event::Pulse { vehicle, force_n, duration_s }, _) => vec![cut(0..=last, *vehicle, *force_n, *duration_s)],
         // The others are no steps of force from rest: see [`play`].
-        (Event::Break { .. } | Event::Shaped { .. } | Event::Impact { .. }, None) => vec![],
-        (Event::Shaped { .. } | Event::Impact { .. }, Some(_)) => vec![],
+        (Event::Break { .. } | Event::Shaped { .. } | Event::Impact { .. } | Event::Brake { .. }, None) => vec![],
+        (Event::Shaped { .. } | Event::Impact { .. } | Event::Brake { .. }, Some(_)) => vec![],
         (Event::Break { .. }, Some(b)) => {
             let lost = train.initial_force_n[b];
             vec![cut(0..=b, b, lost, f64::INFINITY), cut(b + 1..=last, b + 1, -lost, f64::INFINITY)]
@@ -172,13 +225,15 @@ fn chain_of(train: &Train, from: usize, to: usize, scales: &Scales) -> Chain {
     }
 }
 
-/// When an outside force of the event changes for the last time, s: 0 for breaks and impacts.
-pub fn last_change_s(event: &Event) -> f64 {
-    match event {
-        Event::Break { .. } | Event::Impact { .. } => 0.0,
+/// When an outside force changes for the last time after an event, s: 0 for breaks and impacts without brakes. `broken` is the
+/// coupler that breaks in a case of a break.
+pub fn last_change_s(train: &Train, scenario: &Scenario, broken: Option<usize>) -> f64 {
+    let of_event = match &scenario.event {
+        Event::Break { .. } | Event::Impact { .. } | Event::Brake { .. } => 0.0,
         Event::Pulse { duration_s, .. } => *duration_s,
         Event::Shaped { drive, .. } => drive.last_change(),
-    }
+    };
+    of_event.max(brakes::last_change_s(train, scenario, broken))
 }
 
 /// One-way transit of a wave through the longest part that a case leaves, s.
@@ -195,7 +250,8 @@ pub fn longest_transit_s(train: &Train, broken: Option<usize>) -> f64 {
 /// The horizon of a scenario's case, s: the file's, or the last change of the forces from outside and four one-way wave transits
 /// of the longest part.
 pub fn horizon_s(train: &Train, scenario: &Scenario, broken: Option<usize>) -> f64 {
-    scenario.horizon_s.unwrap_or_else(|| last_change_s(&scenario.event) + 4.0 * longest_transit_s(train, broken))
+    let by_itself = || last_change_s(train, scenario, broken) + 4.0 * longest_transit_s(train, broken);
+    scenario.horizon_s.unwrap_or_else(by_itself)
 }
 
 /// Shortest horizon of a scenario's cases, s.

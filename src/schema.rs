@@ -112,7 +112,7 @@ fn units_of(kind: Kind) -> Option<String> {
 fn value(kind: Kind) -> Value {
     match kind {
         Kind::Quantity { of, sign, share } => {
-            let share = (share && of != Dimension::Grade).then(units::per_cent_pattern);
+            let share = (share && !of.is_in_per_cent()).then(units::per_cent_pattern);
             string(&quantity(sign, std::iter::once(of.pattern()).chain(share)))
         }
         Kind::AnyQuantity(sign) => string(&quantity(sign, Dimension::ALL.into_iter().map(Dimension::pattern))),
@@ -133,6 +133,12 @@ fn value(kind: Kind) -> Value {
         Kind::OneOrMore(kind) => {
             let one = value(*kind);
             json!({ "anyOf": [one, { "type": "array", "items": one, "minItems": 1 }] })
+        }
+        Kind::Rows { of, least } => {
+            let cell: Vec<Value> =
+                of.iter().map(|(_, of, sign)| string(&quantity(*sign, [of.pattern()].into_iter()))).collect();
+            let row = json!({ "type": "array", "minItems": least, "maxItems": of.len(), "items": { "anyOf": cell } });
+            json!({ "type": "array", "items": row, "minItems": 2 })
         }
         Kind::Table(shape) => table(shape),
         Kind::Tables(shape) => json!({ "type": "array", "items": table(shape) }),

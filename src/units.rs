@@ -42,6 +42,8 @@ pub enum Dimension {
     Resistance,
     /// Rise over run
     Grade,
+    /// A share of something that the key names
+    Share,
 }
 
 /// The units of a reader: of reports, not of the files for programs, which are in SI.
@@ -84,7 +86,7 @@ pub struct BadQuantity {
 
 impl Dimension {
     /// All of them.
-    pub const ALL: [Dimension; 9] = [
+    pub const ALL: [Dimension; 10] = [
         Dimension::Mass,
         Dimension::Force,
         Dimension::Stiffness,
@@ -94,6 +96,7 @@ impl Dimension {
         Dimension::Damping,
         Dimension::Resistance,
         Dimension::Grade,
+        Dimension::Share,
     ];
 
     /// The units it may have, as they are written in messages; the reader takes more spellings and more units.
@@ -113,6 +116,7 @@ impl Dimension {
             Dimension::Damping => &["N*s/m", "kN*s/m", "MN*s/m", "lbf*s/in", "kip*s/in"],
             Dimension::Resistance => &["N/kg", "N/t", "kN/t", "lbf/ton_us"],
             Dimension::Grade => &["%", "\u{2030}"],
+            Dimension::Share => &["%"],
         }
     }
 
@@ -126,9 +130,14 @@ impl Dimension {
         self.listed()[0]
     }
 
-    /// How much of SI's own that is: a hundredth for a grade, in which per cent are reported, else 1.
+    /// How much of SI's own that is: a hundredth for a grade or a share, in which per cent are reported, else 1.
     pub fn si_size(self) -> f64 {
-        if self == Dimension::Grade { 0.01 } else { 1.0 }
+        if self.is_in_per_cent() { 0.01 } else { 1.0 }
+    }
+
+    /// Whether its own unit is the per cent.
+    pub(crate) fn is_in_per_cent(self) -> bool {
+        matches!(self, Dimension::Grade | Dimension::Share)
     }
 
     /// The units it may have, as a phrase: `kg, t, lb, klb or ton_us`.
@@ -154,6 +163,7 @@ impl fmt::Display for Dimension {
             Dimension::Damping => "damping",
             Dimension::Resistance => "resistance",
             Dimension::Grade => "grade",
+            Dimension::Share => "share",
         })
     }
 }
@@ -212,7 +222,7 @@ pub fn parse(text: &str, dimension: Dimension, share: bool) -> Result<Amount, Ba
     if unit.is_empty() {
         return Err(bad("has no unit", with_units(number, dimension, share)));
     }
-    if spellings::is_per_cent(unit) && dimension != Dimension::Grade {
+    if spellings::is_per_cent(unit) && !dimension.is_in_per_cent() {
         if !share {
             return Err(bad("is a share, but of what?", with_units(number, dimension, share)));
         }

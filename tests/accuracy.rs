@@ -195,6 +195,7 @@ fn train(vehicles: usize) -> Train {
         horizon_s: None,
         cascade: Rule::Keep,
         left_out_in_buff: Vec::new(),
+        response: trainsafe::scenario::Response::default(),
     };
     Train {
         name: "eleven cars".to_owned(),

@@ -24,7 +24,8 @@ fn figures(file: &Path) -> Vec<(String, String)> {
 
 fn sample_trains() -> impl Iterator<Item = std::path::PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("trains");
-    fs::read_dir(folder).expect("a folder").map(|e| e.expect("an entry").path())
+    let files = fs::read_dir(folder).expect("a folder").map(|e| e.expect("an entry").path());
+    files.filter(|path| path.extension().is_some_and(|e| e == "toml"))
 }
 
 /// Attributes of a tag: `key="value"` only, each key once.

@@ -278,15 +278,7 @@ fn what_is_remembered_changes_no_byte() {
     write_fleet(&folder.path().join("trains"), 12, 7);
     let run = |name: &str, memo_bytes: Option<usize>| {
         let paths = vec![folder.path().join("trains")];
-        let request = Request {
-            paths,
-            options: Options::default(),
-            shard: None,
-            resume: false,
-            formats: vec![],
-            reports: 0,
-            memo_bytes,
-        };
+        let request = Request { paths, memo_bytes, ..Request::default() };
         let out = folder.path().join(name);
         let outcome = trainsafe::fleet::run(&request, &out).expect("a run");
         (outcome.scenes, results(&out))

@@ -40,7 +40,7 @@ fn folder() -> TempDir {
     folder
 }
 
-const SENTENCE: &str = "1 of 5 trains would overload a coupler in some case; 1 of 26 cases does; 4 trains have doubts (short-horizon: 3, load-over-rating: \
+const SENTENCE: &str = "1 of 5 trains would overload a coupler in some case (1 in the first passage, 0 only later); 1 of 26 cases does (1 in the first passage, 0 only later); 4 trains have doubts (short-horizon: 3, load-over-rating: \
      1, no-load: 1).";
 
 #[test]

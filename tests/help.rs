@@ -6,7 +6,8 @@ use std::process::{Command, Output, Stdio};
 
 use tempfile::TempDir;
 
-const COMMANDS: [&str; 9] = ["analyze", "fleet", "accuracy", "serve", "check", "new", "schema", "completions", "man"];
+const COMMANDS: [&str; 10] =
+    ["analyze", "fleet", "accuracy", "serve", "check", "new", "import", "schema", "completions", "man"];
 
 fn trainsafe(args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_trainsafe")).args(args).env("COLUMNS", "100").output().expect("it runs")
@@ -55,10 +56,12 @@ fn help_fits_one_screen() {
 #[test]
 fn examples_in_the_help_run() {
     let folder = tempfile::tempdir().expect("a folder");
-    fs::create_dir(folder.path().join("trains")).expect("a folder");
-    for file in fs::read_dir("trains").expect("the trains") {
-        let path = file.expect("an entry").path();
-        fs::copy(&path, folder.path().join(&path)).expect("a copy");
+    fs::create_dir_all(folder.path().join("trains/gears")).expect("a folder");
+    for beside in ["trains", "trains/gears"] {
+        let files = fs::read_dir(beside).expect("the trains").map(|file| file.expect("an entry").path());
+        for path in files.filter(|path| path.is_file()) {
+            fs::copy(&path, folder.path().join(&path)).expect("a copy");
+        }
     }
     let bin = Path::new(env!("CARGO_BIN_EXE_trainsafe")).parent().expect("a folder");
     let path = std::env::join_paths(

@@ -298,6 +298,7 @@ fn figure_4_in_si_units() {
             horizon_s: Some(100.0 * unit),
             cascade: Rule::Keep,
             left_out_in_buff: vec![],
+            response: trainsafe::scenario::Response::default(),
         }],
         extras: Extras::default(),
         origin: Origin::default(),

@@ -1,6 +1,6 @@
 //! A sample of the campaign: stated bounds against a reference of 30 digits and more, on random trains and scenes.
 //!
-//! All 2,000 scenes: `cargo run --release --example campaign -- 2000`.
+//! All 2,000 scenes: `cargo run --release --example campaign -- 2000`, and with `--kinds` beside it.
 
 use trainsafe::accuracy::campaign::{self, Fault};
 use trainsafe::solve::path::Path;
@@ -24,4 +24,16 @@ fn bounds_and_verdicts_hold_on_a_sample() {
         let wrong: Vec<_> = row.wrong.iter().map(|(fault, seeds)| (Fault::name(*fault), seeds)).collect();
         assert!(wrong.is_empty(), "{}: {wrong:?}", row.name());
     }
+}
+
+/// What analyses say of trains with every kind of scenario, on a sample: nothing is further from the truth than it may be.
+#[test]
+fn analyses_hold_on_a_sample_of_every_kind() {
+    let seeds: Vec<u64> = (0..39).collect();
+    let (scenes, tallies) = campaign::kinds::run(&seeds);
+    assert!(campaign::trains::Kind::ALL.iter().all(|kind| scenes[kind] == 3));
+    let compared: usize = tallies.values().map(|t| t.compared).sum();
+    assert!(compared > 1000, "{compared}");
+    let wrong: Vec<_> = tallies.values().flat_map(|t| &t.wrong).collect();
+    assert!(wrong.is_empty(), "{wrong:?}");
 }

@@ -39,7 +39,9 @@ fn written() -> Fields {
     let root = env!("CARGO_MANIFEST_DIR");
     let dir = tempfile::tempdir().expect("a folder");
     let mut fields = Fields::new();
-    for train in ["paper-figure-4", "paper-figure-5", "mixed-manifest-train", "hauled-train-on-a-grade"] {
+    for train in
+        ["paper-figure-4", "paper-figure-5", "mixed-manifest-train", "hauled-train-on-a-grade", "unit-train-emergency"]
+    {
         let out = dir.path().join(train);
         let run = Command::new(env!("CARGO_BIN_EXE_trainsafe"))
             .args(["analyze", &format!("{root}/trains/{train}.toml"), "--all-time-bound", "--map", "--out"])

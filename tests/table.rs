@@ -21,7 +21,8 @@ fn read(table: &str, rest: &str) -> Result<Train, String> {
 }
 
 fn spelt_out(vehicles: &str) -> Train {
-    consist::parse(&format!("{FRONT}{vehicles}"), Path::new("train.toml")).unwrap_or_else(|e| panic!("{e}"))
+    let train = consist::parse(&format!("{FRONT}{vehicles}"), Path::new("train.toml"));
+    Train { origin: Origin::default(), ..train.unwrap_or_else(|e| panic!("{e}")) }
 }
 
 #[test]
@@ -164,4 +165,47 @@ fn the_template_s_table_can_be_used() {
     let text = format!("{}\n[load]{load}", front.replace(line, line.trim_start_matches("# ")));
     let train = consist::parse(&text, &folder.path().join("train.toml")).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!((train.vehicles.len(), train.vehicles[0].held, train.couplers[0].rated_buff_n), (105, true, 2e6));
+}
+
+/// A row of sums whose word stands among the numbers of the rows does not hide that these are out of order.
+#[test]
+fn numbers_of_rows_are_read_above_a_row_of_sums() {
+    let table = "Pos;Label;Mass (t)\n1;a;80\n3;b;70\n2;c;60\nSum;;210\n";
+    let refused = read(table, "").expect_err("out of order");
+    assert!(refused.starts_with("error: row 4, column Pos: 2 comes after 3"), "{refused}");
+    let in_order = table.replace("3;b", "2;b").replace("2;c", "3;c");
+    assert_eq!(codes(&in_order), ["total-row"]);
+    assert_eq!(codes(&in_order.replace("2;b", "x;b")), ["column-not-read", "total-row"]);
+}
+
+/// Headings in another language: the message says where the masses may be, and shows nothing of the file.
+#[test]
+fn a_table_without_known_headings_is_told_where_its_masses_may_be() {
+    let refused =
+        read("Zug 1;;\nBezeichnung;Masse (t);Länge (m)\nLok;84,0;19\nWagen;80,0;14\n", "").expect_err("no heading");
+    assert!(
+        refused.contains("column 2 of row 2 is in a unit of mass; if it holds the masses, head it mass [t]"),
+        "{refused}"
+    );
+    assert!(!refused.contains("Masse") && !refused.contains("Lok"), "{refused}");
+    let refused = read("secret;other\n1;2\n", "").expect_err("no heading");
+    assert!(refused.contains("a row above the vehicles names the columns: mass [t], and others"), "{refused}");
+}
+
+/// A label that counts vehicles stands for one, unless count says the same.
+#[test]
+fn a_count_in_a_label_is_a_doubt() {
+    assert_eq!(codes("label,mass [t]\nloco,84\n3 x car,80\n"), ["count-in-label"]);
+    assert_eq!(codes("label,mass [t],count\nloco,84,1\n3 x car,80,3\n"), [""; 0]);
+    assert_eq!(codes("label,mass [t]\nloco,84\n1 x car,80\n3x4 wagon,80\n2 xenon tanks,80\n"), [""; 0]);
+}
+
+/// Codes of the doubts about the train of a table, without those about its load.
+fn codes(table: &str) -> Vec<&'static str> {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("consist.csv"), table).expect("a table");
+    let text = format!("vehicles = \"consist.csv\"\n{FRONT}");
+    let train = consist::parse(&text, &folder.path().join("train.toml")).unwrap_or_else(|e| panic!("{e}"));
+    let doubts = trainsafe::doubts::doubts(&train);
+    doubts.into_iter().filter(|d| d.scenario.is_none()).map(|d| d.code).collect()
 }

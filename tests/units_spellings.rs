@@ -172,6 +172,8 @@ const SPELLINGS: &[(&str, Dimension, f64, u64)] = &[
     ("1 per cent", Dimension::Grade, 0.01, EXACT),
     ("1 pct", Dimension::Grade, 0.01, EXACT),
     ("10 ‰", Dimension::Grade, 0.01, EXACT),
+    ("75 %", Dimension::Share, 0.75, EXACT),
+    ("75 percent", Dimension::Share, 0.75, EXACT),
     ("10 per mille", Dimension::Grade, 0.01, EXACT),
     ("10 permille", Dimension::Grade, 0.01, EXACT),
     ("10 mm/m", Dimension::Grade, 0.01, EXACT),
@@ -216,6 +218,7 @@ fn the_schema_takes_every_spelling() {
         Dimension::Damping => "/properties/coupler/properties/damping",
         Dimension::Resistance => "/properties/load/properties/rolling_resistance",
         Dimension::Grade => "/properties/load/properties/grade",
+        Dimension::Share => "/properties/coupler/properties/friction",
     };
     for dimension in Dimension::ALL {
         let property = schema.pointer(place(dimension)).expect("a key");

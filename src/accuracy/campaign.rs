@@ -1,8 +1,11 @@
 //! Random trains and scenes, each method's extremes against the reference: does every stated bound hold?
 
 mod draw;
+mod findings;
 mod judge;
+pub mod kinds;
 pub mod row;
+pub mod trains;
 
 use rayon::prelude::*;
 

@@ -145,7 +145,9 @@ pub enum AccuracyError {
         scenario: String,
     },
     /// The methods compared are not made for the train or the event.
-    #[error("{scenario}: the comparison is of methods for breaks and rectangular pulses of trains without damping")]
+    #[error(
+        "{scenario}: the comparison is of methods for breaks and rectangular pulses of trains of linear couplers without damping and brakes"
+    )]
     BeyondSteps {
         /// The scenario's name.
         scenario: String,
@@ -169,7 +171,8 @@ pub enum AccuracyError {
 pub fn run(train: &Train, scenario_name: Option<&str>, options: &Options) -> Result<Accuracy, AccuracyError> {
     let chosen = choose(train, scenario_name)?;
     let extras = &train.extras;
-    if extras.damping_ratio > 0.0 || scenario::beyond_steps(&extras.dashpot_n_s_per_m, &chosen.event) {
+    let beyond = scenario::beyond_steps(&extras.dashpot_n_s_per_m, &chosen.event) || scenario::is_march(train, chosen);
+    if extras.damping_ratio > 0.0 || beyond {
         return Err(AccuracyError::BeyondSteps { scenario: chosen.name.clone() });
     }
     let Some((broken, part)) = longest_part(train, chosen) else {
@@ -208,7 +211,7 @@ fn choose<'a>(train: &'a Train, scenario: Option<&str>) -> Result<&'a Scenario, 
 fn longest_part(train: &Train, scenario: &Scenario) -> Option<(Option<usize>, Part)> {
     let cases: Vec<Option<usize>> = match &scenario.event {
         Event::Break { couplers } => couplers.iter().map(|&b| Some(b)).collect(),
-        Event::Pulse { .. } | Event::Shaped { .. } | Event::Impact { .. } => vec![None],
+        Event::Pulse { .. } | Event::Shaped { .. } | Event::Impact { .. } | Event::Brake { .. } => vec![None],
     };
     let parts = cases.into_iter().flat_map(|broken| {
         let horizon_s = scenario::horizon_s(train, scenario, broken);

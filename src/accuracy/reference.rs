@@ -14,6 +14,7 @@
 
 mod check;
 mod forces;
+pub mod march;
 mod modes;
 mod real;
 mod scan;

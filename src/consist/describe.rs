@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{LIMITS, Train, Vehicle};
+use super::{LIMITS, Train, Vehicle, describe_laws};
 use crate::doubts::doubts;
 use crate::play::Rule;
 use crate::scenario::{Event, Scenario, break_loads, longest_horizon_s, shortest_horizon_s};
@@ -17,7 +17,11 @@ pub fn describe(train: &Train) -> String {
     for line in vehicles(train) {
         let _ = writeln!(text, "  {line}");
     }
-    let _ = writeln!(text, "{}\n{}\nto be run:", couplers(train), load(train));
+    let _ = writeln!(text, "{}", couplers(train));
+    for line in describe_laws::laws(train) {
+        let _ = writeln!(text, "  {line}");
+    }
+    let _ = writeln!(text, "{}\nto be run:", load(train));
     for scenario in &train.scenarios {
         let _ = writeln!(text, "  {}: {}", scenario.name, scenario_line(train, scenario));
     }
@@ -103,7 +107,11 @@ fn couplers(train: &Train) -> String {
         none if none.is_empty() => String::new(),
         some => format!("; dashpots {}", range(some, Dimension::Damping)),
     };
-    format!("couplers: stiffness {stiffness}; rated {draft} in draft, {buff} in buff{damping}")
+    let stiffness = match train.extras.laws.is_empty() {
+        true => format!("stiffness {stiffness}"),
+        false => format!("secant stiffness of loading {stiffness}, for scales of time only"),
+    };
+    format!("couplers: {stiffness}; rated {draft} in draft, {buff} in buff{damping}")
 }
 
 fn load(train: &Train) -> String {
@@ -182,7 +190,13 @@ fn scenario_line(train: &Train, scenario: &Scenario) -> String {
             let arrive = format!("{} at {}", count(*vehicles, "vehicle"), shown(*speed_m_per_s, Dimension::Speed));
             (format!("{arrive} run into the {end} of the others, which stand, and couple"), 1)
         }
+        Event::Brake { from, emergency, application } => {
+            let what = if *emergency { "emergency" } else { "service" };
+            let (place, course) = (describe_laws::place(train, from), describe_laws::application(application));
+            (format!("{what} brakes are applied from {place} ({course})"), 1)
+        }
     };
+    let event = event + &describe_laws::response(train, scenario);
     let event = match scenario.cascade {
         Rule::Keep => event,
         Rule::InDraft => format!("{event}; couplers that pass {} in draft break", breaking_loads(train, 1)),

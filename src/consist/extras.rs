@@ -1,5 +1,6 @@
 //! What a train may have beyond linear springs under a given load.
 
+use crate::law::Law;
 use crate::units::{Dimension, shown};
 
 /// All of it is absent by default, and what is absent changes no result.
@@ -13,6 +14,14 @@ pub struct Extras {
     pub damping_ratio: f64,
     /// Capacities beside the rating, coupler by coupler; empty if there are none.
     pub limits: Vec<Limits>,
+    /// The law of each coupler's force; empty where every coupler is one linear spring.
+    pub laws: Vec<Law>,
+    /// The largest pull in each coupler before, N, from which it was let down to the load; empty where there was none but the load.
+    pub pulled_to_n: Vec<f64>,
+    /// Full brake force of each vehicle in an emergency application, N, not negative; empty if there is none.
+    pub emergency_brake_n: Vec<f64>,
+    /// Speed before the event, m/s, where the file gives it.
+    pub speed_m_per_s: Option<f64>,
 }
 
 /// Names of the senses of a force, in the order in which pairs have them: tension and compression.

@@ -6,15 +6,17 @@ use std::path::Path;
 
 use toml::de::DeTable;
 
-use super::extras::{Extras, LIMITS, Limits, SENSES, Steady};
+use super::extras::{Extras, LIMITS, Limits, SENSES};
 use super::keys::{BEHIND, COUPLER, TRAIN};
 use super::labels::{Labels, numbered};
-use super::loads::{self, OwnLoad};
+use super::laws::{LawKeys, secant_n_per_m};
+use super::loads::{self, Loads, OwnLoad};
 use super::scenarios;
 use super::table::Rows;
 use super::tree::{Found, Read, Table, Value};
-use super::{Coupler, EachCoupler, Files, MOST_VEHICLES, Origin, Train};
+use super::{Coupler, EachCoupler, Files, MOST_VEHICLES, Origin, STDIN, Train};
 use crate::error::{Problem, printable, quoted};
+use crate::law::Law;
 use crate::play::Rule;
 use crate::scenario::{self, Scenario};
 use crate::units::{Amount, UnitSystem};
@@ -33,7 +35,7 @@ pub(super) fn train(
     files: &Files,
 ) -> Read<Train> {
     let name = root.get("name").map_or_else(|| Ok(stem(path)), |v| v.name().map(str::to_owned));
-    let base = base_coupler(root).unwrap_or(PLACEHOLDER);
+    let base = base_coupler(root, path, files).unwrap_or(PLACEHOLDER);
     let (groups, behind) = match rows {
         Some(Rows { groups, behind, doubts }) => {
             doubts.into_iter().for_each(|doubt| found.doubt(doubt));
@@ -45,7 +47,10 @@ pub(super) fn train(
     let vehicles = numbered(&groups);
     let labels = Labels::new(&vehicles);
     let bases = match each {
-        Some(each) => each(vehicles.len() - 1).iter().map(|text| drawn_coupler(found, text)).collect::<Read<_>>()?,
+        Some(each) => {
+            let drawn = |text: &String| drawn_coupler(found, text, path, files);
+            each(vehicles.len() - 1).iter().map(drawn).collect::<Read<_>>()?
+        }
         None => vec![base; vehicles.len() - 1],
     };
     let mut ratings = bases.clone();
@@ -53,18 +58,41 @@ pub(super) fn train(
     if let Some(table) = root.get("vehicles") {
         for (i, rating) in ratings.iter().enumerate() {
             in_order(rating.limits, &table, &format!("the table's coupler {}: ", i + 1))?;
+            rating
+                .law
+                .law()
+                .map_err(|(_, title, help)| table.wrong(format!("the table's coupler {}: {title}", i + 1), help))?;
         }
     }
-    let ratings = couplers(root, &bases, ratings, &labels);
-    let couplers: Vec<Coupler> = ratings.iter().map(Ratings::coupler).collect();
+    let ratings = couplers(root, &bases, ratings, &labels, path, files);
+    let mut couplers: Vec<Coupler> = ratings.iter().map(Ratings::coupler).collect();
     let weakest_n = couplers.iter().map(|c| c.rated_draft_n).fold(f64::INFINITY, f64::min);
-    let load = loads::read(root, &vehicles, &couplers, &own, weakest_n);
-    let initial_force_n: &[f64] = load.as_ref().map_or(&[], |(forces, _)| forces);
-    let context = scenarios::Context { found, labels: &labels, initial_force_n, weakest_n, path, files };
+    let laws = laws(root, &ratings)?;
+    let load = loads::read(root, &vehicles, &couplers, !laws.is_empty(), &own, weakest_n);
+    let mut extras = extras(&ratings, laws);
+    extras.emergency_brake_n = loads::emergency_brakes(&own);
+    extras.speed_m_per_s = root.get("speed").map(|v| v.quantity()).transpose()?;
+    extras.damping_ratio = root.get("damping_ratio").map_or(Ok(0.0), |v| v.ratio())?;
+    let initial_force_n: &[f64] = load.as_ref().map_or(&[], |load| &load.couplers_n);
+    let traction_n = &loads::tractions(&own);
+    let context = scenarios::Context {
+        found,
+        labels: &labels,
+        initial_force_n,
+        traction_n,
+        weakest_n,
+        extras: &extras,
+        path,
+        files,
+    };
     let scenarios = scenarios::read(root, &context)?;
-    let (initial_force_n, steady) = load?;
-    let mut extras = extras(&ratings, steady);
-    extras.damping_ratio = damping_ratio(root, &extras, &scenarios)?;
+    let Loads { couplers_n: initial_force_n, steady, pulled_to_n } = load?;
+    (extras.steady, extras.pulled_to_n) = (steady, pulled_to_n);
+    damping_ratio(root, &extras, &scenarios)?;
+    let largest_n = initial_force_n.iter().copied().map(f64::abs).fold(0.0, f64::max);
+    for (coupler, law) in couplers.iter_mut().zip(&extras.laws) {
+        coupler.stiffness_n_per_m = secant_n_per_m(law, largest_n);
+    }
     let units = match root.get("units") {
         Some(value) => UnitSystem::from_name(value.word()?).unwrap_or_default(),
         None => found.units(),
@@ -73,17 +101,20 @@ pub(super) fn train(
     Ok(Train { name: name?, initial_force_n, vehicles, couplers, scenarios, extras, origin })
 }
 
-/// The damping ratio of every mode; it fits neither dashpots nor what only they fit.
-fn damping_ratio(root: &Table, extras: &Extras, scenarios: &[Scenario]) -> Read<f64> {
-    let Some(value) = root.get("damping_ratio") else { return Ok(0.0) };
-    let ratio = value.ratio()?;
+/// Whether the damping ratio of every mode fits the rest of the train: neither dashpots nor what only they fit.
+fn damping_ratio(root: &Table, extras: &Extras, scenarios: &[Scenario]) -> Read<()> {
+    let (Some(value), ratio) = (root.get("damping_ratio"), extras.damping_ratio) else { return Ok(()) };
+    if ratio > 0.0 && !extras.laws.is_empty() {
+        let help = "a mode of vibration belongs to linear couplers: leave damping_ratio out, or slack, gears and stiffness_in_buff";
+        return Err(value.wrong("damping_ratio in a train whose couplers are not linear", help));
+    }
     if ratio > 0.0 && !extras.dashpot_n_s_per_m.is_empty() {
         let help = "keep one of them: damping_ratio is of every mode alike, damping of each coupler";
         return Err(value.wrong("damping_ratio beside dashpots", help));
     }
     let beyond = |s: &&Scenario| s.cascade != Rule::Keep || scenario::beyond_steps(&extras.dashpot_n_s_per_m, &s.event);
     match scenarios.iter().find(beyond).filter(|_| ratio > 0.0) {
-        None => Ok(ratio),
+        None => Ok(()),
         Some(other) => {
             let title = "damping_ratio is for breaks and rectangular pulses without a cascade";
             let help = "give [coupler] a damping = \"200 kN*s/m\" instead, for scenario";
@@ -92,26 +123,54 @@ fn damping_ratio(root: &Table, extras: &Extras, scenarios: &[Scenario]) -> Read<
     }
 }
 
-fn extras(ratings: &[Ratings], steady: Option<Steady>) -> Extras {
+/// The law of each coupler; none where all are linear springs.
+fn laws(root: &Table, ratings: &[Ratings]) -> Read<Vec<Law>> {
+    let mut laws: Vec<Option<Law>> = Vec::new();
+    for (i, r) in ratings.iter().enumerate() {
+        let again = if i > 0 && ratings[i - 1].law == r.law { laws.last().cloned() } else { None };
+        // What is wrong has been noted where it is given, or replaced.
+        laws.push(again.unwrap_or_else(|| r.law.law().unwrap_or(None)));
+    }
+    if laws.iter().all(Option::is_none) {
+        return Ok(vec![]);
+    }
+    if let Some(i) = ratings.iter().position(|r| r.damping_n_s_per_m > 0.0) {
+        let title = format!("coupler {} has damping in a train whose couplers are not all linear", i + 1);
+        let help = "damping is for trains of linear couplers: leave it out, or slack, gears and stiffness_in_buff";
+        let at = root.get("coupler").map(|coupler| match coupler.table().ok().and_then(|t| t.get("damping")) {
+            Some(damping) => damping.wrong(&*title, help),
+            None => coupler.wrong(&*title, help),
+        });
+        return Err(at.unwrap_or_else(|| root.wrong(title, help)));
+    }
+    let linear = |k: f64| Law::Elastic { draft_n_per_m: k, buff_n_per_m: k, slack_m: 0.0 };
+    let all =
+        laws.into_iter().zip(ratings).map(|(law, r)| law.unwrap_or_else(|| linear(r.coupler().stiffness_n_per_m)));
+    Ok(all.collect())
+}
+
+fn extras(ratings: &[Ratings], laws: Vec<Law>) -> Extras {
     let some = |any: bool| if any { ratings } else { &[] };
     let limited = some(ratings.iter().any(|r| r.limits != Limits::default()));
     let damped = some(ratings.iter().any(|r| r.damping_n_s_per_m > 0.0));
     Extras {
-        steady,
-        damping_ratio: 0.0,
         dashpot_n_s_per_m: damped.iter().map(|r| r.damping_n_s_per_m).collect(),
         limits: limited.iter().map(|r| r.limits).collect(),
+        laws,
+        ..Extras::default()
     }
 }
 
 fn stem(path: &Path) -> String {
-    path.file_stem().map_or_else(|| "train".to_owned(), |s| printable(&s.to_string_lossy()))
+    path.file_stem()
+        .filter(|stem| *stem != STDIN)
+        .map_or_else(|| "train".to_owned(), |s| printable(&s.to_string_lossy()))
 }
 
 /// What a table says of some couplers beyond `[coupler]`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct OwnKeys {
-    stiffness_n_per_m: Option<f64>,
+    law: LawKeys,
     draft: Option<Amount>,
     buff: Option<Amount>,
     limits: Option<Limits>,
@@ -119,29 +178,27 @@ pub(super) struct OwnKeys {
 }
 
 impl OwnKeys {
-    pub(super) fn read(table: &Table) -> Read<OwnKeys> {
-        let [stiffness, damping] = ["stiffness", "damping"].map(|key| table.get(key).map(|v| v.quantity()).transpose());
+    /// Reads a table; files that it names stand beside the train file `path`.
+    pub(super) fn read(table: &Table, path: &Path, files: &Files) -> Read<OwnKeys> {
+        let damping = table.get("damping").map(|v| v.quantity()).transpose();
+        let law = LawKeys::read(table, path, files);
         let [draft, buff] = ["rated_load", "rated_buff"].map(|key| table.get(key).map(|v| v.amount()).transpose());
         let limits = table.get("limits").as_ref().map(limits).transpose();
-        Ok(OwnKeys {
-            stiffness_n_per_m: stiffness?,
-            draft: draft?,
-            buff: buff?,
-            limits: limits?,
-            damping_n_s_per_m: damping?,
-        })
+        Ok(OwnKeys { law: law?, draft: draft?, buff: buff?, limits: limits?, damping_n_s_per_m: damping? })
     }
 
     /// Whether it says anything.
     pub(super) fn gives_anything(&self) -> bool {
-        let OwnKeys { stiffness_n_per_m, draft, buff, limits, damping_n_s_per_m } = self;
-        let quantity = stiffness_n_per_m.or(*damping_n_s_per_m).is_some();
-        quantity || draft.is_some() || buff.is_some() || limits.is_some()
+        let OwnKeys { law, draft, buff, limits, damping_n_s_per_m } = self;
+        let rated = draft.is_some() || buff.is_some() || limits.is_some();
+        rated || law.gives_anything() || damping_n_s_per_m.is_some()
     }
 
     /// Puts it in the place of what a coupler had; a share of the draft rating is one of `[coupler]`'s.
     fn apply(&self, base: &Ratings, coupler: &mut Ratings) {
-        coupler.stiffness_n_per_m = self.stiffness_n_per_m.unwrap_or(coupler.stiffness_n_per_m);
+        if self.law.gives_anything() {
+            coupler.law = self.law.or(&coupler.law);
+        }
         coupler.buff = self.buff.unwrap_or(coupler.buff);
         coupler.damping_n_s_per_m = self.damping_n_s_per_m.unwrap_or(coupler.damping_n_s_per_m);
         coupler.draft_n = match self.draft {
@@ -194,9 +251,9 @@ fn in_order(limits: Limits, value: &Value, whose: &str) -> Read<Limits> {
 }
 
 /// The ratings that hold unless overridden; a share in `buff` is of whichever draft rating the coupler has.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 struct Ratings {
-    stiffness_n_per_m: f64,
+    law: LawKeys,
     draft_n: f64,
     buff: Amount,
     limits: Limits,
@@ -205,7 +262,7 @@ struct Ratings {
 
 /// Stands in for a `[coupler]` that was wrong, so that what refers to it can still be looked at.
 const PLACEHOLDER: Ratings = Ratings {
-    stiffness_n_per_m: 1.0,
+    law: LawKeys::linear(1.0),
     draft_n: 1.0,
     buff: Amount::Share(1.0),
     limits: Limits::both([None; 3]),
@@ -218,36 +275,46 @@ impl Ratings {
             Amount::Si(value) => value,
             Amount::Share(share) => share * self.draft_n,
         };
-        Coupler { stiffness_n_per_m: self.stiffness_n_per_m, rated_draft_n: self.draft_n, rated_buff_n }
+        let stiffness_n_per_m = self.law.stiffness_n_per_m.unwrap_or(1.0);
+        Coupler { stiffness_n_per_m, rated_draft_n: self.draft_n, rated_buff_n }
     }
 }
 
-fn base_coupler(root: &Table) -> Read<Ratings> {
+fn base_coupler(root: &Table, path: &Path, files: &Files) -> Read<Ratings> {
     let value = root.require("coupler", "add a [coupler] table with stiffness and rated_load")?;
     let table = value.table()?;
     let damping = table.get("damping").map(|v| v.quantity()).transpose();
-    let stiffness = table
-        .require("stiffness", "add stiffness = \"30 MN/m\", that of the whole connection between two vehicles")
-        .and_then(|v| v.quantity());
+    let law = match table.get("gear") {
+        Some(_) => LawKeys::read(&table, path, files),
+        None => table
+            .require("stiffness", "add stiffness = \"30 MN/m\", that of the whole connection between two vehicles")
+            .and_then(|_| LawKeys::read(&table, path, files)),
+    };
+    let law = law.and_then(|law| together(&table, law));
     let draft =
         table.require("rated_load", "add rated_load = \"1.5 MN\", the capacity in draft").and_then(|v| v.quantity());
     let buff = table.get("rated_buff").map_or(Ok(Amount::Share(1.0)), |v| v.amount());
     let own = |value: &Value| limits(value).and_then(|limits| in_order(limits, value, ""));
     let limits = table.get("limits").as_ref().map_or(Ok(Limits::default()), own);
-    Ok(Ratings {
-        stiffness_n_per_m: stiffness?,
-        draft_n: draft?,
-        buff: buff?,
-        limits: limits?,
-        damping_n_s_per_m: damping?.unwrap_or(0.0),
-    })
+    Ok(Ratings { law: law?, draft_n: draft?, buff: buff?, limits: limits?, damping_n_s_per_m: damping?.unwrap_or(0.0) })
+}
+
+/// Keys of a law that go together; else notes at the key of the table what does not.
+fn together(table: &Table, law: LawKeys) -> Read<LawKeys> {
+    match law.law() {
+        Ok(_) => Ok(law),
+        Err((key, title, help)) => Err(match table.get(key) {
+            Some(value) => value.wrong(title, help),
+            None => table.wrong(title, help),
+        }),
+    }
 }
 
 /// The `[coupler]` that a study gives one coupler.
-fn drawn_coupler(found: &Found, text: &str) -> Read<Ratings> {
+fn drawn_coupler(found: &Found, text: &str, path: &Path, files: &Files) -> Read<Ratings> {
     let wrong = |e: toml::de::Error| found.note(Problem::of_file(format!("not TOML: {}", e.message()), ""));
     let root = DeTable::parse(text).map_err(wrong)?;
-    base_coupler(&Table::root(found, root.get_ref(), &TRAIN))
+    base_coupler(&Table::root(found, root.get_ref(), &TRAIN), path, files)
 }
 
 /// What a table of vehicles says of the couplers behind them.
@@ -256,12 +323,20 @@ fn rate_by_table(ratings: &mut [Ratings], bases: &[Ratings], groups: &[Group], b
     ratings.iter_mut().zip(bases).zip(own).for_each(|((coupler, base), own)| own.apply(base, coupler));
 }
 
-fn couplers(root: &Table, bases: &[Ratings], mut ratings: Vec<Ratings>, labels: &Labels) -> Vec<Ratings> {
+fn couplers(
+    root: &Table,
+    bases: &[Ratings],
+    mut ratings: Vec<Ratings>,
+    labels: &Labels,
+    path: &Path,
+    files: &Files,
+) -> Vec<Ratings> {
     let overrides = root.get("coupler_override").and_then(|v| v.tables().ok());
     let mut seen = HashMap::new();
     for table in overrides.into_iter().flatten() {
         // A problem in it has been noted: the other overrides can be read all the same.
-        let _ = apply_override(&table, bases, &mut ratings, labels, &mut seen);
+        let own = OwnKeys::read(&table, path, files);
+        let _ = apply_override(&table, own, bases, &mut ratings, labels, &mut seen);
     }
     ratings
 }
@@ -271,6 +346,7 @@ type Seen = HashMap<(usize, &'static str), Range<usize>>;
 
 fn apply_override(
     table: &Table,
+    own: Read<OwnKeys>,
     bases: &[Ratings],
     ratings: &mut [Ratings],
     labels: &Labels,
@@ -280,7 +356,6 @@ fn apply_override(
     if COUPLER.names().all(|key| table.key_span(key).is_none()) && !table.has_unknown_keys() {
         table.wrong("[[coupler_override]] overrides nothing", "give it a key of [coupler], such as rated_load");
     }
-    let own = OwnKeys::read(table);
     let right = format!("expected a coupler's number from 1 to {}, or a list of them", ratings.len());
     let at = table.require("at", &right).and_then(|v| coupler_list(&v, labels, &right));
     let (at, own) = (at?, own?);
@@ -295,6 +370,9 @@ fn apply_override(
         own.apply(&bases[i], &mut ratings[i]);
         if let Some(value) = table.get("limits") {
             in_order(ratings[i].limits, &value, &format!("coupler {}: ", i + 1))?;
+        }
+        if own.law.gives_anything() {
+            together(table, ratings[i].law.clone())?;
         }
     }
     Ok(())

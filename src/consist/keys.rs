@@ -1,5 +1,7 @@
 //! The keys of a train file.
 
+use super::brakes::{BUILD_UP, PRESETS};
+use super::gears::COLUMNS;
 use super::{LIMITS, MOST_VEHICLES, SENSES};
 use crate::keys::{Key, Kind, Shape, Sign, Variant};
 use crate::units::{Dimension, UnitSystem};
@@ -12,6 +14,10 @@ const fn or_share(of: Dimension, sign: Sign) -> Kind {
     Kind::Quantity { of, sign, share: true }
 }
 
+/// A gear: a file, or rows of travel, loading and unloading.
+const GEAR_TABLE: Kind = Kind::Either(&[Kind::Name, Kind::Rows { of: &COLUMNS, least: 2 }]);
+/// A brake application: a named one, or its wave and build-up.
+const APPLICATION: Kind = Kind::Either(&[Kind::Word(&PRESETS), Kind::Table(&APPLICATION_TABLE)]);
 const RATING: Kind = quantity(Dimension::Force, Sign::Positive);
 /// A coupler's or vehicle's number.
 const NUMBER: Kind = Kind::Whole { from: 1, to: MOST_VEHICLES };
@@ -48,6 +54,12 @@ pub(crate) static TRAIN: Shape = Shape {
                 "0.2",
             )
             .or("0"),
+            Key::optional(
+                "speed",
+                quantity(Dimension::Speed, Sign::Positive),
+                "The train's speed before the event, where brakes act: they pull backward only as long as a vehicle runs.",
+                "50 km/h",
+            ),
             Key::required(
                 "coupler",
                 Kind::Table(&COUPLER),
@@ -103,6 +115,43 @@ const OWN_LIMITS: Key = Key::optional(
      breaks at its ultimate load.",
     "{ fatigue = \"0.9 MN\", proof = \"1.8 MN\", ultimate = \"2.9 MN\" }",
 );
+const STIFFNESS_IN_BUFF: Key = Key::optional(
+    "stiffness_in_buff",
+    quantity(Dimension::Stiffness, Sign::Positive),
+    "Stiffness in buff, where it differs from that in draft; equal to it if absent.",
+    "40 MN/m",
+);
+const SLACK: Key = Key::optional(
+    "slack",
+    quantity(Dimension::Length, Sign::NotNegative),
+    "Free play between draft and buff, of the whole connection; none if absent.",
+    "25 mm",
+);
+const GEAR: Key = Key::optional(
+    "gear",
+    GEAR_TABLE,
+    "Instead of stiffness, the draft gears of the whole connection as a table of travel, force of loading and force of unloading: a \
+     CSV file beside this one, or rows. The table counts from the end of the slack.",
+    "gear.csv",
+);
+const GEAR_IN_BUFF: Key = Key::optional(
+    "gear_in_buff",
+    GEAR_TABLE,
+    "The table in buff where it differs, as with side buffers, its travel and forces positive; that of draft if absent.",
+    "buffers.csv",
+);
+const FRICTION: Key = Key::optional(
+    "friction",
+    quantity(Dimension::Share, Sign::NotNegative),
+    "Of a gear whose table has no unloading: the share by which unloading lies under loading.",
+    "75 %",
+);
+const SOLID: Key = Key::optional(
+    "solid_stiffness",
+    quantity(Dimension::Stiffness, Sign::Positive),
+    "Stiffness of what is in series with the gear: bodies and yokes, with the wedges locked or the gear closed; needed with a gear.",
+    "200 MN/m",
+);
 const DAMPING: Key = Key::optional(
     "damping",
     quantity(Dimension::Damping, Sign::NotNegative),
@@ -111,17 +160,26 @@ const DAMPING: Key = Key::optional(
     "200 kN*s/m",
 );
 
-pub(super) static COUPLER: Shape = Shape::new(
-    "[coupler]",
-    "Every coupler: the whole connection between two vehicles as one linear spring with two ratings.",
-    &[
-        Key::required("stiffness", quantity(Dimension::Stiffness, Sign::Positive), STIFFNESS, "30 MN/m"),
-        Key::required("rated_load", RATING, "Capacity in draft (tension).", "1.5 MN"),
-        BUFF,
-        OWN_LIMITS,
-        DAMPING,
-    ],
-);
+pub(super) static COUPLER: Shape = Shape {
+    exactly_one: &["stiffness", "gear"],
+    ..Shape::new(
+        "[coupler]",
+        "Every coupler: the whole connection between two vehicles as one linear spring, or as a gear with friction, with two ratings.",
+        &[
+            Key::optional("stiffness", quantity(Dimension::Stiffness, Sign::Positive), STIFFNESS, "30 MN/m"),
+            Key::required("rated_load", RATING, "Capacity in draft (tension).", "1.5 MN"),
+            BUFF,
+            OWN_LIMITS,
+            DAMPING,
+            STIFFNESS_IN_BUFF,
+            SLACK,
+            GEAR,
+            GEAR_IN_BUFF,
+            FRICTION,
+            SOLID,
+        ],
+    )
+};
 
 pub(super) static OVERRIDE: Shape = Shape {
     least: 2,
@@ -146,6 +204,12 @@ pub(super) static OVERRIDE: Shape = Shape {
             BUFF,
             OWN_LIMITS,
             DAMPING,
+            STIFFNESS_IN_BUFF,
+            SLACK,
+            GEAR,
+            GEAR_IN_BUFF,
+            FRICTION,
+            SOLID,
         ],
     )
 };
@@ -247,6 +311,47 @@ pub(super) static VEHICLE: Shape = Shape::new(
             "Force of its brakes, backward; not on a held vehicle.",
             "10 kN",
         ),
+        Key::optional(
+            "emergency_brake",
+            quantity(Dimension::Force, Sign::NotNegative),
+            "Its full brake force in an emergency application, backward, beyond what its brakes give before; not on a held vehicle.",
+            "45 kN",
+        ),
+    ],
+);
+
+/// How a brake application runs through the train and builds up in a vehicle.
+pub(super) static APPLICATION_TABLE: Shape = Shape::new(
+    "{ wave = ..., build_up = ... }",
+    "A brake application: how fast it runs along the train, and how the force of a vehicle's brakes builds up once it is there.",
+    &[
+        Key::required(
+            "wave",
+            quantity(Dimension::Speed, Sign::Positive),
+            "How fast the application runs along the train, both ways.",
+            "290 m/s",
+        ),
+        Key::required(
+            "build_up",
+            Kind::Rows { of: &BUILD_UP, least: 2 },
+            "Times since it reached the vehicle, each with the share of emergency_brake that acts then, straight lines between.",
+            "[[\"0 s\", \"0 %\"], [\"1.5 s\", \"30 %\"], [\"8 s\", \"100 %\"]]",
+        ),
+    ],
+);
+
+/// How tractive efforts fall to zero.
+pub(super) static CUT_POWER: Shape = Shape::new(
+    "{ after = ..., over = ... }",
+    "Tractive efforts that fall to zero in a straight line.",
+    &[
+        Key::required(
+            "after",
+            quantity(Dimension::Time, Sign::NotNegative),
+            "When they begin to fall, after the event.",
+            "3 s",
+        ),
+        Key::optional("over", quantity(Dimension::Time, Sign::NotNegative), "How long they fall.", "2 s").or("0 s"),
     ],
 );
 
@@ -262,6 +367,14 @@ pub(super) static LOAD: Shape = Shape::new(
         ),
         RESISTANCE,
         GRADE,
+        Key::optional(
+            "pulled_to",
+            or_share(Dimension::Force, Sign::Positive),
+            "The largest pull before, from which the train was let down to this load, or a share of the weakest coupler's capacity in \
+             draft: couplers with friction remember it. The load itself if absent. Where the load follows from forces on the vehicles it is that \
+             of the coupler that pulls most, and the others pulled more in the same proportion.",
+            "0.8 MN",
+        ),
     ],
 );
 
@@ -269,21 +382,31 @@ pub(super) static SCENARIO: Shape = Shape {
     variants: Some((
         "kind",
         &[
-            Variant { word: "break", own: &["coupler"], needs: &[&["coupler"]] },
+            Variant {
+                word: "break",
+                own: &["coupler", "emergency", "cut_power", "throttle"],
+                needs: &[&["coupler"]],
+            },
             Variant {
                 word: "pulse",
                 own: &["at", "force", "duration", "shape", "rise", "fall", "record"],
                 needs: &[&["at", "force", "duration"], &["at", "record"]],
             },
             Variant { word: "impact", own: &["at", "vehicles", "speed"], needs: &[&["at", "vehicles", "speed"]] },
+            Variant {
+                word: "brake",
+                own: &["at", "emergency", "service", "cut_power", "throttle"],
+                needs: &[&["at", "emergency"], &["at", "service"]],
+            },
         ],
     )),
     ..Shape::new(
         "[[scenario]]",
-        "Something that happens to the train: a coupler breaks, a force strikes a vehicle, vehicles run into an end.",
+        "Something that happens to the train: a coupler breaks, a force strikes a vehicle, vehicles run into an end, brakes are \
+         applied.",
         &[
             Key::optional("name", Kind::Name, "Made from what happens if absent.", "the knuckle breaks"),
-            Key::required("kind", Kind::Word(&["break", "pulse", "impact"]), "What happens.", "break"),
+            Key::required("kind", Kind::Word(&["break", "pulse", "impact", "brake"]), "What happens.", "break"),
             Key::optional(
                 "coupler",
                 Kind::Either(&[Kind::Word(&["each"]), NUMBERS]),
@@ -295,7 +418,7 @@ pub(super) static SCENARIO: Shape = Shape {
                 "at",
                 Kind::Either(&[Kind::Word(&["head", "tail"]), NUMBER, Kind::Name]),
                 "Of a pulse, the vehicle that is struck: \"head\", \"tail\", its number or its label. Of an impact, the end that is \
-                 struck: \"head\" or \"tail\".",
+                 struck: \"head\" or \"tail\". Of a brake application, where it starts: \"head\", \"tail\", \"both ends\", or a vehicle.",
                 "tail",
             ),
             Key::optional(
@@ -349,6 +472,32 @@ pub(super) static SCENARIO: Shape = Shape {
                 quantity(Dimension::Speed, Sign::Positive),
                 "Of an impact: how fast they arrive.",
                 "6 mph",
+            ),
+            Key::optional(
+                "emergency",
+                APPLICATION,
+                "Of a break: the emergency application that each parting sets off, both ways. Of a brake application: an emergency one. A \
+                 named one (\"AAR\", \"UIC G\", \"UIC P\") or its wave and build-up; needs lengths, emergency_brake and the train's speed.",
+                "{ wave = \"290 m/s\", build_up = [[\"0 s\", \"0 %\"], [\"8 s\", \"100 %\"]] }",
+            ),
+            Key::optional(
+                "service",
+                APPLICATION,
+                "Of a brake application: a service one, in the same way; its build-up is a share of emergency_brake as well.",
+                "AAR",
+            ),
+            Key::optional(
+                "cut_power",
+                Kind::Table(&CUT_POWER),
+                "Tractive efforts that pull fall to zero.",
+                "{ after = \"3 s\", over = \"2 s\" }",
+            ),
+            Key::optional(
+                "throttle",
+                Kind::Name,
+                "Tractive efforts after the event: a CSV file beside this one with the columns time [s] and share [%] or force [kN], and \
+                 vehicle where not all are meant.",
+                "throttle.csv",
             ),
             Key::optional(
                 "horizon",

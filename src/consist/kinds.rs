@@ -1,6 +1,6 @@
 //! What a file is that is not what was asked for, so that a message can say it.
 
-use super::{record, table};
+use super::{gears, record, table};
 use crate::fleet::study;
 
 /// What a file is that is no text, by its first bytes; the second: a workbook.
@@ -18,6 +18,8 @@ pub(super) fn of_bytes(bytes: &[u8]) -> Option<(&'static str, bool)> {
     if bytes.starts_with(b"PK\x03\x04") {
         return Some(if holds(b"opendocument.spreadsheet") {
             ("a LibreOffice workbook (ods)", true)
+        } else if holds(b"xl/workbook.bin") {
+            ("a binary Excel workbook (xlsb)", true)
         } else if holds(b"xl/") {
             ("an Excel workbook (xlsx)", true)
         } else {
@@ -48,6 +50,9 @@ pub(super) fn of_text(text: &str) -> Option<&'static str> {
     }
     if table::is_table(text) {
         return Some("a table of vehicles");
+    }
+    if gears::is_gear(text) {
+        return Some("a gear's table of force over travel");
     }
     record::is_record(text).then_some("a record of force over time")
 }

@@ -14,11 +14,11 @@
 //! magnitudes in it is 0.
 
 use super::extras::Steady;
-use super::tree::{Read, Table};
+use super::tree::{Read, Table, Value};
 use super::{Coupler, Vehicle};
 use crate::doubts::{Doubt, STEEP, more};
 use crate::solve::dd::Dd;
-use crate::units::Amount;
+use crate::units::{Amount, Dimension, shown};
 
 /// Standard gravity, m/s2 (CGPM 1901).
 const GRAVITY: f64 = 9.806_65;
@@ -31,10 +31,32 @@ const NOISE: f64 = 8.0 * f64::EPSILON;
 pub(super) struct OwnLoad {
     tractive_effort_n: f64,
     brake_force_n: f64,
+    emergency_brake_n: f64,
     resistance_n_per_kg: Option<f64>,
     grade: Option<f64>,
     /// One of the keys is there.
     given: bool,
+}
+
+/// The steady state before the event.
+pub(super) struct Loads {
+    /// Force in each coupler, N, draft positive.
+    pub(super) couplers_n: Vec<f64>,
+    /// What they come from, unless they are given themselves.
+    pub(super) steady: Option<Steady>,
+    /// The largest pull in each coupler before, N; empty if none is given.
+    pub(super) pulled_to_n: Vec<f64>,
+}
+
+/// Tractive effort of each vehicle, N, forward positive.
+pub(super) fn tractions(own: &[OwnLoad]) -> Vec<f64> {
+    own.iter().map(|o| o.tractive_effort_n).collect()
+}
+
+/// Full brake force of each vehicle in an emergency, N; empty if none has one.
+pub(super) fn emergency_brakes(own: &[OwnLoad]) -> Vec<f64> {
+    let all: Vec<f64> = own.iter().map(|o| o.emergency_brake_n).collect();
+    if all.iter().any(|n| *n > 0.0) { all } else { vec![] }
 }
 
 const OWN_KEYS: [&str; 4] = ["tractive_effort", "rolling_resistance", "grade", "brake_force"];
@@ -46,14 +68,17 @@ pub(super) fn own(table: &Table, held: bool) -> Read<OwnLoad> {
     let brake = quantity("brake_force");
     let resistance = quantity("rolling_resistance");
     let grade = quantity("grade");
+    let emergency = quantity("emergency_brake");
     let first = OWN_KEYS.into_iter().find_map(|key| Some((key, table.key_span(key)?)));
-    if let Some((key, span)) = first.as_ref().filter(|_| held) {
+    let braked = || Some(("emergency_brake", table.key_span("emergency_brake")?));
+    if let Some((key, span)) = first.clone().or_else(braked).as_ref().filter(|_| held) {
         let help = "a held vehicle takes whatever force it needs to keep its speed: leave the key out";
         return Err(table.note_at(span.clone(), format!("{key} of a held vehicle"), help));
     }
     Ok(OwnLoad {
         tractive_effort_n: traction?.unwrap_or(0.0),
         brake_force_n: brake?.unwrap_or(0.0),
+        emergency_brake_n: emergency?.unwrap_or(0.0),
         resistance_n_per_kg: resistance?,
         grade: grade?,
         given: first.is_some(),
@@ -65,6 +90,42 @@ pub(super) fn read(
     root: &Table,
     vehicles: &[Vehicle],
     couplers: &[Coupler],
+    have_laws: bool,
+    own: &[OwnLoad],
+    weakest_n: f64,
+) -> Read<Loads> {
+    let (couplers_n, steady) = forces(root, vehicles, couplers, have_laws, own, weakest_n)?;
+    let pulled_to = root.get("load").map(|v| v.table()).transpose()?.and_then(|table| table.get("pulled_to"));
+    let pulled_to_n =
+        pulled_to.map_or(Ok(vec![]), |value| pulled_to_n(&value, &couplers_n, steady.is_some(), weakest_n))?;
+    Ok(Loads { couplers_n, steady, pulled_to_n })
+}
+
+/// The largest pull in each coupler before: given for all, or for the one that pulls most, with the others in proportion.
+fn pulled_to_n(value: &Value, couplers_n: &[f64], in_proportion: bool, weakest_n: f64) -> Read<Vec<f64>> {
+    let pulled_n = match value.amount()? {
+        Amount::Si(value) => value,
+        Amount::Share(share) => share * weakest_n,
+    };
+    let largest_n = couplers_n.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if pulled_n < largest_n {
+        let title = format!("pulled_to is less than the load, {}", shown(largest_n, Dimension::Force));
+        return Err(value.wrong(title, "it is the largest pull before, from which the train was let down to the load"));
+    }
+    if in_proportion && largest_n <= 0.0 {
+        let help = "the couplers' pulls before are in proportion to those of the load, of which none is in draft";
+        return Err(value.wrong("pulled_to of a train in which no coupler is pulled", help));
+    }
+    let factor = pulled_n / largest_n;
+    Ok(couplers_n.iter().map(|f| if in_proportion { f.max(0.0) * factor } else { pulled_n }).collect())
+}
+
+/// The couplers' forces, and what they come from unless they are given themselves.
+fn forces(
+    root: &Table,
+    vehicles: &[Vehicle],
+    couplers: &[Coupler],
+    have_laws: bool,
     own: &[OwnLoad],
     weakest_n: f64,
 ) -> Read<(Vec<f64>, Option<Steady>)> {
@@ -79,6 +140,11 @@ pub(super) fn read(
             return Ok((vec![0.0; couplers.len()], None));
         }
         steep(root, vehicles, own, grade.unwrap_or(0.0));
+        if have_laws && vehicles[0].held && vehicles[vehicles.len() - 1].held {
+            let help = "hold one end, or give the couplers' force with [load] uniform";
+            let title = "forces on the vehicles between two held ends need linear couplers, which share them by their stiffness";
+            return Err(root.wrong(title, help));
+        }
         let outside = |(v, o): (&Vehicle, &OwnLoad)| outside_n(v, o, resistance.unwrap_or(0.0), grade.unwrap_or(0.0));
         let outside_n: Vec<f64> = vehicles.iter().zip(own).map(outside).collect();
         let (forces, acceleration_m_per_s2) = steady_forces(vehicles, couplers, &outside_n);

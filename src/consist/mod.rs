@@ -4,13 +4,18 @@
 //! coupler `i` joins vehicle `i` and vehicle `i + 1`. Forces are positive in tension (draft), negative in compression
 //! (buff).
 
+mod brakes;
 mod describe;
+mod describe_laws;
 mod extras;
 mod file;
+mod gears;
 mod heading;
+mod import;
 pub(crate) mod keys;
 mod kinds;
 mod labels;
+mod laws;
 mod loads;
 mod numbers;
 mod record;
@@ -19,6 +24,8 @@ mod sheet;
 mod table;
 mod text;
 pub(crate) mod tree;
+#[cfg(feature = "xlsx")]
+mod workbook;
 
 use std::path::Path;
 use std::sync::Arc;
@@ -33,8 +40,11 @@ use crate::units::UnitSystem;
 
 pub use describe::describe;
 pub(crate) use describe::{count, of_parts};
+pub(crate) use describe_laws::{application, laws, place, response_sentences as response};
 pub use extras::{Extras, LIMITS, Limits, SENSES, Steady};
+pub use import::{Imported, import};
 pub use loads::steady_forces;
+pub use numbers::{cell_of_number, cell_of_text};
 pub use text::{Files, Source};
 
 /// A commented train file to start from, with every key explained; it runs as it is.
@@ -60,7 +70,8 @@ pub struct Vehicle {
 /// A coupler: the whole connection between two vehicles, as one linear spring with two ratings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coupler {
-    /// Stiffness, N/m; finite and > 0.
+    /// Stiffness, N/m; finite and > 0. Of a coupler whose law is not linear ([`Extras::laws`]) the secant of loading at the train's
+    /// largest load, which gives scales of time and no force.
     pub stiffness_n_per_m: f64,
     /// Capacity in tension, N; finite and > 0.
     pub rated_draft_n: f64,
@@ -87,6 +98,15 @@ pub struct Train {
     pub origin: Origin,
 }
 
+impl Train {
+    /// The forces that a coupler went to, one after the other, before the event, N: the pull from which it was let down, if there
+    /// was one, and its load.
+    pub fn history_n(&self, coupler: usize) -> Vec<f64> {
+        let pulled = self.extras.pulled_to_n.get(coupler).copied();
+        pulled.into_iter().chain([self.initial_force_n[coupler]]).collect()
+    }
+}
+
 /// Where a train comes from.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Origin {
@@ -109,6 +129,19 @@ pub struct Origin {
 pub fn read(path: &Path) -> Result<Train, InputError> {
     let files = Files::default();
     parse_with(&files.main(path)?, path, &files)
+}
+
+/// What messages call a train that comes from standard input; files that it names stand in the current folder.
+pub const STDIN: &str = "<stdin>";
+
+/// Reads a train file's text from a stream, such as standard input; `path` is what messages call it, and files that it names
+/// stand beside it.
+///
+/// # Errors
+/// As for [`read`].
+pub fn read_from(input: &mut dyn std::io::Read, path: &Path) -> Result<Train, InputError> {
+    let files = Files::default();
+    parse_with(&files.stream(input, path)?, path, &files)
 }
 
 /// Reads the text of a train file; `path` is what messages call it.
@@ -170,8 +203,8 @@ pub(crate) fn parse_drawn(
     let found = tree::Found::default();
     let root = tree::Table::root(&found, parsed.get_ref(), &keys::TRAIN);
     let named = root.get("vehicles").filter(|value| value.as_text().is_some());
-    let rows = match named.map(|value| value.text_beside(path, files)) {
-        Some(Ok((beside, text))) => Ok(Some(table::parse(&text, &beside)?)),
+    let rows = match named.map(|value| value.text_beside(path, files, table::is_table)) {
+        Some(Ok((beside, text))) => Ok(Some(table::parse(&text, &beside, path, files)?)),
         Some(Err(reported)) => Err(reported),
         None => Ok(None),
     };
@@ -196,6 +229,9 @@ fn not_train(text: &str, path: &Path) -> Option<InputError> {
             format!("type `trainsafe fleet {shown}`; a [[vary]] table has its place in a study, and no other file")
         }
         "a table of vehicles" => format!("name it in a train file: vehicles = \"{file}\"; `trainsafe new` prints one"),
+        "a gear's table of force over travel" => {
+            format!("name it in the [coupler] table of a train file: gear = \"{file}\"")
+        }
         "a record of force over time" => format!("name it in a pulse of a train file: record = \"{file}\""),
         _ => "give the path of a train file; `trainsafe new` prints one to start from".to_owned(),
     };

@@ -58,6 +58,20 @@ pub(super) fn canonical(run: &str, decimal: Decimal) -> Option<String> {
     good.then(|| format!("{sign}{}{point}{}{exponent}", whole.replace(thousands, ""), decimals.unwrap_or_default()))
 }
 
+/// A number, written with a point and no separators of thousands, as a cell of CSV between commas: three decimals could be taken for
+/// thousands where another cell's text has a decimal comma.
+pub fn cell_of_number(number: String) -> String {
+    let three = number.split_once('.').is_some_and(|(_, decimals)| decimals.len() == 3);
+    if three { number + "0" } else { number }
+}
+
+/// A text as such a cell, in one line.
+pub fn cell_of_text(text: &str) -> String {
+    let line = text.replace(['\n', '\r'], " ");
+    let plain = !line.contains(['"', ',', ';', '\t']);
+    if plain { line } else { format!("\"{}\"", line.replace('"', "\"\"")) }
+}
+
 /// What the numbers of a file say of its decimal mark.
 #[derive(Default)]
 pub(super) struct Marks {

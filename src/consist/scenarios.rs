@@ -8,11 +8,11 @@ use super::file::coupler_list;
 use super::keys::SCENARIO;
 use super::labels::Labels;
 use super::tree::{Found, Read, Table, Value};
-use super::{Files, record};
+use super::{Extras, Files, brakes, record};
 use crate::doubts::Doubt;
 use crate::error::quoted;
 use crate::play::{Drive, Rule};
-use crate::scenario::{Event, Scenario};
+use crate::scenario::{Event, Response, Scenario};
 use crate::units::{Amount, Dimension, shown};
 
 /// More breaks than this, over all scenarios, are refused.
@@ -27,6 +27,10 @@ pub(super) struct Context<'a, 'v> {
     pub labels: &'a Labels<'v>,
     /// Force in each coupler before the event, N; none where it could not be read.
     pub initial_force_n: &'a [f64],
+    /// Tractive effort of each vehicle, N.
+    pub traction_n: &'a [f64],
+    /// All else that the train has, but for its steady state.
+    pub extras: &'a Extras,
     /// The smallest capacity in draft, N.
     pub weakest_n: f64,
     /// The train file.
@@ -35,9 +39,10 @@ pub(super) struct Context<'a, 'v> {
 }
 
 impl Context<'_, '_> {
-    /// Whether a coupler carries buff: its vehicles stay pressed together when it breaks.
+    /// Whether a coupler carries buff, so that its vehicles stay pressed together when it breaks, and that is not computed. In a train
+    /// with slack or gears it is.
     fn in_buff(&self, coupler: usize) -> bool {
-        self.initial_force_n.get(coupler).is_some_and(|force| *force < 0.0)
+        self.extras.laws.is_empty() && self.initial_force_n.get(coupler).is_some_and(|force| *force < 0.0)
     }
 
     /// Every coupler in turn, and those that are left out because they carry buff.
@@ -54,7 +59,8 @@ pub(super) fn read(root: &Table, context: &Context) -> Read<Vec<Scenario>> {
     if tables.is_empty() {
         let (event, left_out_in_buff) = context.each(false);
         let name = default_name(&event, &left_out_in_buff, context.labels.vehicles.len());
-        return Ok(vec![Scenario { name, event, horizon_s: None, cascade: Rule::Keep, left_out_in_buff }]);
+        let response = Response::default();
+        return Ok(vec![Scenario { name, event, horizon_s: None, cascade: Rule::Keep, left_out_in_buff, response }]);
     }
     if let Some(beyond) = tables.get(MOST_SCENARIOS) {
         let title = format!("the train file has {} scenarios", tables.len());
@@ -84,12 +90,14 @@ struct Unnamed<'s> {
     left_out_in_buff: Vec<usize>,
     horizon_s: Option<f64>,
     cascade: Rule,
+    response: Response,
 }
 
 fn scenario<'s>(table: &Table<'s>, context: &Context) -> Read<Unnamed<'s>> {
     let name = table.get("name").map(|v| v.name().map(|text| (text, v.clone()))).transpose();
     let horizon = table.get("horizon").map(|v| v.quantity()).transpose();
-    let kind = table.require("kind", "add kind = \"break\", kind = \"pulse\" or kind = \"impact\"")?;
+    let kind =
+        table.require("kind", "add kind = \"break\", kind = \"pulse\", kind = \"impact\" or kind = \"brake\"")?;
     let kind = kind.word()?;
     only_of(table, kind);
     let breaking = breaking(table, kind);
@@ -97,9 +105,12 @@ fn scenario<'s>(table: &Table<'s>, context: &Context) -> Read<Unnamed<'s>> {
         // With an unreadable flag nothing is said of couplers in buff.
         "break" => break_of(table, context, breaking.as_ref().map_or(true, |(_, in_buff)| *in_buff)),
         "impact" => impact(table, context.labels.vehicles.len()).map(|event| (event, vec![])),
+        "brake" => brake(table, context).map(|event| (event, vec![])),
         _ => pulse(table, context).map(|event| (event, vec![])),
     };
+    let response = response(table, kind, context);
     let (name, horizon_s, (event, left_out_in_buff), (cascade, buff_breaks)) = (name?, horizon?, event?, breaking?);
+    let response = response?;
     if let Event::Break { couplers } = &event
         && buff_breaks
         && cascade == Rule::Keep
@@ -111,7 +122,7 @@ fn scenario<'s>(table: &Table<'s>, context: &Context) -> Read<Unnamed<'s>> {
         );
         table.doubt(Doubt::of_train("buff-breaks-unused", text));
     }
-    Ok(Unnamed { name, event, left_out_in_buff, horizon_s, cascade })
+    Ok(Unnamed { name, event, left_out_in_buff, horizon_s, cascade, response })
 }
 
 /// Which couplers break that pass their rating, and whether couplers in buff break.
@@ -175,7 +186,7 @@ fn break_of(table: &Table, context: &Context, buff_breaks: bool) -> Read<(Event,
 }
 
 fn pulse(table: &Table, context: &Context) -> Read<Event> {
-    let vehicle = struck(table, context.labels, context.found);
+    let vehicle = struck(table, context);
     if let Some(record) = table.get("record") {
         return recorded(table, &record, vehicle?, context);
     }
@@ -234,9 +245,8 @@ fn recorded(table: &Table, record: &Value, vehicle: usize, context: &Context) ->
             return Err(table.note_at(span, format!("{key} beside a record"), "the record gives the force over time"));
         }
     }
-    let (file, text) = record.text_beside(context.path, context.files)?;
-    let record::Course { points, doubts } =
-        record::parse(&text, &file).map_err(|bad| context.found.refer(record, &bad))?;
+    let (file, text) = record.text_beside(context.path, context.files, record::is_record)?;
+    let record::Course { points, doubts } = record::parse(&text, &file).map_err(|bad| record.refer(&bad))?;
     doubts.into_iter().for_each(|doubt| context.found.doubt(doubt));
     let force_n = points.iter().map(|p| p[1]).fold(0.0f64, |a, f| if f.abs() > a.abs() { f } else { a });
     let duration_s = points.last().map_or(0.0, |p| p[0]);
@@ -254,10 +264,103 @@ fn impact(table: &Table, count: usize) -> Read<Event> {
     Ok(Event::Impact { at_head: at? == "head", vehicles: vehicles?, speed_m_per_s: speed? })
 }
 
+/// What brakes and drives do after the event.
+fn response(table: &Table, kind: &str, context: &Context) -> Read<Response> {
+    if !["break", "brake"].contains(&kind) {
+        // Keys that belong to other kinds have been noted.
+        return Ok(Response::default());
+    }
+    let emergency = match table.get("emergency").filter(|_| kind == "break") {
+        Some(value) => brakes::application(&value, true).and_then(|a| braked(&value, context).map(|()| Some(a))),
+        None => Ok(None),
+    };
+    let Context { labels, traction_n, path, files, .. } = context;
+    let efforts = brakes::efforts(table, labels, traction_n, path, files);
+    let (emergency, efforts) = (emergency?, efforts?);
+    if let Some(key) = ["cut_power", "throttle"].into_iter().find_map(|key| table.get(key)) {
+        undamped(&key, context)?;
+    }
+    Ok(Response { emergency, efforts })
+}
+
+/// Notes what a brake application needs and the train does not have.
+fn braked(value: &Value, context: &Context) -> Read<()> {
+    let name = value.name_of_key();
+    let vehicles = context.labels.vehicles;
+    if let Some(v) = vehicles.iter().find(|v| v.length_m.is_none()) {
+        let title = format!("{name} needs the length of every vehicle, and {} has none", quoted(&v.label));
+        return Err(value.wrong(title, "add length = \"17.6 m\" to it: an application takes its time along the train"));
+    }
+    if context.extras.emergency_brake_n.is_empty() {
+        let title = format!("{name} in a train in which no vehicle has an emergency_brake");
+        return Err(value.wrong(title, "add emergency_brake = \"45 kN\", the full brake force, to the vehicles"));
+    }
+    if context.extras.speed_m_per_s.is_none() {
+        let title = format!("{name} needs the train's speed");
+        return Err(
+            value.wrong(title, "add speed = \"50 km/h\" at the top of the file: brakes act as long as a vehicle runs")
+        );
+    }
+    undamped(value, context)
+}
+
+/// Notes a damping ratio, with which forces that change over time on several vehicles are not computed.
+fn undamped(value: &Value, context: &Context) -> Read<()> {
+    if context.extras.damping_ratio == 0.0 {
+        return Ok(());
+    }
+    let title = format!("{} in a train with a damping_ratio", value.name_of_key());
+    Err(value.wrong(title, "give [coupler] a damping = \"200 kN*s/m\" in its place, or a gear with friction"))
+}
+
+/// A brake application and where it starts.
+fn brake(table: &Table, context: &Context) -> Read<Event> {
+    let vehicles = context.labels.vehicles.len();
+    let both = table.get("at").filter(|at| at.as_text() == Some("both ends"));
+    let from = match both {
+        Some(_) => Ok(vec![0, vehicles - 1]),
+        None => place(table, context, "\"both ends\", ").map(|(_, vehicle)| vec![vehicle]),
+    };
+    let (emergency, service) = (table.get("emergency"), table.get("service"));
+    let value = match (emergency, service) {
+        (Some(emergency), Some(service)) => {
+            let help = "keep one of them";
+            return Err(service.wrong_because(
+                "service beside emergency",
+                help,
+                emergency.span(),
+                "the emergency application",
+            ));
+        }
+        (None, None) => {
+            let help = "add service = \"AAR\" or emergency = \"AAR\", or its wave and build-up";
+            return Err(table.wrong("the brake application has no course", help));
+        }
+        (emergency, service) => emergency.map(|v| (v, true)).or(service.map(|v| (v, false))),
+    };
+    let Some((value, emergency)) = value else { unreachable!("one of the two is there") };
+    let application = brakes::application(&value, emergency);
+    braked(&value, context)?;
+    Ok(Event::Brake { from: from?, emergency, application: application? })
+}
+
 /// The vehicle that a pulse strikes, as an index from 0.
-fn struck(table: &Table, labels: &Labels, found: &Found) -> Read<usize> {
+fn struck(table: &Table, context: &Context) -> Read<usize> {
+    let (value, vehicle) = place(table, context, "")?;
+    if context.labels.vehicles[vehicle].held {
+        return Err(
+            value.wrong("the pulse strikes a held vehicle, which no force moves", "choose a vehicle that is not held")
+        );
+    }
+    Ok(vehicle)
+}
+
+/// The vehicle that `at` names, as an index from 0; `more` is what else it could be.
+fn place<'s>(table: &Table<'s>, context: &Context, more: &str) -> Read<(Value<'s>, usize)> {
+    let Context { labels, found, .. } = context;
     let vehicles = labels.vehicles;
-    let right = format!("expected \"head\", \"tail\", a vehicle's number from 1 to {} or its label", vehicles.len());
+    let right =
+        format!("expected {more}\"head\", \"tail\", a vehicle's number from 1 to {} or its label", vehicles.len());
     let value = table.require("at", &right)?;
     let vehicle = match value.as_text() {
         Some(end @ ("head" | "tail")) => {
@@ -279,12 +382,7 @@ fn struck(table: &Table, labels: &Labels, found: &Found) -> Read<usize> {
         }
         None => value.number(vehicles.len(), |n| format!("the train has no vehicle {n}"), &right)? - 1,
     };
-    if vehicles[vehicle].held {
-        return Err(
-            value.wrong("the pulse strikes a held vehicle, which no force moves", "choose a vehicle that is not held")
-        );
-    }
-    Ok(vehicle)
+    Ok((value, vehicle))
 }
 
 /// Gives names to those without one and notes those that are given twice.
@@ -313,8 +411,8 @@ fn named(scenarios: Vec<Unnamed>, vehicles: usize) -> Read<Vec<Scenario>> {
                 free
             }
         };
-        let Unnamed { event, left_out_in_buff, horizon_s, cascade, .. } = scenario;
-        Scenario { name, event, horizon_s, cascade, left_out_in_buff }
+        let Unnamed { event, left_out_in_buff, horizon_s, cascade, response, .. } = scenario;
+        Scenario { name, event, horizon_s, cascade, left_out_in_buff, response }
     };
     Ok(scenarios.into_iter().map(name_one).collect())
 }
@@ -341,5 +439,14 @@ fn default_name(event: &Event, left_out: &[usize], vehicles: usize) -> String {
             number => format!("pulse at vehicle {number}"),
         },
         Event::Impact { at_head, .. } => format!("impact at the {}", if *at_head { "head" } else { "tail" }),
+        Event::Brake { from, emergency, .. } => {
+            let what = if *emergency { "emergency brakes" } else { "service brakes" };
+            match from.as_slice() {
+                [0] => format!("{what} from the head"),
+                [v] if v + 1 == vehicles => format!("{what} from the tail"),
+                [v] => format!("{what} from vehicle {}", v + 1),
+                _ => format!("{what} from both ends"),
+            }
+        }
     }
 }

@@ -15,7 +15,7 @@ use crate::error::{Problem, Problems, quoted};
 const MOST_COLUMNS: usize = 1000;
 const LONGEST_HEADER: usize = 64 << 10;
 /// The header is looked for in so many rows, and so many rows below it are looked at to tell what separates cells.
-const ABOVE: usize = 100;
+pub(super) const ABOVE: usize = 100;
 const BELOW: usize = 20;
 
 /// A cell: its place without the space and the quotation marks around it.

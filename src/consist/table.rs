@@ -17,16 +17,16 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::MOST_VEHICLES;
 use super::file::{Group, OwnKeys, group, wrongly_held};
-use super::heading::{Content, Wanted, normal};
+use super::heading::{Content, Wanted, normal, only_unit};
 use super::keys::{OVERRIDE, VEHICLE};
-use super::sheet::{Record, Sheet};
+use super::sheet::{ABOVE, Record, Sheet};
 use super::tree::{Found, Table};
+use super::{Files, MOST_VEHICLES};
 use crate::doubts::Doubt;
 use crate::error::{InputError, Problem, Problems, printable_path, quoted};
 use crate::keys::{Kind, Shape};
-use crate::units::one_of;
+use crate::units::{Dimension, one_of};
 
 /// The vehicles of a table, in groups, and what it says of the coupler behind each.
 pub(super) struct Rows {
@@ -56,6 +56,16 @@ enum Entry {
     Text(String),
     Number(String),
     Flag(bool),
+}
+
+impl Entry {
+    fn toml(self) -> String {
+        match self {
+            Entry::Text(text) => toml::Value::String(text).to_string(),
+            Entry::Number(number) => number,
+            Entry::Flag(flag) => flag.to_string(),
+        }
+    }
 }
 
 /// Other words for a key where they have no other meaning.
@@ -137,41 +147,67 @@ fn position(slots: &[Slot], name: &str) -> usize {
     slots.iter().position(|slot| slot.of == Of::Vehicle && slot.path == [name]).unwrap_or_default()
 }
 
-/// Reads the rows of a table's text; `path` is what messages call it.
+/// Reads the rows of a table's text; `path` is what messages call it. Files that its cells name stand beside the train file.
 ///
 /// # Errors
 /// Every problem with its row and column.
-pub(super) fn parse(text: &str, path: &Path) -> Result<Rows, InputError> {
-    let slots = slots();
-    let [mass, held] = ["mass", "held"].map(|name| position(&slots, name));
-    let sheet = match Sheet::open(text, &wanted(&slots), &[mass]) {
-        Ok(sheet) => sheet,
-        Err(Some(problems)) => return Err(InputError::new(path, text, problems)),
-        Err(None) if text.trim_matches(['\u{feff}', ' ', '\n', '\r', '\t']).is_empty() => {
-            let help = "give it a header and a row for each vehicle";
-            return Err(InputError::of_file(path, "the table is empty", help));
-        }
-        // Nothing is shown of a file that is no table of vehicles: a train file may come from anyone, and name any file.
-        Err(None) => {
-            let what = super::kinds::of_text(text).map_or(String::new(), |what| format!(": it is {what}"));
-            let help =
-                format!("a row above the vehicles names the columns: mass [t], and any of {}", all_columns(&slots));
-            return Err(InputError::of_file(path, format!("this is no table of vehicles{what}"), help));
-        }
-    };
-    let mut reader = Reader {
-        sheet,
-        slots,
-        mass,
-        held,
-        problems: Problems::default(),
-        doubts: vec![],
-        without_unit: HashSet::new(),
-        name: path.file_name().map_or_else(|| printable_path(path), |name| printable_path(Path::new(name))),
-    };
-    let rows = reader.rows();
+pub(super) fn parse(text: &str, path: &Path, train: &Path, files: &Files) -> Result<Rows, InputError> {
+    let mut reader = Reader::open(text, path)?;
+    let rows = reader.rows(train, files);
     let Reader { problems, doubts, .. } = reader;
     if problems.is_empty() { Ok(Rows { doubts, ..rows }) } else { Err(InputError::new(path, text, problems)) }
+}
+
+/// Where a heading with a unit of mass probably stands, in words that show nothing of the file.
+fn masses(text: &str) -> Option<String> {
+    let mass = Content::Quantity { of: Dimension::Mass, share: false };
+    let is_mass = |cell: &str| cell.trim().ends_with([')', ']']) && only_unit(cell, mass).is_some();
+    let column = |line: &str| line.split([';', ',', '\t']).position(is_mass);
+    let (row, column) = text.lines().take(ABOVE).enumerate().find_map(|(row, line)| Some((row, column(line)?)))?;
+    Some(format!("column {} of row {}", column + 1, row + 1))
+}
+
+/// A row with its cells as they are read.
+pub(super) struct ListedRow {
+    pub(super) row: usize,
+    pub(super) count: usize,
+    pub(super) vehicle: Vec<ListedCell>,
+    pub(super) coupler: Vec<ListedCell>,
+}
+
+/// A cell as the value of its key.
+pub(super) struct ListedCell {
+    /// As `limits.proof`.
+    pub(super) key: String,
+    /// As TOML.
+    pub(super) value: String,
+    pub(super) heading: String,
+}
+
+/// The rows of a table's text with their cells, and the doubts about it.
+///
+/// # Errors
+/// As for [`parse`].
+pub(super) fn listed(text: &str, path: &Path) -> Result<(Vec<ListedRow>, Vec<Doubt>), InputError> {
+    let mut reader = Reader::open(text, path)?;
+    let rows = reader.rows(path, &Files::default());
+    if !reader.problems.is_empty() {
+        return Err(InputError::new(path, text, reader.problems));
+    }
+    let records: Vec<Record> = reader.sheet.rows().collect();
+    let list = records.iter().zip(&rows.groups).map(|(record, group)| {
+        let mut listed = ListedRow { row: record.row, count: group.count, vehicle: vec![], coupler: vec![] };
+        for (slot, _, entry) in reader.values(record) {
+            let heading = reader.sheet.columns[slot].as_ref().map_or_else(String::new, |column| column.heading.clone());
+            let cell = ListedCell { key: reader.slots[slot].path.join("."), value: entry.toml(), heading };
+            match reader.slots[slot].of {
+                Of::Coupler => listed.coupler.push(cell),
+                _ => listed.vehicle.push(cell),
+            }
+        }
+        listed
+    });
+    Ok((list.collect(), std::mem::take(&mut reader.doubts)))
 }
 
 struct Reader<'t> {
@@ -194,8 +230,42 @@ struct Seen {
     label: String,
 }
 
-impl Reader<'_> {
-    fn rows(&mut self) -> Rows {
+impl<'t> Reader<'t> {
+    /// Finds the header of a table's text.
+    fn open(text: &'t str, path: &Path) -> Result<Reader<'t>, InputError> {
+        let slots = slots();
+        let [mass, held] = ["mass", "held"].map(|name| position(&slots, name));
+        let sheet = match Sheet::open(text, &wanted(&slots), &[mass]) {
+            Ok(sheet) => sheet,
+            Err(Some(problems)) => return Err(InputError::new(path, text, problems)),
+            Err(None) if text.trim_matches(['\u{feff}', ' ', '\n', '\r', '\t']).is_empty() => {
+                let help = "give it a header and a row for each vehicle";
+                return Err(InputError::of_file(path, "the table is empty", help));
+            }
+            // Nothing is shown of a file that is no table of vehicles: a train file may come from anyone, and name any file.
+            Err(None) => {
+                let what = super::kinds::of_text(text).map_or(String::new(), |what| format!(": it is {what}"));
+                let help = match masses(text) {
+                    Some(place) => format!("{place} is in a unit of mass; if it holds the masses, head it mass [t]"),
+                    None => "a row above the vehicles names the columns: mass [t]".to_owned(),
+                };
+                let help = format!("{help}, and others with any of {}", all_columns(&slots));
+                return Err(InputError::of_file(path, format!("this is no table of vehicles{what}"), help));
+            }
+        };
+        Ok(Reader {
+            sheet,
+            slots,
+            mass,
+            held,
+            problems: Problems::default(),
+            doubts: vec![],
+            without_unit: HashSet::new(),
+            name: path.file_name().map_or_else(|| printable_path(path), |name| printable_path(Path::new(name))),
+        })
+    }
+
+    fn rows(&mut self, train: &Path, files: &Files) -> Rows {
         let mut rows = Rows { groups: vec![], behind: vec![], doubts: vec![] };
         self.header();
         if !self.problems.is_empty() {
@@ -210,7 +280,7 @@ impl Reader<'_> {
             let values = self.values(record);
             let [vehicle, coupler] = tables(&self.slots, &values);
             let group = group(&Table::of_row(&found, &vehicle, &VEHICLE, record.span.clone()));
-            let own = OwnKeys::read(&Table::of_row(&found, &coupler, &OVERRIDE, record.span.clone()));
+            let own = OwnKeys::read(&Table::of_row(&found, &coupler, &OVERRIDE, record.span.clone()), train, files);
             let (Ok(group), Ok(own)) = (group, own) else {
                 self.told(record, found);
                 continue;
@@ -396,8 +466,10 @@ impl Reader<'_> {
             let text = text.trim_start_matches('#').trim_end_matches('.').trim();
             Some(text.parse::<i64>().ok())
         };
-        let given: Vec<(usize, Option<i64>)> =
+        let mut given: Vec<(usize, Option<i64>)> =
             records.iter().enumerate().filter_map(|(i, record)| Some((i, number(record)?))).collect();
+        // A row of sums has a word there.
+        given.pop_if(|(row, number)| number.is_none() && *row + 1 == records.len());
         let numbers: Option<Vec<(usize, i64)>> = given.into_iter().map(|(i, n)| Some((i, n?))).collect();
         let numbers = numbers.unwrap_or_default();
         let [low, high] =

@@ -9,12 +9,17 @@ use encoding_rs::{UTF_16BE, UTF_16LE, WINDOWS_1252};
 use sha2::{Digest, Sha256};
 
 use super::kinds;
-use crate::error::InputError;
+use crate::error::{InputError, printable_path};
 
 /// Larger train files and studies are refused unread, and larger tables and records: their trees take up to 75 times the memory, and
 /// what is read of a table little more than the table.
 const LARGEST: u64 = 8 << 20;
 const LARGEST_TABLE: u64 = 16 << 20;
+
+/// So many names of a folder are compared with one that is missing.
+const MOST_LISTED: usize = 10_000;
+
+const GIVE_TRAIN: &str = "give the path of a train file; `trainsafe new` prints one to start from";
 
 /// A file that was read, or that could not be.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -57,35 +62,56 @@ impl Files {
 
     /// The text of a train file or study, which may come through a pipe.
     pub(crate) fn main(&self, path: &Path) -> Result<Arc<str>, InputError> {
-        let give = "give the path of a train file; `trainsafe new` prints one to start from";
+        self.train_file(path, || bytes(path, "a train file", GIVE_TRAIN, LARGEST))
+    }
+
+    /// The text of a train file that comes through a stream.
+    pub(super) fn stream(&self, input: &mut dyn io::Read, path: &Path) -> Result<Arc<str>, InputError> {
+        self.train_file(path, || all_bytes(input, GIVE_TRAIN, LARGEST))
+    }
+
+    fn train_file(
+        &self,
+        path: &Path,
+        bytes: impl FnOnce() -> Result<Vec<u8>, [String; 2]>,
+    ) -> Result<Arc<str>, InputError> {
         let text = self.text(path, || {
-            let bytes = bytes(path, "a train file", give, LARGEST)?;
+            let bytes = bytes()?;
             if let Some((what, workbook)) = kinds::of_bytes(&bytes) {
                 let sheet =
                     "save the sheet with the vehicles as CSV, and name it in a train file: vehicles = \"consist.csv\"";
-                return Err([format!("this is {what}, and no train file"), if workbook { sheet } else { give }.into()]);
+                let help = if workbook { sheet } else { GIVE_TRAIN };
+                return Err([format!("this is {what}, and no train file"), help.into()]);
             }
             read(bytes, utf8)
         });
         text.map_err(|[title, help]| InputError::of_file(path, title, help))
     }
 
-    /// The text of a file that a train file names. Pipes and devices are refused: the train file may come from somebody else, and
-    /// reading them may never end.
-    pub(super) fn beside(&self, path: &Path) -> Text {
+    /// The text of a file that a train file names, or of a sheet of a workbook: `consist.xlsx#Sheet1`, or the only sheet that is wanted.
+    /// Pipes and devices are refused: the train file may come from somebody else, and reading them may never end.
+    pub(super) fn beside(&self, path: &Path, is_wanted: fn(&str) -> bool) -> Text {
         let give = "give the path of a CSV file";
         self.text(path, || {
-            let path = &self.allowed(path)?;
-            let about = fs::metadata(path).map_err(|e| unreadable(&e, give))?;
-            if about.is_file() || about.is_dir() {
-                let bytes = bytes(path, "a CSV file", give, LARGEST_TABLE)?;
-                if let Some((what, workbook)) = kinds::of_bytes(&bytes) {
-                    let help = if workbook { "save its sheet as CSV, and give the path of that file" } else { give };
-                    return Err([format!("this is {what}, and no CSV file"), help.into()]);
-                }
-                return read(bytes, decoded);
+            let (file, sheet) = sheet(path);
+            let file = self.allowed(&file)?;
+            let about = fs::metadata(&file).map_err(|e| unreadable(&e, &file, give))?;
+            if !about.is_file() && !about.is_dir() {
+                return Err(["this is a pipe or a device".into(), give.into()]);
             }
-            Err(["this is a pipe or a device".into(), give.into()])
+            let bytes = bytes(&file, "a CSV file", give, LARGEST_TABLE)?;
+            match kinds::of_bytes(&bytes) {
+                Some((what, true)) => {
+                    let sha256 = Sha256::digest(&bytes).into();
+                    Ok((workbook_text(what, &bytes, sheet.as_deref(), is_wanted)?.into(), sha256))
+                }
+                Some((what, false)) => Err([format!("this is {what}, and no CSV file"), give.into()]),
+                None if sheet.is_some() => {
+                    let title = "this is no workbook, so it has no sheets".to_owned();
+                    Err([title, "leave out the # and what follows it".into()])
+                }
+                None => read(bytes, decoded),
+            }
         })
     }
 
@@ -95,6 +121,18 @@ impl Files {
         let real = path.canonicalize().ok().filter(|real| real.starts_with(folder));
         let help = "put the file beside the train file, and give its name";
         real.ok_or_else(|| ["there is no such file in the train's folder, and no other is read".into(), help.into()])
+    }
+
+    /// Files that need not be read, for they are here.
+    pub fn holding(contents: impl IntoIterator<Item = (Source, Arc<str>)>) -> Files {
+        let read = contents.into_iter().map(|(source, text)| (source, Ok(text)));
+        Files { read: Mutex::new(read.collect()), folder: None }
+    }
+
+    /// Every file that has been read, with its text: of a table in another encoding as UTF-8, of a workbook that of the sheet.
+    pub fn contents(&self) -> Vec<(Source, Arc<str>)> {
+        let read = self.lock();
+        read.iter().filter_map(|(source, text)| Some((source.clone(), text.clone().ok()?))).collect()
     }
 
     /// Every file that was asked for, in the order of the first time.
@@ -119,26 +157,64 @@ impl Files {
     }
 }
 
+/// A path without the name of a sheet, and that name; a file may have a # in its own name.
+fn sheet(path: &Path) -> (PathBuf, Option<String>) {
+    let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+    match name.split_once('#') {
+        Some((file, sheet)) if !path.exists() => (path.with_file_name(file), Some(sheet.to_owned())),
+        _ => (path.to_owned(), None),
+    }
+}
+
+/// The text of a workbook's sheet.
+#[cfg(feature = "xlsx")]
+fn workbook_text(
+    what: &str,
+    bytes: &[u8],
+    sheet: Option<&str>,
+    is_wanted: fn(&str) -> bool,
+) -> Result<String, [String; 2]> {
+    if what.contains("xls)") || what.contains("xlsb)") {
+        let help = "save it as xlsx, or its sheet as CSV, and give the path of that file";
+        return Err([format!("this is {what}, which is not read"), help.into()]);
+    }
+    super::workbook::text(bytes, sheet, is_wanted)
+}
+
+/// What to say of a workbook where none is read.
+#[cfg(not(feature = "xlsx"))]
+fn workbook_text(what: &str, _: &[u8], _: Option<&str>, _: fn(&str) -> bool) -> Result<String, [String; 2]> {
+    let title = format!(
+        "this is {what}, and no CSV file; this trainsafe was built without the feature xlsx, by which workbooks are read"
+    );
+    Err([title, "save its sheet as CSV, and give the path of that file; or build with --features xlsx".into()])
+}
+
 fn bytes(path: &Path, kind: &str, give: &str, most: u64) -> Result<Vec<u8>, [String; 2]> {
-    let mut file = File::open(path).map_err(|e| unreadable(&e, give))?;
-    let about = file.metadata().map_err(|e| unreadable(&e, give))?;
+    let mut file = File::open(path).map_err(|e| unreadable(&e, path, give))?;
+    let about = file.metadata().map_err(|e| unreadable(&e, path, give))?;
     if about.is_dir() {
         return Err(["this is a folder".into(), format!("give the path of {kind} in it")]);
     }
-    let too_large = |size: String| {
-        let title = format!("the file has {size}, and at most {} MiB are read", most >> 20);
-        [title, "shorten it: in a train file or table, `count` groups vehicles that are alike".into()]
-    };
     if about.len() > most {
-        return Err(too_large(format!("{} MB", about.len() / 1_000_000)));
+        return Err(too_large(format!("{} MB", about.len() / 1_000_000), most));
     }
+    all_bytes(&mut file, give, most)
+}
+
+/// What is left of a stream. A device or pipe has no size to look at beforehand, and a file can grow.
+fn all_bytes(input: &mut dyn io::Read, give: &str, most: u64) -> Result<Vec<u8>, [String; 2]> {
     let mut bytes = Vec::new();
-    // A device or pipe has no size to look at beforehand, and a file can grow.
-    file.by_ref().take(most + 1).read_to_end(&mut bytes).map_err(|e| unreadable(&e, give))?;
+    input.take(most + 1).read_to_end(&mut bytes).map_err(|e| unreadable(&e, Path::new(""), give))?;
     if bytes.len() as u64 > most {
-        return Err(too_large("no end in sight".to_owned()));
+        return Err(too_large("no end in sight".to_owned(), most));
     }
     Ok(bytes)
+}
+
+fn too_large(size: String, most: u64) -> [String; 2] {
+    let title = format!("the file has {size}, and at most {} MiB are read", most >> 20);
+    [title, "shorten it: in a train file or table, `count` groups vehicles that are alike".into()]
 }
 
 /// A file's text and digest.
@@ -150,12 +226,34 @@ fn read(
     decode(bytes).map(|text| (text.into(), sha256))
 }
 
-fn unreadable(error: &io::Error, give: &str) -> [String; 2] {
-    let title = match error.kind() {
-        io::ErrorKind::NotFound => "there is no such file".to_owned(),
-        _ => format!("the file cannot be read: {error}"),
+fn unreadable(error: &io::Error, path: &Path, give: &str) -> [String; 2] {
+    match error.kind() {
+        io::ErrorKind::NotFound => {
+            let meant = meant(path, give == GIVE_TRAIN)
+                .map_or(String::new(), |near| format!("did you mean {}? ", printable_path(&near)));
+            ["there is no such file".to_owned(), meant + give]
+        }
+        _ => [format!("the file cannot be read: {error}"), give.to_owned()],
+    }
+}
+
+/// The file beside a missing one that was probably meant: its name without or with another extension, or with a slip of the hand.
+fn meant(missing: &Path, is_train: bool) -> Option<PathBuf> {
+    let name = missing.file_name()?.to_str()?;
+    let folder = missing.parent()?;
+    let listed = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let files = fs::read_dir(listed).ok()?.flatten().take(MOST_LISTED).filter(|entry| entry.path().is_file());
+    let lower = name.to_lowercase();
+    let stem = Path::new(&lower).file_stem().and_then(|s| s.to_str()).unwrap_or(&lower).to_owned();
+    let distance = |found: &str| {
+        let found = found.to_lowercase();
+        let same_stem = Path::new(&found).file_stem().is_some_and(|s| s == stem.as_str() || s == lower.as_str());
+        if same_stem { 1 } else { strsim::damerau_levenshtein(&lower, &found) }
     };
-    [title, give.to_owned()]
+    let names = files.filter_map(|entry| entry.file_name().into_string().ok()).filter(|found| found.len() < 100);
+    let names = names.filter(|found| !is_train || found.ends_with(".toml"));
+    let near = names.map(|found| (distance(&found), found)).min()?;
+    (near.0 <= (lower.len() / 4).clamp(1, 3)).then(|| folder.join(near.1))
 }
 
 /// The text of a train file, which TOML has in UTF-8 alone.

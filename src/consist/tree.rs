@@ -53,11 +53,6 @@ impl Found {
         }
     }
 
-    /// Adds the problems of another text that this one names.
-    pub(crate) fn refer(&self, value: &Value, beside: &InputError) -> Reported {
-        value.wrong(beside.brief(), beside.help())
-    }
-
     /// What is wrong, and what is doubtful.
     pub(crate) fn into_parts(self) -> (Problems, Vec<Doubt>) {
         (self.problems.into_inner(), self.doubts.into_inner())
@@ -273,11 +268,17 @@ impl<'s> Value<'s> {
         }
     }
 
-    /// The text of a file that this value names, which stands beside the train file `path`, with its path.
-    pub(super) fn text_beside(&self, path: &Path, files: &Files) -> Read<(PathBuf, Arc<str>)> {
+    /// The text of a file that this value names, which stands beside the train file `path`, with its path. Of a workbook it is that
+    /// of the sheet behind a `#`, or else of the only one that is wanted.
+    pub(super) fn text_beside(
+        &self,
+        path: &Path,
+        files: &Files,
+        is_wanted: fn(&str) -> bool,
+    ) -> Read<(PathBuf, Arc<str>)> {
         let name = self.file_name()?;
         let beside = path.parent().unwrap_or(Path::new("")).join(name);
-        match files.beside(&beside) {
+        match files.beside(&beside, is_wanted) {
             Ok(text) => Ok((beside, text)),
             Err([what, right]) => {
                 let help = if name.contains('\\') && !beside.exists() { BACKSLASH.to_owned() } else { right };
@@ -294,6 +295,34 @@ impl<'s> Value<'s> {
     /// The value as it stands.
     pub(crate) fn raw(&self) -> &'s DeValue<'s> {
         self.value
+    }
+
+    /// Notes the problems of another text that this value names.
+    pub(super) fn refer(&self, beside: &InputError) -> Reported {
+        self.wrong(beside.brief(), beside.help())
+    }
+
+    /// Notes something that is probably not meant, and no error.
+    pub(super) fn doubt(&self, doubt: Doubt) {
+        self.found.doubt(doubt);
+    }
+
+    /// A list of rows of quantities, each of at least `least` of these; `right` says what is expected.
+    pub(super) fn rows(&self, of: &[(&str, Dimension, Sign)], least: usize, right: &str) -> Read<Vec<Vec<f64>>> {
+        let DeValue::Array(rows) = self.value else { return Err(self.wrong_type(right)) };
+        let row = |row: &'s toml::Spanned<DeValue<'s>>| {
+            let row = self.item(row);
+            let DeValue::Array(cells) = row.value else { return Err(row.wrong_type(right)) };
+            if !(least..=of.len()).contains(&cells.len()) {
+                let title = format!("a row of {} has {} values", self.key.name, cells.len());
+                return Err(row.wrong(title, right));
+            }
+            let cell = |(cell, (_, of, sign)): (&'s toml::Spanned<DeValue<'s>>, &(&str, Dimension, Sign))| {
+                row.item(cell).amount_of(*of, *sign, false).map(|(Amount::Si(value) | Amount::Share(value))| value)
+            };
+            cells.iter().zip(of).map(cell).collect()
+        };
+        rows.iter().map(row).collect()
     }
 
     /// A number without a unit, more than 0.

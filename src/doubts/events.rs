@@ -3,7 +3,7 @@
 use super::{Doubt, more, overloaded};
 use crate::consist::Train;
 use crate::scenario::{
-    Event, Scenario, horizon_s, initial_force_n, last_change_s, longest_horizon_s, longest_transit_s,
+    self, Event, Scenario, horizon_s, initial_force_n, last_change_s, longest_horizon_s, longest_transit_s,
 };
 use crate::units::{Dimension, shown};
 
@@ -18,6 +18,7 @@ pub(super) fn of_scenario(train: &Train, scenario: &Scenario) -> Vec<Doubt> {
         Event::Break { couplers } => breaks(train, scenario, couplers),
         Event::Pulse { .. } | Event::Shaped { .. } => pulse(train, scenario),
         Event::Impact { .. } => impact(train, scenario),
+        Event::Brake { .. } => vec![],
     };
     let found = found.into_iter().map(|(code, text)| Doubt::of_scenario(code, scenario, text));
     found.chain(short_horizon(train, scenario)).collect()
@@ -39,7 +40,14 @@ fn breaks(train: &Train, scenario: &Scenario, couplers: &[usize]) -> Vec<(&'stat
     let mut in_buff = couplers.iter().filter(|&&b| load(b) < 0.0);
     if let Some(first) = in_buff.next() {
         let which = format!("coupler {}{}", first + 1, more(in_buff.count(), "coupler"));
-        let text = "carries buff and breaks as if the parts could pass through each other; in a train they stay pressed together";
+        let text = match scenario::is_march(train, scenario) {
+            true => {
+                "carries buff: when it breaks its vehicles stay pressed together, and part once the force there turns to draft"
+            }
+            false => {
+                "carries buff and breaks as if the parts could pass through each other; in a train they stay pressed together"
+            }
+        };
         found.push(("breaks-in-buff", format!("{which} {text}")));
     }
     let left_out = &scenario.left_out_in_buff;
@@ -56,7 +64,7 @@ fn breaks(train: &Train, scenario: &Scenario, couplers: &[usize]) -> Vec<(&'stat
 
 fn pulse(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
     let mut found = vec![];
-    let (end_s, until_s) = (last_change_s(&scenario.event), longest_horizon_s(train, scenario));
+    let (end_s, until_s) = (last_change_s(train, scenario, None), longest_horizon_s(train, scenario));
     let time = |s: f64| shown(s, Dimension::Time);
     if end_s > until_s {
         let [begins_s, peaks_s] = match &scenario.event {

@@ -17,6 +17,20 @@ fn of_scenario(train: &Train, scenario: &Scenario, options: &Options) -> Vec<Str
             "--map does nothing for an impact: its safe factor on the speed says all that a map would".to_owned(),
         );
     }
+    if scenario::is_march(train, scenario) {
+        let why = "forces with slack, friction or brakes are not proportional to their cause";
+        let event = if train.extras.laws.is_empty() { "brakes and drives" } else { "couplers with slack or gears" };
+        for (given, option) in [
+            (options.map && !matches!(scenario.event, Event::Impact { .. }), "--map"),
+            (options.all_time_bound, "--all-time-bound"),
+            (options.verdict_only, "--verdict-only"),
+        ] {
+            if given {
+                told.push(format!("{option} does nothing for {event}: {why}"));
+            }
+        }
+        return told;
+    }
     let damped = train.extras.damping_ratio > 0.0;
     if !damped && !scenario::beyond_steps(&train.extras.dashpot_n_s_per_m, &scenario.event) {
         return told;

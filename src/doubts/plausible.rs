@@ -22,7 +22,7 @@ pub(crate) const STEEP: f64 = 0.1;
 /// Every doubt about the size of a train's numbers, one a kind.
 pub(super) fn of_train(train: &Train) -> Vec<Doubt> {
     let sizes = if in_own_units(train) { [None, None, None] } else { [masses(train), soft(train), stretch(train)] };
-    sizes.into_iter().chain([acceleration(train), modal_damping(train)]).flatten().collect()
+    sizes.into_iter().chain([counted_in_label(train), acceleration(train), modal_damping(train)]).flatten().collect()
 }
 
 /// Whether it is a model in units of its own, such as the paper's with masses and stiffnesses of 1, whose sizes mean nothing. No
@@ -69,6 +69,21 @@ fn stretch(train: &Train) -> Option<Doubt> {
         shown(stretch_m(first), Dimension::Length)
     );
     Some(Doubt::of_train("stretch", text))
+}
+
+/// A label such as `3 x car` of fewer vehicles than it says.
+fn counted_in_label(train: &Train) -> Option<Doubt> {
+    let number = |label: &str| {
+        let (number, rest) = label.split_at(label.find(|c: char| !c.is_ascii_digit())?);
+        let rest = rest.trim_start().strip_prefix(['x', '×'])?;
+        if rest.starts_with(char::is_whitespace) { number.parse::<usize>().ok().filter(|n| *n > 1) } else { None }
+    };
+    let labels = || train.vehicles.iter().map(|v| v.label.as_str());
+    let said = |label: &&str| number(label).is_some_and(|n| labels().filter(|l| number(l) == Some(n)).count() < n);
+    let first = labels().find(said)?;
+    let text =
+        format!("{first:?} is the label of one vehicle; if it stands for several alike, say how many with count");
+    Some(Doubt::of_train("count-in-label", text))
 }
 
 fn acceleration(train: &Train) -> Option<Doubt> {

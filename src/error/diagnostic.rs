@@ -14,7 +14,7 @@ pub struct Diagnostic {
     /// Where in the file; `None` for a problem with the file as a whole.
     #[serde(flatten)]
     pub place: Option<Position>,
-    /// The key of a train or study file that it is about, such as `vehicle[2].mass`, counted from 1.
+    /// The key of a train or study file that it is about, such as `vehicle[0].mass`, counted from 0 as in a study.
     pub key: Option<String>,
     /// What is wrong.
     pub message: String,
@@ -74,7 +74,7 @@ impl Search {
             DeValue::Table(table) => self.table(table, path),
             DeValue::Array(items) => {
                 for (i, item) in items.iter().enumerate() {
-                    self.value(item, &format!("{path}[{}]", i + 1));
+                    self.value(item, &format!("{path}[{i}]"));
                 }
             }
             _ => {}

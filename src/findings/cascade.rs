@@ -4,7 +4,10 @@ use std::collections::BTreeSet;
 
 use serde::Serialize;
 
+use super::{GapClosure, Options};
 use crate::consist::Train;
+use crate::law::Law;
+use crate::march;
 use crate::play::Rule;
 use crate::scenario::{self, Scales, Scenario};
 use crate::solve::{SolveError, taylor};
@@ -22,8 +25,9 @@ pub struct CascadeFindings {
     pub pieces: Vec<[usize; 2]>,
     /// Couplers that certainly pass their breaking load in buff and are kept, counted from 1.
     pub kept_in_buff: Vec<usize>,
-    /// From when on the sequence is not decided, s: a coupler came within the error bound of its breaking load and was not seen to
-    /// pass it.
+    /// From when on the sequence is not decided, s: a coupler came within the error bound of its breaking load, or stood there before
+    /// the event, and whether it breaks, or breaks before another, cannot be told. Later breaks are those of a train in which it holds
+    /// until it is certainly over that load.
     pub undecided_from_s: Option<f64>,
     /// That coupler, counted from 1.
     pub undecided_coupler: Option<usize>,
@@ -32,8 +36,22 @@ pub struct CascadeFindings {
     pub gap_closes_s: Option<f64>,
     /// That coupler, counted from 1.
     pub gap_coupler: Option<usize>,
-    /// No force is further than this from the exact one, N, the instants of the breaks included.
+    /// When vehicles at parted couplers come together again and push each other, which is computed: couplers with slack or gears, or
+    /// brakes.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub gap_closures: Vec<GapClosure>,
+    /// No force is further than this from the exact one, N, the instants of the breaks included; infinite where nothing is proven.
     pub error_bound_n: f64,
+    /// An estimate of that error, N, where nothing is proven.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error_estimate_n: Option<f64>,
+}
+
+impl CascadeFindings {
+    /// What every force is within, N: proven, or else estimated.
+    pub fn error_n(&self) -> f64 {
+        self.error_estimate_n.unwrap_or(self.error_bound_n)
+    }
 }
 
 /// A coupler that breaks.
@@ -41,7 +59,7 @@ pub struct CascadeFindings {
 pub struct CascadeBreak {
     /// When, s after the event; 0 if the load alone is over its rating.
     pub time_s: f64,
-    /// Its exact instant is no further away than this, s.
+    /// Its exact instant is no further away than this, s; infinite where nothing is proven.
     pub time_uncertainty_s: f64,
     /// Counted from 1.
     pub coupler: usize,
@@ -53,7 +71,7 @@ pub struct CascadeBreak {
     pub breaks_at: &'static str,
     /// Others break at the same instant, as near as can be told.
     pub together: bool,
-    /// Elastic energy that it gives up, J, not negative.
+    /// Elastic energy that it gives up, J, not negative; no number for a gear.
     pub energy_j: f64,
 }
 
@@ -66,9 +84,13 @@ pub(super) fn find(
     scenario: &Scenario,
     broken: Option<usize>,
     horizon_s: f64,
+    options: &Options,
 ) -> Result<Option<CascadeFindings>, SolveError> {
     if scenario.cascade == Rule::Keep {
         return Ok(None);
+    }
+    if scenario::is_march(train, scenario) {
+        return Ok(Some(marched(train, scenario, broken, horizon_s, options)));
     }
     let scales = Scales::of(train);
     let mut play = scenario::play(train, scenario, broken, horizon_s, scenario.cascade);
@@ -76,9 +98,6 @@ pub(super) fn find(
     play.scene.rated_buff = play.break_at.iter().map(|[_, buff]| *buff).collect();
     let outcome = taylor::solve(&play)?;
     let loads = |i: usize| scenario::break_loads(train, i);
-    let senses = if scenario.cascade == Rule::InBoth { 2 } else { 1 };
-    let keys: BTreeSet<_> =
-        (0..train.couplers.len()).flat_map(|i| loads(i).into_iter().take(senses)).map(|l| l.1).collect();
     let breaks: Vec<CascadeBreak> = outcome
         .breakages
         .iter()
@@ -97,11 +116,13 @@ pub(super) fn find(
         })
         .collect();
     let gone = |i: usize| Some(i) == broken || breaks.iter().any(|b| b.coupler == i + 1);
-    let over = |i: &usize| !gone(*i) && outcome.springs[*i].buff.exceeds() == Some(true);
+    // What comes after the sequence is in doubt is certain of no coupler.
+    let certain = outcome.open.map_or(f64::INFINITY, |(_, t)| t);
+    let over = |i: &usize| !gone(*i) && outcome.springs[*i].buff.first_over.is_some_and(|t| t < certain);
     let kept_in_buff = (0..train.couplers.len()).filter(over).map(|i| i + 1).collect();
     Ok(Some(CascadeFindings {
         buff_breaks: scenario.cascade == Rule::InBoth,
-        breaks_at: keys.into_iter().rev().collect(),
+        breaks_at: breaks_at(train, scenario.cascade),
         pieces: pieces(train.vehicles.len(), gone),
         breaks,
         kept_in_buff,
@@ -109,8 +130,72 @@ pub(super) fn find(
         undecided_coupler: outcome.open.map(|(i, _)| i + 1),
         gap_closes_s: outcome.gap_closes.map(|(_, t)| t * scales.time_s),
         gap_coupler: outcome.gap_closes.map(|(i, _)| i + 1),
+        gap_closures: vec![],
+        error_estimate_n: None,
         error_bound_n: outcome.error_bound * scales.force_n,
     }))
+}
+
+/// The keys that give the loads that break couplers.
+fn breaks_at(train: &Train, rule: Rule) -> Vec<&'static str> {
+    let senses = if rule == Rule::InBoth { 2 } else { 1 };
+    let loads = (0..train.couplers.len()).flat_map(|i| scenario::break_loads(train, i).into_iter().take(senses));
+    let keys: BTreeSet<_> = loads.map(|l| l.1).collect();
+    keys.into_iter().rev().collect()
+}
+
+/// A cascade that is marched: what has parted pushes again where a gap closes.
+fn marched(
+    train: &Train,
+    scenario: &Scenario,
+    broken: Option<usize>,
+    horizon_s: f64,
+    options: &Options,
+) -> CascadeFindings {
+    let problem = scenario::march(train, scenario, broken, [horizon_s; 2], scenario.cascade);
+    let outcome = march::solve(&problem, &super::march::ask(train, options));
+    let (error_bound_n, error_estimate_n) = super::march::errors(&outcome.bound);
+    let margin_n = error_estimate_n.map_or(error_bound_n, |n| super::march::MARGIN * n);
+    let loads = |i: usize| scenario::break_loads(train, i);
+    let one = |p: &march::Parting| CascadeBreak {
+        time_s: p.time_s,
+        time_uncertainty_s: f64::INFINITY,
+        coupler: p.coupler + 1,
+        between: [train.vehicles[p.coupler].label.clone(), train.vehicles[p.coupler + 1].label.clone()],
+        force_n: p.force_n,
+        breaks_at: loads(p.coupler)[usize::from(p.force_n < 0.0)].1,
+        together: outcome.partings.iter().any(|other| other != p && other.time_s == p.time_s),
+        energy_j: match &problem.laws[p.coupler] {
+            Law::Elastic { draft_n_per_m, .. } if p.force_n > 0.0 => 0.5 * p.force_n * p.force_n / draft_n_per_m,
+            Law::Elastic { buff_n_per_m, .. } => 0.5 * p.force_n * p.force_n / buff_n_per_m,
+            Law::Gear { .. } => f64::NAN,
+        },
+    };
+    let breaks: Vec<CascadeBreak> = outcome.partings.iter().filter(|p| Some(p.coupler) != broken).map(one).collect();
+    let gone = |i: usize| Some(i) == broken || breaks.iter().any(|b| b.coupler == i + 1);
+    let whole = || (0..train.couplers.len()).filter(|i| !gone(*i));
+    let over_n = |i: usize, side: usize| {
+        let peaks = &outcome.extremes[i];
+        [(peaks.draft.force_n, peaks.draft.time_s), (-peaks.buff.force_n, peaks.buff.time_s)][side].0 - loads(i)[side].0
+    };
+    let senses: &[usize] = if scenario.cascade == Rule::InBoth { &[0, 1] } else { &[0] };
+    let near = whole().filter(|&i| senses.iter().any(|&side| over_n(i, side).abs() <= margin_n));
+    let at_s = |i: usize| outcome.extremes[i].draft.time_s.min(outcome.extremes[i].buff.time_s);
+    let open = near.min_by(|a, b| at_s(*a).total_cmp(&at_s(*b)));
+    CascadeFindings {
+        buff_breaks: scenario.cascade == Rule::InBoth,
+        breaks_at: breaks_at(train, scenario.cascade),
+        pieces: pieces(train.vehicles.len(), gone),
+        kept_in_buff: whole().filter(|&i| over_n(i, 1) > margin_n).map(|i| i + 1).collect(),
+        undecided_from_s: open.map(at_s).or(super::march::ending(&outcome).map(|end| end.at_s)),
+        undecided_coupler: open.map(|i| i + 1),
+        gap_closes_s: None,
+        gap_coupler: None,
+        gap_closures: outcome.closures.iter().map(|&(i, time_s)| GapClosure { coupler: i + 1, time_s }).collect(),
+        error_bound_n,
+        error_estimate_n,
+        breaks,
+    }
 }
 
 /// First and last vehicle, counted from 1, of what hangs together.

@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use super::general::{self, Solved};
 use super::{
-    CaseFindings, Options, RodFindings, ask, cascade, coupler_findings, first_passage, largest_rating_n, limits,
-    safe_factor, safe_speed, worst,
+    CaseFindings, GapClosure, Options, RodFindings, Seen, ask, cascade, coupler_findings, first_passage,
+    largest_rating_n, limits, march, safe_factor, safe_speed, worst,
 };
 use crate::consist::Train;
 use crate::play::Rule;
@@ -13,6 +13,10 @@ use crate::rod::Rod;
 use crate::scenario::{self, Part, Scales, Scenario};
 use crate::solve::memo::Memo;
 use crate::solve::{SolveError, Wanted};
+
+/// Why a march has no safe load factor.
+const NO_FACTOR: &str =
+    "with slack, friction or brakes forces do not grow in proportion to their cause: vary it in a study";
 
 /// What is to be solved.
 pub(super) struct Case<'a> {
@@ -39,6 +43,11 @@ impl<'a> Case<'a> {
         Case { train, scenario, broken, horizon_s, options: Options { wanted, ..options.clone() }, memo }
     }
 
+    /// Whether it is marched from event to event.
+    fn is_march(&self) -> bool {
+        scenario::is_march(self.train, self.scenario)
+    }
+
     /// Whether steps of force on undamped chains cannot stand for it.
     fn beyond_steps(&self) -> bool {
         scenario::beyond_steps(&self.train.extras.dashpot_n_s_per_m, &self.scenario.event)
@@ -54,6 +63,9 @@ impl<'a> Case<'a> {
 
     /// The same of a train that has other ratings, and with other options.
     fn solve_on(&self, train: &Train, until_s: f64, options: &Options) -> Result<Solved, SolveError> {
+        if self.is_march() {
+            return march::solved(train, self.scenario, self.broken, until_s, options);
+        }
         if self.beyond_steps() {
             return general::solved(train, self.scenario, self.broken, until_s, options);
         }
@@ -61,12 +73,16 @@ impl<'a> Case<'a> {
         solved_by_parts(train, &parts, options, self.memo)
     }
 
-    /// The largest factor on the load, the force or the speed at which no coupler exceeds; `solved` is up to the horizon.
+    /// The largest factor on the load, the force or the speed at which no coupler exceeds; `solved` is up to the horizon. A march
+    /// has none: forces do not grow in proportion to their cause.
     ///
     /// # Errors
     /// As for [`Case::solve`].
     pub fn safe_load_factor(&self, solved: &Solved) -> Result<Option<f64>, SolveError> {
         let Case { train, scenario, broken, horizon_s, .. } = *self;
+        if self.is_march() {
+            return Ok(None);
+        }
         match scenario::unbalanced_n(train, &scenario.event).iter().all(|f| *f == 0.0) {
             true => Ok(safe_factor::safe_load_factor(train, &scenario.event, &solved.couplers, &solved.left_out)),
             false => safe_speed::find(&scenario::play(train, scenario, broken, horizon_s, Rule::Keep)).map(Some),
@@ -75,7 +91,7 @@ impl<'a> Case<'a> {
 
     /// What an elastic rod would have said, where there is one.
     fn rod(&self) -> Option<RodFindings> {
-        let none = self.beyond_steps() || self.train.extras.damping_ratio > 0.0;
+        let none = self.is_march() || self.beyond_steps() || self.train.extras.damping_ratio > 0.0;
         let parts = || scenario::parts(self.train, &self.scenario.event, self.broken, self.horizon_s);
         if none { None } else { rod_findings(&parts()) }
     }
@@ -95,16 +111,24 @@ pub(crate) fn case_findings(
     let rod = case.rod();
     let solved = case.solve(horizon_s)?;
     let safe_load_factor = case.safe_load_factor(&solved)?;
-    let Solved { method, reason, error_bound_n, mut couplers, worst, left_out } = solved;
-    let cascade = cascade::find(train, scenario, broken, horizon_s)?;
-    limits::find(train, &mut couplers, error_bound_n, |rated| {
+    let Solved { method, reason, error_bound_n, error_estimate_n, mut couplers, worst, left_out, marched } = solved;
+    let ending = marched.as_ref().and_then(|m| m.ending);
+    let passage_s = first_passage::end_s(train, scenario, broken, horizon_s);
+    let horizon_s = ending.map_or(horizon_s, |end| end.at_s);
+    let cascade = cascade::find(train, scenario, broken, horizon_s, options)?;
+    let error_n = error_estimate_n.unwrap_or(error_bound_n);
+    let margin_n = error_estimate_n.map_or(error_bound_n, |n| march::MARGIN * n);
+    limits::find(train, &mut couplers, margin_n, |rated| {
         // The tolerance is a share of the largest rating, and stays what it is.
         let tolerance = options.tolerance * largest_rating_n(train) / largest_rating_n(rated);
         let wanted = Wanted::Everything;
         let options = Options { tolerance, wanted, verdict_only: false, ..options.clone() };
         Ok(case.solve_on(rated, horizon_s, &options)?.couplers)
     })?;
-    let passage = first_passage::find(&case, &mut couplers, worst)?;
+    let passage = match &marched {
+        Some(marched) => first_passage::of_march(marched, &mut couplers, horizon_s.min(passage_s), error_n),
+        None => first_passage::find(&case, &mut couplers, worst)?,
+    };
     Ok(CaseFindings {
         first_passage_s: passage.end_s,
         exceeding_first_passage: passage.exceeding,
@@ -115,17 +139,31 @@ pub(crate) fn case_findings(
         method_reason: reason,
         horizon_s,
         error_bound_n,
-        tolerance_n: ask(train, options).tolerance * Scales::of(train).force_n,
+        error_estimate_n,
+        predictable_until_s: ending.filter(|end| end.stopped_vehicle.is_none()).map(|end| end.at_s),
+        stopped_vehicle: ending.and_then(|end| end.stopped_vehicle),
+        stopped_at_s: ending.filter(|end| end.stopped_vehicle.is_some()).map(|end| end.at_s),
+        gap_closures: closures(marched.as_ref()),
+        tolerance_n: match &marched {
+            Some(_) => march::tolerance_n(train, options),
+            None => ask(train, options).tolerance * Scales::of(train).force_n,
+        },
         run_time_s: start.elapsed().as_secs_f64(),
         exceeding: couplers.iter().filter(|c| c.exceeds == Some(true)).count(),
         undecided: couplers.iter().filter(|c| c.exceeds.is_none()).count(),
         safe_load_factor,
+        no_safe_load_factor: marched.as_ref().map(|_| NO_FACTOR),
         worst: worst.map(|i| couplers[i].clone()),
         couplers,
         left_out: left_out.len(),
         rod,
         cascade,
     })
+}
+
+fn closures(marched: Option<&march::Marched>) -> Vec<GapClosure> {
+    let one = |&(coupler, time_s): &(usize, f64)| GapClosure { coupler: coupler + 1, time_s };
+    marched.map_or_else(Vec::new, |m| m.closures.iter().map(one).collect())
 }
 
 /// Extremes of every coupler in the parts that a break or a rectangular pulse leaves.
@@ -154,7 +192,7 @@ fn solved_by_parts(train: &Train, parts: &[Part], options: &Options, memo: &Memo
             match (spring, bound) {
                 (Some(peaks), bound) => {
                     let bound = bound.filter(|_| options.all_time_bound);
-                    couplers.push(coupler_findings(train, index, peaks, &scales, bound));
+                    couplers.push(coupler_findings(train, index, &Seen::new(peaks, &scales), bound));
                 }
                 (None, Some(bound)) => left_out.push((index, bound)),
                 (None, None) => {}
@@ -163,7 +201,7 @@ fn solved_by_parts(train: &Train, parts: &[Part], options: &Options, memo: &Memo
         worst_of_parts.extend(worst(&couplers, first..couplers.len(), solution.error_bound * scales.force_n));
     }
     let worst = worst(&couplers, worst_of_parts, error_bound_n);
-    Ok(Solved { method, reason, error_bound_n, couplers, worst, left_out })
+    Ok(Solved { method, reason, error_bound_n, error_estimate_n: None, couplers, worst, left_out, marched: None })
 }
 
 /// What the rod says of every coupler; `None` if a part's vehicles or couplers differ, or none is left.

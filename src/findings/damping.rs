@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::{CaseFindings, Options, general};
 use crate::consist::{Extras, Train};
 use crate::play::Rule;
-use crate::scenario::Scenario;
+use crate::scenario::{self, Scenario};
 use crate::solve::SolveError;
 
 /// Damping ratios of a dashpot, c / (2 √(k m)): the range that is published for draft gears, and a value between.
@@ -46,7 +46,9 @@ pub(super) fn sweep(
 ) -> Result<Vec<DampingFindings>, SolveError> {
     let used = |case: &CaseFindings| case.worst.as_ref().map_or(-1.0, |w| w.utilisation);
     let worst = cases.iter().filter(|c| c.worst.is_some()).reduce(|a, b| if used(b) > used(a) { b } else { a });
-    let Some(worst) = worst.filter(|_| !has_losses(train)) else { return Ok(Vec::new()) };
+    let Some(worst) = worst.filter(|_| !has_losses(train) && !scenario::is_march(train, scenario)) else {
+        return Ok(Vec::new());
+    };
     let found = RATIOS.par_iter().map(|&ratio| with_ratio(train, scenario, worst, ratio, options));
     found.filter_map(Result::transpose).collect()
 }
@@ -66,7 +68,7 @@ fn with_ratio(
     let dashpot_n_s_per_m = (0..train.couplers.len()).map(|i| ratio * critical_n_s_per_m(train, i)).collect();
     let damped = Train { extras: Extras { dashpot_n_s_per_m, ..train.extras.clone() }, ..train.clone() };
     let broken = case.broken_coupler.map(|b| b - 1);
-    if general::estimate_s(&damped, scenario, broken, Rule::Keep) > MOST_SECONDS {
+    if general::estimate_s(&damped, scenario, broken, case.horizon_s, Rule::Keep) > MOST_SECONDS {
         return Ok(None);
     }
     let options = Options { method: None, ..options.clone() };

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::{AnalyzeError, Options, ask, cases, chosen, general, map, safe_speed};
+use super::{AnalyzeError, Options, ask, cases, chosen, first_passage, general, map, march, safe_speed};
 use crate::consist::Train;
 use crate::play::Rule;
 use crate::scenario::{self, Scenario};
@@ -52,13 +52,14 @@ pub fn estimate_s(train: &Train, options: &Options) -> Result<f64, AnalyzeError>
         let sample: Vec<_> = cases.iter().step_by(cases.len().div_ceil(SAMPLE).max(1)).collect();
         let seconds: Result<f64, _> = sample.par_iter().map(|&&b| case_estimate_s(train, scenario, b, options)).sum();
         let seconds = seconds.map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
-        let mapped = if options.map { map::cases(train, &scenario.event) } else { 0 };
+        let mapped =
+            if options.map && !scenario::is_march(train, scenario) { map::cases(train, &scenario.event) } else { 0 };
         total += seconds * (cases.len() + mapped) as f64 / sample.len().max(1) as f64;
     }
     if total > MOST_SECONDS { Err(AnalyzeError::TooLong { seconds: total }) } else { Ok(total) }
 }
 
-/// Estimated time of one case on one core, s.
+/// Estimated time of one case on one core, s: it is solved up to the horizon, and again up to the end of the first passage.
 pub(crate) fn case_estimate_s(
     train: &Train,
     scenario: &Scenario,
@@ -66,20 +67,38 @@ pub(crate) fn case_estimate_s(
     options: &Options,
 ) -> Result<f64, SolveError> {
     let horizon_s = scenario::horizon_s(train, scenario, broken);
-    let ask = ask(train, options);
+    if scenario::is_march(train, scenario) {
+        return Ok(march::estimate_s(train, scenario, broken, horizon_s, options));
+    }
     let mut seconds = 0.0;
     if scenario.cascade != Rule::Keep {
-        seconds += general::estimate_s(train, scenario, broken, scenario.cascade);
+        seconds += general::estimate_s(train, scenario, broken, horizon_s, scenario.cascade);
     }
+    let once = solved_s(train, scenario, broken, horizon_s, options)?;
+    let balanced = scenario::unbalanced_n(train, &scenario.event).iter().all(|f| *f == 0.0);
+    seconds += if balanced { once } else { once * (1.0 + safe_speed::ABOUT) };
+    let passage_s = first_passage::end_s(train, scenario, broken, horizon_s);
+    if passage_s < horizon_s {
+        seconds += solved_s(train, scenario, broken, passage_s, options)?;
+    }
+    Ok(seconds)
+}
+
+/// Estimated time of solving a case once up to an instant, s.
+fn solved_s(
+    train: &Train,
+    scenario: &Scenario,
+    broken: Option<usize>,
+    until_s: f64,
+    options: &Options,
+) -> Result<f64, SolveError> {
     if scenario::beyond_steps(&train.extras.dashpot_n_s_per_m, &scenario.event) {
-        let once = general::estimate_s(train, scenario, broken, Rule::Keep);
-        let balanced = scenario::unbalanced_n(train, &scenario.event).iter().all(|f| *f == 0.0);
-        return Ok(seconds + if balanced { once } else { once * (1.0 + safe_speed::ABOUT) });
+        return Ok(general::estimate_s(train, scenario, broken, until_s, Rule::Keep));
     }
-    let parts = scenario::parts(train, &scenario.event, broken, horizon_s);
+    let ask = ask(train, options);
+    let parts = scenario::parts(train, &scenario.event, broken, until_s);
     if train.extras.damping_ratio > 0.0 {
-        return Ok(seconds + parts.iter().map(|p| damped_modes::estimate_s(&p.scene)).sum::<f64>());
+        return Ok(parts.iter().map(|p| damped_modes::estimate_s(&p.scene)).sum());
     }
-    let steps: f64 = parts.iter().map(|p| solve::estimate_s(&p.scene, &ask)).sum::<Result<f64, _>>()?;
-    Ok(seconds + steps)
+    parts.iter().map(|p| solve::estimate_s(&p.scene, &ask)).sum()
 }

@@ -2,6 +2,7 @@
 
 use super::CaseFindings;
 use crate::consist::Train;
+use crate::march::{self, Ask};
 use crate::play::Rule;
 use crate::rod::Rod;
 use crate::scenario::{self, Scales};
@@ -15,6 +16,8 @@ const ROWS: usize = 2000;
 const MOST_KEPT: usize = 1600;
 /// Values that are looked at.
 const LOOKED: f64 = 1e8;
+/// The same of a march, whose values are all held in memory.
+const LOOKED_IN_MARCH: f64 = 4e6;
 /// The most instants, for their memory.
 const MOST_INSTANTS: f64 = 4e6;
 /// Instants per unit of time sqrt(m / k): about eight in the period of the fastest vibration of equal vehicles; and the fewest
@@ -111,7 +114,9 @@ fn middle(of: &[f64]) -> f64 {
 /// the instants in between.
 pub fn field(train: &Train, scenario: usize, case: &CaseFindings, of: Of) -> Option<Field> {
     let couplers = train.couplers.len();
-    let times_s = instants(train, case.horizon_s)?;
+    let marched = train.scenarios.get(scenario).is_some_and(|s| scenario::is_march(train, s));
+    let looked = if marched { LOOKED_IN_MARCH } else { LOOKED };
+    let times_s = instants(train, case.horizon_s, looked)?;
     let couplers_per_row = couplers.div_ceil(ROWS);
     let rows = couplers.div_ceil(couplers_per_row);
     let instants_per_column = times_s.len().div_ceil((KEPT / rows).min(MOST_KEPT));
@@ -143,9 +148,9 @@ pub fn field(train: &Train, scenario: usize, case: &CaseFindings, of: Of) -> Opt
 }
 
 /// Even instants from 0 to the horizon, or as far as there may be enough of them.
-fn instants(train: &Train, horizon_s: f64) -> Option<Vec<f64>> {
+fn instants(train: &Train, horizon_s: f64, looked: f64) -> Option<Vec<f64>> {
     let unit_s = scenario::wave(train).time_unit_s;
-    let most = (LOOKED / train.couplers.len() as f64).min(MOST_INSTANTS);
+    let most = (looked / train.couplers.len() as f64).min(MOST_INSTANTS);
     let units = (horizon_s / unit_s).min(most / SPARSEST);
     let count = (PER_UNIT * units).clamp(FEWEST, most.max(FEWEST));
     let to = horizon_s.min(units * unit_s);
@@ -169,6 +174,18 @@ fn compute(
     let times: Vec<f64> = times_s.iter().map(|t| t / scales.time_s).collect();
     // Nothing beyond the last instant is wanted.
     let until_s = times_s[times_s.len() - 1];
+    if scenario::is_march(train, scenario) {
+        let rule = if of == Of::Cascade { scenario.cascade } else { Rule::Keep };
+        let problem = scenario::march(train, scenario, broken, [until_s; 2], rule);
+        let ask = Ask { history: (0..train.couplers.len()).collect(), times_s: times_s.to_vec(), ..Ask::default() };
+        if of != Of::Rod {
+            let histories = march::solve(&problem, &ask).history;
+            for (i, forces_n) in histories.iter().enumerate().filter(|(i, _)| of == Of::Cascade || Some(*i) != broken) {
+                forces_n.iter().enumerate().filter(|(_, f)| f.is_finite()).for_each(|(t, f)| see(t, i, *f));
+            }
+        }
+        return of != Of::Rod;
+    }
     if of == Of::Cascade || scenario::beyond_steps(&train.extras.dashpot_n_s_per_m, &scenario.event) {
         let rule = if of == Of::Cascade { scenario.cascade } else { Rule::Keep };
         let play = scenario::play(train, scenario, broken, until_s, rule);

@@ -10,8 +10,10 @@
 use serde::Serialize;
 
 use super::case::Case;
-use super::{CouplerFindings, of_number};
-use crate::scenario;
+use super::march::Marched;
+use super::{CouplerFindings, of_number, worst};
+use crate::consist::Train;
+use crate::scenario::{self, Scenario};
 use crate::solve::{SolveError, Wanted};
 
 /// One coupler's largest forces over the first passage, t = 0 included.
@@ -51,6 +53,12 @@ pub(super) struct Passage {
     pub worst: Option<CouplerFindings>,
 }
 
+/// When the first passage ends, s.
+pub(super) fn end_s(train: &Train, scenario: &Scenario, broken: Option<usize>, horizon_s: f64) -> f64 {
+    let transit_s = scenario::longest_transit_s(train, broken);
+    horizon_s.min(scenario::last_change_s(train, scenario, broken) + 2.0 * transit_s)
+}
+
 /// Finds it for couplers that are known up to the horizon, `worst` among them, and notes it with each of them.
 ///
 /// The case is solved again up to its end, unless the horizon ends there or no extreme lies beyond it.
@@ -58,8 +66,7 @@ pub(super) struct Passage {
 /// # Errors
 /// As for [`Case::solve`].
 pub(super) fn find(case: &Case, couplers: &mut [CouplerFindings], worst: Option<usize>) -> Result<Passage, SolveError> {
-    let transit_s = scenario::longest_transit_s(case.train, case.broken);
-    let end_s = case.horizon_s.min(scenario::last_change_s(&case.scenario.event) + 2.0 * transit_s);
+    let end_s = end_s(case.train, case.scenario, case.broken, case.horizon_s);
     if end_s >= case.horizon_s || has_all(case.options.wanted, couplers, worst, end_s) {
         couplers.iter_mut().for_each(|c| c.first_passage = Some(FirstPassage::of(c)));
         return Ok(passage(end_s, couplers, worst));
@@ -70,6 +77,15 @@ pub(super) fn find(case: &Case, couplers: &mut [CouplerFindings], worst: Option<
         c.first_passage = of_number(&within.couplers, c.coupler).and_then(|c| c.first_passage.clone());
     }
     Ok(passage(end_s, &within.couplers, within.worst))
+}
+
+/// The first passage of a march, which has followed it on its way to the horizon.
+pub(super) fn of_march(marched: &Marched, couplers: &mut [CouplerFindings], end_s: f64, error_n: f64) -> Passage {
+    let within = &marched.to_mark;
+    for c in couplers {
+        c.first_passage = of_number(within, c.coupler).map(FirstPassage::of);
+    }
+    passage(end_s, within, worst(within, 0..within.len(), error_n))
 }
 
 fn passage(end_s: f64, within: &[CouplerFindings], worst: Option<usize>) -> Passage {

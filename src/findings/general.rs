@@ -1,6 +1,7 @@
 //! Cases that steps of force on an undamped chain at rest cannot stand for: the whole train by Taylor series.
 
-use super::{CouplerFindings, Options, coupler_findings, worst};
+use super::march::Marched;
+use super::{CouplerFindings, Options, Seen, coupler_findings, worst};
 use crate::chain::Scene;
 use crate::consist::Train;
 use crate::play::Rule;
@@ -11,12 +12,17 @@ use crate::solve::{Ask, Method, Solution, SolveError, damped_modes, taylor};
 pub(super) struct Solved {
     pub method: &'static str,
     pub reason: String,
+    /// Infinite where nothing is proven.
     pub error_bound_n: f64,
+    /// Where nothing is proven.
+    pub error_estimate_n: Option<f64>,
     pub couplers: Vec<CouplerFindings>,
     /// The one with the largest utilisation, of alike ones the first: its place among them.
     pub worst: Option<usize>,
     /// Couplers that were left out, with their all-time bounds, N.
     pub left_out: Vec<(usize, f64)>,
+    /// What only a march finds; `None` for other methods.
+    pub marched: Option<Marched>,
 }
 
 /// Extremes of every coupler but the broken one.
@@ -40,7 +46,7 @@ pub(super) fn solved(
     let others = outcome.springs.iter().enumerate().filter(|(i, _)| Some(*i) != broken);
     let couplers = others.map(|(i, peaks)| CouplerFindings {
         initial_force_n: before_n[i],
-        ..coupler_findings(train, i, peaks, &scales, None)
+        ..coupler_findings(train, i, &Seen::new(peaks, &scales), None)
     });
     let couplers: Vec<CouplerFindings> = couplers.collect();
     let error_bound_n = outcome.error_bound * scales.force_n;
@@ -48,9 +54,11 @@ pub(super) fn solved(
         method: "taylor",
         reason: reason(train, &scenario.event).to_owned(),
         error_bound_n,
+        error_estimate_n: None,
         worst: worst(&couplers, 0..couplers.len(), error_bound_n),
         couplers,
         left_out: Vec::new(),
+        marched: None,
     })
 }
 
@@ -81,9 +89,8 @@ pub(super) fn damped(scene: &Scene, ratio: f64, ask: &Ask) -> Result<Solution, S
 }
 
 /// Estimated time, s.
-pub(super) fn estimate_s(train: &Train, scenario: &Scenario, broken: Option<usize>, rule: Rule) -> f64 {
-    let horizon_s = scenario::horizon_s(train, scenario, broken);
-    taylor::estimate_s(&scenario::play(train, scenario, broken, horizon_s, rule))
+pub(super) fn estimate_s(train: &Train, scenario: &Scenario, broken: Option<usize>, until_s: f64, rule: Rule) -> f64 {
+    taylor::estimate_s(&scenario::play(train, scenario, broken, until_s, rule))
 }
 
 fn reason(train: &Train, event: &Event) -> &'static str {

@@ -2,6 +2,7 @@
 
 use crate::chain::Scene;
 use crate::consist::Train;
+use crate::march::{self, Ask};
 use crate::play::Rule;
 use crate::rod::Rod;
 use crate::scenario::{self, Part, Scales};
@@ -12,6 +13,13 @@ use crate::solve::{self, damped_modes, taylor};
 /// `scenario` is an index into the train's scenarios; `broken` and `coupler` are indices from 0. Right to a line's width.
 pub fn history(train: &Train, scenario: usize, broken: Option<usize>, coupler: usize, times_s: &[f64]) -> Vec<f64> {
     let event = &train.scenarios[scenario].event;
+    if scenario::is_march(train, &train.scenarios[scenario]) {
+        let scenario = &train.scenarios[scenario];
+        let horizon_s = times_s.iter().copied().fold(0.0, f64::max);
+        let problem = scenario::march(train, scenario, broken, [horizon_s; 2], Rule::Keep);
+        let ask = Ask { history: vec![coupler], times_s: times_s.to_vec(), ..Ask::default() };
+        return march::solve(&problem, &ask).history.pop().unwrap_or_default();
+    }
     if scenario::beyond_steps(&train.extras.dashpot_n_s_per_m, event) {
         let (scales, scenario) = (Scales::of(train), &train.scenarios[scenario]);
         let horizon_s = scenario::horizon_s(train, scenario, broken);
@@ -50,7 +58,8 @@ fn in_part(
     ask: impl Fn(&Scene, usize, &[f64]) -> Option<Vec<f64>>,
 ) -> Option<Vec<f64>> {
     let scenario = &train.scenarios[scenario];
-    if scenario::beyond_steps(&train.extras.dashpot_n_s_per_m, &scenario.event) {
+    let beyond = scenario::beyond_steps(&train.extras.dashpot_n_s_per_m, &scenario.event);
+    if beyond || scenario::is_march(train, scenario) {
         return None;
     }
     let horizon_s = scenario::horizon_s(train, scenario, broken);

@@ -50,10 +50,13 @@ pub(super) fn find(
     options: &Options,
     memo: &Memo,
 ) -> Result<Option<MapFindings>, SolveError> {
+    if scenario::is_march(train, scenario) {
+        return Ok(None);
+    }
     let alone = Scenario { cascade: crate::play::Rule::Keep, ..scenario.clone() };
     let wave = scenario::wave(train);
     let (over, value, variants): (_, _, Vec<(f64, Option<usize>, Event)>) = match &scenario.event {
-        Event::Impact { .. } => return Ok(None),
+        Event::Impact { .. } | Event::Brake { .. } => return Ok(None),
         Event::Break { .. } => {
             let each = mapped(train, &scenario.event).into_iter();
             let each = each.map(|b| (b as f64 + 1.0, Some(b), scenario.event.clone()));
@@ -93,7 +96,7 @@ fn mapped(train: &Train, event: &Event) -> Vec<usize> {
 /// How many cases a map has.
 pub(super) fn cases(train: &Train, event: &Event) -> usize {
     match event {
-        Event::Impact { .. } => 0,
+        Event::Impact { .. } | Event::Brake { .. } => 0,
         Event::Break { .. } => mapped(train, event).len(),
         Event::Pulse { .. } | Event::Shaped { .. } => DURATIONS,
     }

@@ -33,7 +33,7 @@ pub fn lines(summary: &Summary, words: &Words) -> Vec<String> {
     let line = |(train, (code, cases)): (&super::summary::TrainSummary, (&String, &usize))| {
         let what = words.get(&(train.file.clone(), code.clone()));
         let what = what.map_or_else(
-            || format!("{code}, which `trainsafe check` explains"),
+            || format!("{code}, which `trainsafe analyze` explains"),
             |(_, doubt)| format!("{doubt} [{code}]"),
         );
         format!("{}: {what} ({cases} of {})", train.file, count(train.cases[0], "case"))

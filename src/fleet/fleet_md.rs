@@ -17,6 +17,9 @@ const TEMPLATE: &str = include_str!("fleet.md.jinja");
 const LISTED: usize = 50;
 /// Rows of a table of couplers at most.
 const COUPLERS: usize = 20;
+/// What comes after the first passage.
+const LATER: &str = "Only later: the forces that exceed come from reflections after the first passage, which the losses of a real train \
+                     would reduce.";
 
 #[derive(Serialize)]
 struct Report {
@@ -74,11 +77,13 @@ pub fn verdict(run: &Run, summary: &Summary) -> Vec<String> {
     let harmful = summary.unsafe_trains().len();
     let varied = run.variations.map_or(String::new(), |n| format!(" in {} each", count(n, "variation")));
     let mut text = vec![format!(
-        "{harmful} of {}{varied} would overload a coupler in some case; {} of {} {}.",
+        "{harmful} of {}{varied} would overload a coupler in some case{}; {} of {} {}{}.",
         count(seen, "train"),
+        passages(harmful, summary.unsafe_later()),
         summary.harmful,
         count(summary.cases, "case"),
         if summary.harmful == 1 { "does" } else { "do" },
+        passages(summary.harmful, summary.harmful_later),
     )];
     if let Some(doubts) = doubts::sentence(summary) {
         // Part of the first sentence, so that no fleet is called safe whose loads were forgotten.
@@ -94,6 +99,9 @@ pub fn verdict(run: &Run, summary: &Summary) -> Vec<String> {
         };
         text.push(format!("Probability of an exceedance: {} ({} of {draws}).", shares.estimate(), shares.harmful));
     }
+    if summary.harmful_later > 0 {
+        text.push(LATER.to_owned());
+    }
     match summary.undecided_trains() {
         0 => {}
         n => text.push(format!("For {n} more it is not decided: a rating lies within the error bound of a peak.")),
@@ -104,6 +112,11 @@ pub fn verdict(run: &Run, summary: &Summary) -> Vec<String> {
         n => text.push(format!("{n} trains or cases could not be computed: see errors.csv.")),
     }
     text
+}
+
+/// How many of some exceed in the first passage, and how many only later; empty for none.
+fn passages(all: usize, later: usize) -> String {
+    if all == 0 { String::new() } else { format!(" ({} in the first passage, {later} only later)", all - later) }
 }
 
 fn units(summary: &Summary) -> &'static str {
@@ -204,7 +217,8 @@ fn worst(summary: &Summary) -> Option<Table> {
         let case = case_words(w);
         let safe = if t.safe.is_finite() { down(t.safe) } else { String::new() };
         let harmful = format!("{} of {}", t.cases[1], t.cases[0]);
-        vec![t.name.clone(), t.file.clone(), percent(w.utilisation), w.coupler.clone(), case, safe, harmful]
+        let later = t.cases[2].to_string();
+        vec![t.name.clone(), t.file.clone(), percent(w.utilisation), w.coupler.clone(), case, safe, harmful, later]
     };
     let mut text = Vec::new();
     more(&mut text, trains.len(), LISTED, "unsafe trains");
@@ -216,6 +230,7 @@ fn worst(summary: &Summary) -> Option<Table> {
         "case",
         "smallest safe load factor of all cases",
         "cases with an exceedance",
+        "only after the first passage",
     ];
     let rows: Vec<_> = trains.iter().take(LISTED).map(row).collect();
     (!rows.is_empty()).then_some(Table { title: "Unsafe trains, worst first", text, head, rows })

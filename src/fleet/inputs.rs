@@ -40,7 +40,7 @@ impl Inputs {
     /// # Errors
     /// A study file that is wrong, a path that does not exist, a folder or a glob without a train file, a study with an input that
     /// changes nothing in any of its trains.
-    pub fn find(paths: &[PathBuf]) -> Result<Inputs, FleetError> {
+    pub fn find(paths: &[PathBuf], options: &Options) -> Result<Inputs, FleetError> {
         let (mut study, mut study_text) = (None, String::new());
         let mut found = Found::default();
         if let Some(path) = paths.iter().find(|path| is_study_file(path)) {
@@ -61,7 +61,7 @@ impl Inputs {
             }
         }
         let Found { files, notes: passed_over, .. } = found;
-        let surveys: Vec<Survey> = files.par_iter().map(|file| Survey::of(file, study.as_ref())).collect();
+        let surveys: Vec<Survey> = files.par_iter().map(|file| Survey::of(file, study.as_ref(), options)).collect();
         let mut without = surveys.iter().filter_map(|survey| survey.without_effect.as_ref());
         if let Some(first) = without.next()
             && without.count() + 1 == files.len()
@@ -77,7 +77,8 @@ impl Inputs {
         self.study.as_ref().map_or(1, Study::variations)
     }
 
-    /// What there is to say of the study's inputs, as sentences: what they do not reach, and draws that are not as they were drawn.
+    /// What there is to say of the study's inputs and of options, as sentences: what they do not reach, draws that are not as they were
+    /// drawn, options that do nothing for a train.
     pub fn notes(&self) -> Vec<String> {
         let inputs = self.study.iter().flat_map(|study| &study.inputs);
         let traces = inputs.filter_map(|input| {
@@ -92,7 +93,12 @@ impl Inputs {
             // What is less is not met in any number of draws that a study can have.
             (share > 1e-14).then_some(text)
         });
-        traces.chain(self.surveys.iter().flat_map(|survey| survey.notes.clone())).collect()
+        let idle = |(file, survey): (&PathBuf, &Survey)| {
+            let file = printable_path(file);
+            survey.idle.iter().map(|text| format!("{file}: {text}")).collect::<Vec<_>>()
+        };
+        let idle = self.files.iter().zip(&self.surveys).flat_map(idle);
+        traces.chain(self.surveys.iter().flat_map(|survey| survey.notes.clone())).chain(idle).collect()
     }
 
     /// Words for the doubts about the first variation of each train.

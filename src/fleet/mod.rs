@@ -41,9 +41,10 @@ use rayon::prelude::*;
 
 pub use outputs::Format;
 pub use plan::Shard;
+pub use progress::{Count, Telling};
 
 use crate::error::{InputError, printable_path};
-use crate::findings::Options;
+use crate::findings::{Options, Stopped};
 use crate::report::files::WriteError;
 use crate::solve::memo::Memo;
 use inputs::Inputs;
@@ -68,6 +69,9 @@ pub enum FleetError {
     /// A train file, or a file that it names, is no longer what it was when the run started.
     #[error("{} has changed since the run started: what is done belongs to the old one", printable_path(.0))]
     Changed(PathBuf),
+    /// The caller asked it to stop; parts that are done are kept.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
     /// A result could not be written.
     #[error(transparent)]
     Write(#[from] WriteError),
@@ -100,6 +104,8 @@ pub struct Request {
     pub reports: usize,
     /// Bytes of memory for scenes that have been solved; `None`: 160 MiB. Results do not depend on it.
     pub memo_bytes: Option<usize>,
+    /// Who is told how far the run is.
+    pub progress: Telling,
 }
 
 /// What a run came to.
@@ -146,7 +152,7 @@ pub struct Estimate {
 /// [`FleetError`]; what has been computed until then stays, for a run that resumes.
 pub fn run(request: &Request, dir: &Path) -> Result<Outcome, FleetError> {
     outputs::can_write(&request.formats)?;
-    let inputs = Inputs::find(&request.paths)?;
+    let inputs = Inputs::find(&request.paths, &request.options)?;
     let memo = Memo::new(request.memo_bytes.unwrap_or(REMEMBERED));
     let plan = Plan::new(&inputs, &request.options, &memo);
     let description = description(&inputs, &plan, &request.options);
@@ -200,7 +206,7 @@ pub fn is_begun(dir: &Path) -> bool {
 /// As for [`run`].
 pub fn estimate(request: &Request) -> Result<Estimate, FleetError> {
     outputs::can_write(&request.formats)?;
-    let inputs = Inputs::find(&request.paths)?;
+    let inputs = Inputs::find(&request.paths, &request.options)?;
     let memo = Memo::new(REMEMBERED);
     let plan = Plan::new(&inputs, &request.options, &memo);
     Ok(Estimate {
@@ -229,12 +235,12 @@ pub fn estimate(request: &Request) -> Result<Estimate, FleetError> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn stream(request: &Request, out: &mut dyn Write) -> Result<Outcome, FleetError> {
-    let inputs = Inputs::find(&request.paths)?;
+    let inputs = Inputs::find(&request.paths, &request.options)?;
     let memo = Memo::new(request.memo_bytes.unwrap_or(REMEMBERED));
     let plan = Plan::new(&inputs, &request.options, &memo);
     let run = description(&inputs, &plan, &request.options);
     let mut summary = Summary::new(run.inputs.len());
-    let progress = Progress::new(plan.cases());
+    let progress = Progress::new(plan.cases(), &request.progress);
     let headings = join::headings(&run);
     let chunks: Vec<usize> = (0..plan.chunks()).collect();
     for together in chunks.chunks(4 * rayon::current_num_threads()) {
@@ -312,7 +318,7 @@ fn compute(request: &Request, dir: &Path, plan: &Plan) -> Result<usize, FleetErr
     parts::prepare(dir)?;
     let missing: Vec<usize> = (0..plan.chunks()).filter(mine).filter(|&c| !parts::is_done(dir, c)).collect();
     let cases = |chunk: &usize| plan.range(*chunk).end - plan.range(*chunk).start;
-    let progress = Progress::new(missing.iter().map(cases).sum());
+    let progress = Progress::new(missing.iter().map(cases).sum(), &request.progress);
     let one = |&chunk: &usize| {
         let rows = work(plan, chunk, &progress)?;
         let failed = rows.failed;

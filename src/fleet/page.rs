@@ -60,6 +60,7 @@ struct Train<'a> {
     vehicles: &'a str,
     cases: usize,
     exceed: usize,
+    later: usize,
     safe: Shown,
     worst: Vec<Row<'a>>,
 }
@@ -172,6 +173,7 @@ impl<'a> Train<'a> {
             vehicles: &train.vehicles,
             cases: train.cases[0],
             exceed: train.cases[1],
+            later: train.cases[2],
             safe: Shown::factor(train.safe),
             worst: train.worst.iter().map(Row::new).collect(),
         }

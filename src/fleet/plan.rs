@@ -9,7 +9,7 @@ use super::inputs::Inputs;
 use super::rows::{self, Chunk};
 use super::variation::Varied;
 use crate::consist::Train;
-use crate::doubts::{Doubt, doubts};
+use crate::doubts::{self, Doubt, doubts};
 use crate::findings::{self, Options, cases};
 use crate::solve::Wanted;
 use crate::solve::memo::Memo;
@@ -128,7 +128,8 @@ impl<'a> Plan<'a> {
         let mut kept = self.doubts.lock().unwrap_or_else(PoisonError::into_inner);
         for doubt in doubts {
             let first = kept.entry((file.to_owned(), doubt.code.to_owned())).or_insert((variation, doubt.clone()));
-            if variation < first.0 {
+            // Chunks of one variation end in any order.
+            if (variation, &doubt.text) < (first.0, &first.1.text) {
                 *first = (variation, doubt.clone());
             }
         }
@@ -170,10 +171,16 @@ impl<'a> Plan<'a> {
             return Ok(());
         }
         place.doubts = doubts(&train);
-        self.keep(&rows::file_cell(&self.inputs.files[file]), variation, &place.doubts);
+        let cell = rows::file_cell(&self.inputs.files[file]);
+        self.keep(&cell, variation, &place.doubts);
         for (scenario, broken) in all_cases(&train).skip(range.start).take(range.len()) {
+            self.options.stop.check()?;
             match findings::case_findings(&train, scenario, broken, &self.options, self.memo) {
-                Ok(case) => rows.add(&place, &train, scenario, &case),
+                Ok(case) => {
+                    let found = doubts::found(scenario, std::slice::from_ref(&case));
+                    self.keep(&cell, variation, &found);
+                    rows.add(&place, &train, scenario, &case, &found);
+                }
                 Err(error) => rows.fail(&place, Some((scenario, broken)), &error.to_string()),
             }
         }

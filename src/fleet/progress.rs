@@ -1,8 +1,9 @@
 //! How far a run is: a bar on a terminal, plain lines elsewhere.
 
+use std::fmt;
 use std::io::{IsTerminal, Write, stderr};
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
@@ -10,8 +11,42 @@ use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 /// Time between plain lines.
 const EVERY: Duration = Duration::from_secs(10);
 
-/// Counts cases that are done, and says so on standard error.
+/// Who is told how far a run is.
+#[derive(Clone, Default)]
+pub enum Telling {
+    /// Whoever sees standard error: by a bar on a terminal, by plain lines elsewhere.
+    #[default]
+    Terminal,
+    /// Nobody.
+    Nothing,
+    /// A function, often and from any thread.
+    Call(Arc<dyn Fn(Count) + Send + Sync>),
+}
+
+/// How far a run is, in cases.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Count {
+    /// Done, those that failed among them.
+    pub done: u64,
+    /// Those that failed; a train that cannot be read is one.
+    pub failed: u64,
+    /// In all.
+    pub total: u64,
+}
+
+impl fmt::Debug for Telling {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Telling::Terminal => "Terminal",
+            Telling::Nothing => "Nothing",
+            Telling::Call(_) => "Call(..)",
+        })
+    }
+}
+
+/// Counts cases that are done, and says so.
 pub struct Progress {
+    telling: Telling,
     bar: Option<ProgressBar>,
     start: Instant,
     last: Mutex<Instant>,
@@ -22,21 +57,29 @@ pub struct Progress {
 
 impl Progress {
     /// Of so many cases.
-    pub fn new(total: u64) -> Progress {
+    pub fn new(total: u64, telling: &Telling) -> Progress {
         let style = "{bar:30} {pos}/{len} cases, {msg}, {per_sec}, {eta} left";
-        let bar = stderr().is_terminal().then(|| {
+        let wanted = matches!(telling, Telling::Terminal) && stderr().is_terminal();
+        let bar = wanted.then(|| {
             let style = ProgressStyle::with_template(style).unwrap_or_else(|_| ProgressStyle::default_bar());
             ProgressBar::new(total).with_style(style).with_message("0 failed")
         });
         let now = Instant::now();
         let (done, failed) = (AtomicUsize::new(0), AtomicUsize::new(0));
-        Progress { bar, start: now, last: Mutex::new(now), total, done, failed }
+        Progress { telling: telling.clone(), bar, start: now, last: Mutex::new(now), total, done, failed }
     }
 
     /// So many more cases are done, and so many of them failed.
     pub fn add(&self, cases: usize, failed: usize) {
         let done = self.done.fetch_add(cases, Ordering::Relaxed) + cases;
         let failed = self.failed.fetch_add(failed, Ordering::Relaxed) + failed;
+        match &self.telling {
+            Telling::Terminal => {}
+            Telling::Nothing => return,
+            Telling::Call(function) => {
+                return function(Count { done: done as u64, failed: failed as u64, total: self.total });
+            }
+        }
         if let Some(bar) = &self.bar {
             bar.set_message(format!("{failed} failed"));
             bar.inc(cases as u64);

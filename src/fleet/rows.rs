@@ -10,7 +10,7 @@ use crate::scenario::Scenario;
 pub const FRONT: [&str; 4] = ["file", "train", "vehicles", "variation"];
 
 /// Columns after those of a study's inputs, named as in `couplers.csv` and `result.json`.
-pub const BACK: [&str; 32] = [
+pub const BACK: [&str; 34] = [
     "scenario",
     "kind",
     "broken_coupler",
@@ -39,6 +39,8 @@ pub const BACK: [&str; 32] = [
     "first_passage_exceeds",
     "safe_load_factor",
     "error_bound_n",
+    "error_estimate_n",
+    "predictable_until_s",
     "horizon_s",
     "method",
     "rod_exceeding",
@@ -102,10 +104,10 @@ pub struct Place {
 }
 
 impl Place {
-    /// The codes of the doubts about the train and one of its scenarios, each once.
-    fn codes(&self, scenario: &Scenario) -> String {
+    /// The codes of the doubts about the train and one of its scenarios, and of those that a case has, each once.
+    fn codes(&self, scenario: &Scenario, found: &[Doubt]) -> String {
         let about = |d: &&Doubt| d.scenario.as_ref().is_none_or(|name| *name == scenario.name);
-        let mut codes: Vec<&str> = self.doubts.iter().filter(about).map(|d| d.code).collect();
+        let mut codes: Vec<&str> = self.doubts.iter().filter(about).chain(found).map(|d| d.code).collect();
         codes.sort_unstable();
         codes.dedup();
         codes.join(" ")
@@ -118,11 +120,12 @@ impl Chunk {
         [self.rows, self.errors]
     }
 
-    /// A case that was computed.
-    pub fn add(&mut self, place: &Place, train: &Train, scenario: &Scenario, case: &CaseFindings) {
+    /// A case that was computed, and the doubts that it has.
+    pub fn add(&mut self, place: &Place, train: &Train, scenario: &Scenario, case: &CaseFindings, found: &[Doubt]) {
         let front = [text(&place.file), text(&train.name), train.vehicles.len().to_string(), whole(place.variation)];
         let inputs = place.inputs.iter().map(|cell| text_or_number(cell));
-        line(&mut self.rows, front.into_iter().chain(inputs).chain(back(scenario, case, place.codes(scenario))));
+        let codes = place.codes(scenario, found);
+        line(&mut self.rows, front.into_iter().chain(inputs).chain(back(scenario, case, codes)));
     }
 
     /// A train or a case that could not be computed.
@@ -179,6 +182,8 @@ fn back(scenario: &Scenario, case: &CaseFindings, doubts: String) -> [String; BA
         passage.and_then(|w| w.exceeds).map(|e| e.to_string()).unwrap_or_default(),
         optional(case.safe_load_factor),
         number(case.error_bound_n),
+        optional(case.error_estimate_n),
+        optional(case.predictable_until_s),
         number(case.horizon_s),
         case.method.to_owned(),
         whole(case.rod.as_ref().map(|rod| rod.exceeding)),

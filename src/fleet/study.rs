@@ -104,7 +104,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Study, InputError> {
     let (problems, _) = found.into_parts();
     match study {
         Ok(study) if problems.is_empty() => Ok(study),
-        _ => Err(InputError::new(path, text, problems)),
+        _ => Err(InputError::new(path, text, problems).with_keys(root.get_ref())),
     }
 }
 

@@ -19,6 +19,8 @@ pub struct Summary {
     pub cases: usize,
     /// Cases in which some coupler exceeds.
     pub harmful: usize,
+    /// Those of them in which none does in the first passage.
+    pub harmful_later: usize,
     /// Where couplers break: cases, and those in which another coupler exceeds.
     pub breaks: Places,
     /// Where the worst coupler is: cases in which some coupler exceeds, twice.
@@ -70,8 +72,8 @@ pub struct TrainSummary {
     pub unsafe_variations: usize,
     /// Variations without one, but with a case that is not decided.
     pub undecided_variations: usize,
-    /// Cases, and those with an exceedance.
-    pub cases: [usize; 2],
+    /// Cases, those with an exceedance, and those of them without one in the first passage.
+    pub cases: [usize; 3],
     /// Vehicles.
     pub vehicles: String,
     /// The cases with the largest utilisation, the worst first; one at least.
@@ -121,7 +123,7 @@ struct Unit {
     name: String,
     variation: String,
     inputs: Vec<f64>,
-    cases: [usize; 2],
+    cases: [usize; 3],
     undecided: bool,
     vehicles: String,
     worst: Vec<Case>,
@@ -171,6 +173,7 @@ impl Summary {
         };
         let is_new = self.unit.as_ref().is_none_or(|u| u.file != cell(0) || u.variation != cell(3));
         let exceeds = back("exceeding") != "0";
+        let later = exceeds && back("exceeding_first_passage") == "0";
         let doubts = back("doubts");
         let undecided = back("undecided") != "0";
         let utilisation: f64 = back("utilisation").parse().unwrap_or(0.0);
@@ -189,6 +192,7 @@ impl Summary {
         };
         self.cases += 1;
         self.harmful += usize::from(exceeds);
+        self.harmful_later += usize::from(later);
         let couplers = cell(2).parse::<usize>().map_or(1, |vehicles| vehicles.saturating_sub(1));
         if let Ok(broken) = case.broken.parse() {
             self.breaks.add(broken, couplers, exceeds);
@@ -200,13 +204,13 @@ impl Summary {
             self.close();
             let inputs = (0..self.inputs).map(|i| cell(FRONT.len() + i).parse().unwrap_or(f64::NAN)).collect();
             let [file, name, vehicles, variation] = [0, 1, 2, 3].map(|i| cell(i).to_owned());
-            let (cases, worst) = ([0, 0], Vec::new());
+            let (cases, worst) = ([0; 3], Vec::new());
             let (safe, doubts) = (f64::INFINITY, BTreeMap::new());
             let undecided = false;
             self.unit = Some(Unit { file, name, vehicles, variation, inputs, cases, undecided, worst, safe, doubts });
         }
         if let Some(unit) = &mut self.unit {
-            unit.cases = [unit.cases[0] + 1, unit.cases[1] + usize::from(exceeds)];
+            unit.cases = plus(unit.cases, [1, usize::from(exceeds), usize::from(later)]);
             unit.undecided |= undecided;
             unit.safe = unit.safe.min(safe);
             for code in doubts.split_whitespace() {
@@ -241,6 +245,11 @@ impl Summary {
         self.worst_first().into_iter().filter(|t| t.unsafe_variations > 0).collect()
     }
 
+    /// Trains with an exceedance, but none in the first passage.
+    pub fn unsafe_later(&self) -> usize {
+        self.trains.iter().filter(|t| t.unsafe_variations > 0 && t.cases[1] == t.cases[2]).count()
+    }
+
     /// Trains without an exceedance, but with a case that is not decided.
     pub fn undecided_trains(&self) -> usize {
         self.trains.iter().filter(|t| t.unsafe_variations == 0 && t.undecided_variations > 0).count()
@@ -269,13 +278,17 @@ impl TrainSummary {
         self.variations += other.variations;
         self.unsafe_variations += other.unsafe_variations;
         self.undecided_variations += other.undecided_variations;
-        self.cases = [self.cases[0] + other.cases[0], self.cases[1] + other.cases[1]];
+        self.cases = plus(self.cases, other.cases);
         self.safe = self.safe.min(other.safe);
         for (code, cases) in other.doubts {
             *self.doubts.entry(code).or_default() += cases;
         }
         other.worst.into_iter().for_each(|case| keep(&mut self.worst, case));
     }
+}
+
+fn plus(a: [usize; 3], b: [usize; 3]) -> [usize; 3] {
+    std::array::from_fn(|i| a[i] + b[i])
 }
 
 /// The rows of a part, which this program has written.

@@ -9,9 +9,9 @@ use super::key::Key;
 use super::study::{Input, Per, Study};
 use super::variation::{Reached, probe, vary};
 use crate::consist::{self, Source, Train};
-use crate::doubts::{Doubt, doubts};
+use crate::doubts::{Doubt, doubts, idle_options};
 use crate::error::printable_path;
-use crate::findings::cases;
+use crate::findings::{Options, cases};
 
 /// What is known of a train file before the run.
 pub struct Survey {
@@ -27,11 +27,13 @@ pub struct Survey {
     pub notes: Vec<String>,
     /// The doubts about its first variation that can be read.
     pub doubts: Vec<Doubt>,
+    /// Options that do nothing for that, as sentences.
+    pub idle: Vec<String>,
 }
 
 impl Survey {
     /// Looks at a train file.
-    pub fn of(path: &Path, study: Option<&Study>) -> Survey {
+    pub fn of(path: &Path, study: Option<&Study>, options: &Options) -> Survey {
         let base = Base::read(path);
         let mut survey = Survey {
             sources: vec![],
@@ -40,16 +42,17 @@ impl Survey {
             without_effect: None,
             notes: vec![],
             doubts: vec![],
+            idle: vec![],
         };
         match study {
             None => {
                 let text = base.text.as_ref().ok();
                 if let Some(train) = text.and_then(|text| consist::parse_with(text, path, &base.files).ok()) {
                     survey.counts = vec![case_count(&train)];
-                    survey.doubts = doubts(&train);
+                    survey.tell(&train, options);
                 }
             }
-            Some(study) => survey.look(study, &base),
+            Some(study) => survey.look(study, &base, options),
         }
         survey.sources = base.files.list();
         survey.sources.sort_by(|a, b| a.path.cmp(&b.path).then(a.sha256.cmp(&b.sha256)));
@@ -67,7 +70,12 @@ impl Survey {
         }
     }
 
-    fn look(&mut self, study: &Study, base: &Base) {
+    fn tell(&mut self, train: &Train, options: &Options) {
+        self.doubts = doubts(train);
+        self.idle = idle_options(train, options);
+    }
+
+    fn look(&mut self, study: &Study, base: &Base, options: &Options) {
         let train = |variation: usize| vary(study, variation, base, &Reached::new()).train.ok();
         let variations = 0..study.variations();
         let found = if study.inputs.iter().all(|input| keeps_cases(&input.key)) {
@@ -82,7 +90,9 @@ impl Survey {
         };
         self.without_effect = study.inputs.iter().find_map(|input| missing(input, base));
         let Some(variation) = found.filter(|_| self.without_effect.is_none()) else { return };
-        self.doubts = train(variation).map_or(vec![], |train| doubts(&train));
+        if let Some(train) = train(variation) {
+            self.tell(&train, options);
+        }
         let reach = reach(study, variation, base);
         self.without_effect = reach.without_effect;
         self.notes = reach.notes;

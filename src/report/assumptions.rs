@@ -1,8 +1,9 @@
 //! What the model leaves out or assumes, and on which side of the real forces that errs for this train and its events.
 
 use crate::consist::Train;
+use crate::law::Law;
 use crate::play::Rule;
-use crate::scenario::{Event, Scenario};
+use crate::scenario::{self, Event, Scenario};
 
 /// An assumption with its effect: what it is, the real draft and the real buff against those of the report, and why.
 pub type Row = [&'static str; 4];
@@ -19,6 +20,7 @@ const REFLECTIONS: &str = "a real train loses force at every reflection; the tab
 const MODES: &str = "no device in a train does this; dashpots of the same ratio reduce the force less";
 const CONTACT: &str = "at the instant of contact the force of a draft gear begins at 0";
 const FRICTION: &str = "a friction gear absorbs up to 87 % of the work; but a train that was let down from a larger pull can reach more than this report says";
+const TABLES: &str = "friction gears of one type differ from test to test, and friction falls with speed; results for two tables bracket this";
 const SLACK: &str = "free play lets vehicles run together: for 105 cars of 130 t with springs, 25 mm raised the largest force from 1.53 to 1.88 of the pull; with friction gears it did not";
 const BRAKES: &str = "the brake pipe vents where the train parts, and both parts brake from there: the largest force is then often in buff, behind the gap, seconds later";
 const POWER: &str = "the driver or the open brake pipe ends the tractive effort within some seconds";
@@ -36,17 +38,24 @@ pub fn rows(train: &Train, scenarios: &[&Scenario]) -> Vec<Row> {
     let dashpots = !train.extras.dashpot_n_s_per_m.is_empty();
     let damped = dashpots || train.extras.damping_ratio > 0.0;
     let hauled = train.extras.steady.is_some();
+    let springs = train.extras.laws.is_empty();
+    let gears = train.extras.laws.iter().any(|law| matches!(law, Law::Gear { .. }));
+    let slack = train.extras.laws.iter().any(|law| law.slack_m() > 0.0);
+    let braked = scenarios.iter().all(|s| s.response.emergency.is_some() || !matches!(s.event, Event::Break { .. }));
+    let powered = scenarios.iter().all(|s| s.response.efforts.is_empty());
+    let marched = scenarios.iter().all(|s| scenario::is_march(train, s));
     let when = |bears: bool, row: Row| bears.then_some(row);
     let rows = [
-        when(!damped && !impact, ["no losses in the couplers", LESS, LESS, REFLECTIONS]),
-        when(!damped && impact, ["no losses in the couplers", MOSTLY_LESS, MOSTLY_LESS, REFLECTIONS]),
+        when(!damped && !gears && !impact, ["no losses in the couplers", LESS, LESS, REFLECTIONS]),
+        when(!damped && !gears && impact, ["no losses in the couplers", MOSTLY_LESS, MOSTLY_LESS, REFLECTIONS]),
         when(train.extras.damping_ratio > 0.0, ["the same damping ratio in every mode", EITHER, EITHER, MODES]),
         when(dashpots && impact, ["a dashpot's force follows the speed at once", UNKNOWN, LESS, CONTACT]),
-        when(true, ["no friction in the draft gears", MOSTLY_LESS, MOSTLY_LESS, FRICTION]),
-        when(true, ["no slack", EITHER, MORE, SLACK]),
-        when(breaks, ["no emergency brake after a parting", MORE, MORE, BRAKES]),
-        when(breaks && hauled, ["locomotives keep pulling after the event", LESS, UNKNOWN, POWER]),
-        when(breaks, ["parted pieces do not push each other", NONE, MORE, GAP]),
+        when(!gears, ["no friction in the draft gears", MOSTLY_LESS, MOSTLY_LESS, FRICTION]),
+        when(!slack && springs, ["no slack", EITHER, MORE, SLACK]),
+        when(gears, ["a gear's force follows its table at any speed", EITHER, EITHER, TABLES]),
+        when(breaks && !braked, ["no emergency brake after a parting", MORE, MORE, BRAKES]),
+        when(breaks && hauled && powered, ["locomotives keep pulling after the event", LESS, UNKNOWN, POWER]),
+        when(breaks && !marched, ["parted pieces do not push each other", NONE, MORE, GAP]),
         when(true, ["the load is steady before the event", EITHER, EITHER, STEADY]),
         when(true, ["couplers have no mass of their own", MORE, MORE, INERTIA]),
         when(true, ["a straight and even track", UNKNOWN, UNKNOWN, TRACK]),

@@ -95,7 +95,7 @@ fn open(cascade: &CascadeFindings) -> String {
     };
     format!(
         " Not decided from {} on: coupler {coupler} comes within the error bound of its {}, and whether it breaks then \
-         cannot be told.",
+         cannot be told. What is said of later times supposes that it holds.",
         time(from),
         breaking_load(cascade)
     )
@@ -141,12 +141,15 @@ pub fn row(b: &CascadeBreak, cascade: &CascadeFindings, units: UnitSystem) -> Ve
         time(b.time_s),
         format!("{}{}", b.coupler, if b.together { " (with others)" } else { "" }),
         b.between.join(", "),
-        format!("{} in {}", force(units, b.force_n, cascade.error_bound_n), sense(b.force_n)),
+        format!("{} in {}", force(units, b.force_n, cascade.error_n()), sense(b.force_n)),
         (if b.breaks_at == LIMITS[2] { "ultimate load" } else { "rating" }).to_owned(),
         joules(b.energy_j),
     ]
 }
 
 fn joules(energy_j: f64) -> String {
+    if energy_j.is_nan() {
+        return String::new();
+    }
     format!("{} kJ", digits(energy_j / 1e3, 0.0, 4))
 }

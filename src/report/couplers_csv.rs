@@ -2,97 +2,134 @@
 
 use std::io::Write;
 
-use super::cells::{number, optional, text};
+use super::cells::{optional, text};
 use crate::findings::{Analysis, CaseFindings, CouplerFindings, ScenarioFindings};
 
-const COLUMNS: [&str; 26] = [
-    "scenario",
-    "broken_coupler",
-    "coupler",
-    "between_front",
-    "between_rear",
-    "rated_draft_n",
-    "rated_buff_n",
-    "initial_force_n",
-    "peak_force_n",
-    "peak_time_s",
-    "utilisation",
-    "peak_draft_n",
-    "peak_draft_time_s",
-    "peak_buff_n",
-    "peak_buff_time_s",
-    "exceeds",
-    "first_exceeds_s",
-    "first_exceeds_in",
-    "first_passage_peak_draft_n",
-    "first_passage_peak_draft_time_s",
-    "first_passage_peak_buff_n",
-    "first_passage_peak_buff_time_s",
-    "first_passage_exceeds",
-    "all_time_bound_n",
-    "limits_passed",
-    "limits_undecided",
+/// A row: a coupler in a case.
+pub struct Row<'a> {
+    /// The scenario.
+    pub scenario: &'a ScenarioFindings,
+    /// Its case.
+    pub case: &'a CaseFindings,
+    /// The coupler.
+    pub coupler: &'a CouplerFindings,
+}
+
+/// A column: its name, with the unit as in `result.json`, and its cells.
+pub struct Column {
+    /// As the header has it.
+    pub name: &'static str,
+    /// What stands in it.
+    pub cells: Cells,
+}
+
+/// The cell of a row; `None` where there is no value.
+pub enum Cells {
+    /// Words.
+    Text(fn(&Row<'_>) -> Option<String>),
+    /// Counts and numbers of couplers, from 1.
+    Whole(fn(&Row<'_>) -> Option<usize>),
+    /// Quantities in SI units.
+    Number(fn(&Row<'_>) -> Option<f64>),
+    /// True or false.
+    Flag(fn(&Row<'_>) -> Option<bool>),
+}
+
+static COLUMNS: [Column; 27] = [
+    Column { name: "scenario", cells: Cells::Text(|r| Some(r.scenario.name.clone())) },
+    Column { name: "broken_coupler", cells: Cells::Whole(|r| r.case.broken_coupler) },
+    Column { name: "coupler", cells: Cells::Whole(|r| Some(r.coupler.coupler)) },
+    Column { name: "between_front", cells: Cells::Text(|r| Some(r.coupler.between[0].clone())) },
+    Column { name: "between_rear", cells: Cells::Text(|r| Some(r.coupler.between[1].clone())) },
+    Column { name: "rated_draft_n", cells: Cells::Number(|r| Some(r.coupler.rated_draft_n)) },
+    Column { name: "rated_buff_n", cells: Cells::Number(|r| Some(r.coupler.rated_buff_n)) },
+    Column { name: "initial_force_n", cells: Cells::Number(|r| Some(r.coupler.initial_force_n)) },
+    Column { name: "peak_force_n", cells: Cells::Number(|r| Some(r.coupler.peak_force_n)) },
+    Column { name: "peak_time_s", cells: Cells::Number(|r| Some(r.coupler.peak_time_s)) },
+    Column { name: "utilisation", cells: Cells::Number(|r| Some(r.coupler.utilisation)) },
+    Column { name: "peak_draft_n", cells: Cells::Number(|r| r.coupler.peak_draft_n) },
+    Column { name: "peak_draft_time_s", cells: Cells::Number(|r| r.coupler.peak_draft_time_s) },
+    Column { name: "peak_buff_n", cells: Cells::Number(|r| r.coupler.peak_buff_n) },
+    Column { name: "peak_buff_time_s", cells: Cells::Number(|r| r.coupler.peak_buff_time_s) },
+    Column { name: "exceeds", cells: Cells::Flag(|r| r.coupler.exceeds) },
+    Column { name: "first_exceeds_s", cells: Cells::Number(|r| r.coupler.first_exceeds_s) },
+    Column { name: "first_exceeds_in", cells: Cells::Text(|r| r.coupler.first_exceeds_in.map(str::to_owned)) },
+    Column {
+        name: "first_passage_peak_draft_n",
+        cells: Cells::Number(|r| r.coupler.first_passage.as_ref().and_then(|p| p.peak_draft_n)),
+    },
+    Column {
+        name: "first_passage_peak_draft_time_s",
+        cells: Cells::Number(|r| r.coupler.first_passage.as_ref().and_then(|p| p.peak_draft_time_s)),
+    },
+    Column {
+        name: "first_passage_peak_buff_n",
+        cells: Cells::Number(|r| r.coupler.first_passage.as_ref().and_then(|p| p.peak_buff_n)),
+    },
+    Column {
+        name: "first_passage_peak_buff_time_s",
+        cells: Cells::Number(|r| r.coupler.first_passage.as_ref().and_then(|p| p.peak_buff_time_s)),
+    },
+    Column {
+        name: "first_passage_exceeds",
+        cells: Cells::Flag(|r| r.coupler.first_passage.as_ref().and_then(|p| p.exceeds)),
+    },
+    Column { name: "error_estimate_n", cells: Cells::Number(|r| r.coupler.error_estimate_n) },
+    Column { name: "all_time_bound_n", cells: Cells::Number(|r| r.coupler.all_time_bound_n) },
+    Column { name: "limits_passed", cells: Cells::Text(|r| r.coupler.limits.as_ref().map(|l| l.passed.join(" "))) },
+    Column {
+        name: "limits_undecided",
+        cells: Cells::Text(|r| r.coupler.limits.as_ref().map(|l| l.undecided.join(" "))),
+    },
 ];
+
+impl Column {
+    fn cell(&self, row: &Row) -> String {
+        match self.cells {
+            Cells::Text(of) => of(row).map_or_else(String::new, |cell| text(&cell)),
+            Cells::Whole(of) => of(row).map_or_else(String::new, |cell| cell.to_string()),
+            Cells::Number(of) => optional(of(row)),
+            Cells::Flag(of) => of(row).map_or_else(String::new, |cell| cell.to_string()),
+        }
+    }
+}
+
+/// The columns that the rows of an analysis have, in their order; the last ones only where they have something to say.
+pub fn coupler_columns(analysis: &Analysis) -> Vec<&'static Column> {
+    let estimates = coupler_rows(analysis).any(|row| row.case.error_estimate_n.is_some());
+    let bounds = coupler_rows(analysis).any(|row| row.coupler.all_time_bound_n.is_some());
+    let limits = coupler_rows(analysis).any(|row| row.coupler.limits.is_some());
+    let shown = |column: &&Column| match column.name {
+        "error_estimate_n" => estimates,
+        "all_time_bound_n" => bounds,
+        "limits_passed" | "limits_undecided" => limits,
+        _ => true,
+    };
+    COLUMNS.iter().filter(shown).collect()
+}
+
+/// Every coupler of every case.
+pub fn coupler_rows(analysis: &Analysis) -> impl Iterator<Item = Row<'_>> {
+    let cases = analysis.scenarios.iter().flat_map(|s| s.cases.iter().map(move |c| (s, c)));
+    cases.flat_map(|(scenario, case)| case.couplers.iter().map(move |coupler| Row { scenario, case, coupler }))
+}
 
 /// Writes every coupler of every case, in the units and with the names of `result.json`.
 ///
 /// A cell is empty where there is no value; numbers read back to the same bits. The last columns are there only where they
-/// have something to say: `all_time_bound_n` if the bounds were asked for, `limits_passed` and
+/// have something to say: `error_estimate_n` if some error is estimated, `all_time_bound_n` if the bounds were asked for, `limits_passed` and
 /// `limits_undecided` if the train has limits. A text that a spreadsheet would take for a formula (it begins with `=`, `+`,
 /// `-`, `@`, or a control character) gets an apostrophe before it, which spreadsheets show as plain text.
 ///
 /// # Errors
 /// Whatever the writer reports.
 pub fn csv(analysis: &Analysis, writer: impl Write) -> Result<(), csv::Error> {
-    let cases = || analysis.scenarios.iter().flat_map(|s| s.cases.iter().map(move |c| (s, c)));
-    let bounds = cases().any(|(_, case)| case.couplers.iter().any(|c| c.all_time_bound_n.is_some()));
-    let limits = cases().any(|(_, case)| case.couplers.iter().any(|c| c.limits.is_some()));
-    let shown = |column: usize| match COLUMNS[column] {
-        "all_time_bound_n" => bounds,
-        "limits_passed" | "limits_undecided" => limits,
-        _ => true,
-    };
-    let columns: Vec<usize> = (0..COLUMNS.len()).filter(|&c| shown(c)).collect();
+    let columns = coupler_columns(analysis);
     let mut out = csv::Writer::from_writer(writer);
-    out.write_record(columns.iter().map(|&c| COLUMNS[c]))?;
-    for (scenario, case) in cases() {
-        for coupler in &case.couplers {
-            let row = row(scenario, case, coupler);
-            out.write_record(columns.iter().map(|&c| &row[c]))?;
-        }
+    out.write_record(columns.iter().map(|column| column.name))?;
+    for row in coupler_rows(analysis) {
+        out.write_record(columns.iter().map(|column| column.cell(&row)))?;
     }
     out.flush()?;
     Ok(())
-}
-
-fn row(scenario: &ScenarioFindings, case: &CaseFindings, c: &CouplerFindings) -> [String; COLUMNS.len()] {
-    let passage = c.first_passage.as_ref();
-    [
-        text(&scenario.name),
-        case.broken_coupler.map(|b| b.to_string()).unwrap_or_default(),
-        c.coupler.to_string(),
-        text(&c.between[0]),
-        text(&c.between[1]),
-        number(c.rated_draft_n),
-        number(c.rated_buff_n),
-        number(c.initial_force_n),
-        number(c.peak_force_n),
-        number(c.peak_time_s),
-        number(c.utilisation),
-        optional(c.peak_draft_n),
-        optional(c.peak_draft_time_s),
-        optional(c.peak_buff_n),
-        optional(c.peak_buff_time_s),
-        c.exceeds.map(|e| e.to_string()).unwrap_or_default(),
-        optional(c.first_exceeds_s),
-        c.first_exceeds_in.unwrap_or_default().to_owned(),
-        optional(passage.and_then(|p| p.peak_draft_n)),
-        optional(passage.and_then(|p| p.peak_draft_time_s)),
-        optional(passage.and_then(|p| p.peak_buff_n)),
-        optional(passage.and_then(|p| p.peak_buff_time_s)),
-        passage.and_then(|p| p.exceeds).map(|e| e.to_string()).unwrap_or_default(),
-        optional(c.all_time_bound_n),
-        c.limits.as_ref().map(|l| l.passed.join(" ")).unwrap_or_default(),
-        c.limits.as_ref().map(|l| l.undecided.join(" ")).unwrap_or_default(),
-    ]
 }

@@ -1,7 +1,9 @@
 //! The inputs repeated: vehicles and couplers in groups of neighbours that are alike.
 
-use super::numbers::{given_damping, given_force, given_length, given_mass, given_stiffness};
+use super::numbers::{given_damping, given_force, given_gap, given_length, given_mass, given_stiffness};
 use crate::consist::{LIMITS, Train};
+use crate::law::Law;
+use crate::units::UnitSystem;
 
 /// Rows of each table, at most.
 const ROWS: usize = 40;
@@ -54,7 +56,7 @@ pub fn couplers(train: &Train) -> Groups {
         let limits = extras.limits.get(i).copied().unwrap_or_default();
         let dashpot = extras.dashpot_n_s_per_m.get(i).filter(|c| **c > 0.0);
         vec![
-            given_stiffness(units, c.stiffness_n_per_m),
+            extras.laws.get(i).map_or(given_stiffness(units, c.stiffness_n_per_m), |l| law(units, l)),
             given_force(units, c.rated_draft_n),
             given_force(units, c.rated_buff_n),
             dashpot.map_or(String::new(), |c| given_damping(units, *c)),
@@ -63,6 +65,24 @@ pub fn couplers(train: &Train) -> Groups {
         ]
     };
     grouped("Couplers, alike neighbours together", &head, train.couplers.len(), cells)
+}
+
+/// A coupler's law in short.
+fn law(units: UnitSystem, law: &Law) -> String {
+    let stiffness = |k: f64| given_stiffness(units, k);
+    let slack = match law.slack_m() {
+        0.0 => String::new(),
+        s => format!(", slack {}", given_gap(units, s)),
+    };
+    match law {
+        Law::Elastic { draft_n_per_m, buff_n_per_m, .. } if draft_n_per_m == buff_n_per_m => {
+            stiffness(*draft_n_per_m) + &slack
+        }
+        Law::Elastic { draft_n_per_m, buff_n_per_m, .. } => {
+            format!("{} in draft, {} in buff{slack}", stiffness(*draft_n_per_m), stiffness(*buff_n_per_m))
+        }
+        Law::Gear { solid_n_per_m, .. } => format!("a gear in series with {}{slack}", stiffness(*solid_n_per_m)),
+    }
 }
 
 /// The label without the number that tells alike vehicles apart.

@@ -92,6 +92,19 @@ pub(crate) fn body(analysis: &Analysis, markdown: &str, pictures: &Pictures) -> 
     Page { analysis, pictures, out: String::new(), heading: String::new() }.body(markdown)
 }
 
+/// The same without scripts and what they draw from.
+pub fn light(analysis: &Analysis, markdown: &str, pictures: &Pictures) -> String {
+    let title = escaped(&analysis.train);
+    let body = Page { analysis, pictures, out: String::new(), heading: String::new() }.body(markdown);
+    format!(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data:\">\n\
+         <title>{title}</title>\n<style>\n{colors}{STYLE}</style>\n</head>\n<body>\n<main id=\"main\">\n{body}</main>\n</body>\n\
+         </html>\n",
+        colors = css(),
+    )
+}
+
 /// The train file's text, folded; nothing for a train that was not read from a text.
 fn train_file(text: &str) -> String {
     if text.is_empty() {

@@ -87,12 +87,7 @@ fn margin(limit: &str, entries: &[Entry], several: bool, units: UnitSystem) -> O
         case.broken_coupler.filter(|_| several).map(|b| format!(" after coupler {b} breaks")).unwrap_or_default();
     let loads = {
         let unit = force_unit(units, l.largest_n);
-        format!(
-            "{} of {} in {}",
-            force_in(unit, l.largest_n, case.error_bound_n),
-            given_force_in(unit, l.limit_n),
-            l.sense
-        )
+        format!("{} of {} in {}", force_in(unit, l.largest_n, case.error_n()), given_force_in(unit, l.limit_n), l.sense)
     };
     let share = digits(100.0 * l.margin.abs(), 0.0, 3);
     let head = if l.margin < 0.0 { "The largest excess over" } else { "The smallest margin to" };
@@ -129,7 +124,7 @@ pub fn row(of: (&CouplerFindings, &'static str), case: &CaseFindings, units: Uni
     vec![
         c.coupler.to_string(),
         c.between.join(", "),
-        format!("{} in {sense}", force_in(unit, largest(of), case.error_bound_n)),
+        format!("{} in {sense}", force_in(unit, largest(of), case.error_n())),
         side(of).map(margin).collect::<Vec<_>>().join(", "),
     ]
 }

@@ -11,9 +11,9 @@ use super::section::{Section, overview_row, section};
 use super::train_facts::train_facts;
 use super::words;
 use crate::consist::Train;
-use crate::doubts::doubts;
 use crate::error::is_obeyed;
 use crate::findings::Analysis;
+use crate::scenario;
 
 const TEMPLATE: &str = include_str!("report.md.jinja");
 
@@ -34,9 +34,11 @@ pub type Pictures = Vec<Vec<Picture>>;
 struct Report {
     name: String,
     several: bool,
-    /// `"dashpots"`, `"modes"` or nothing.
+    /// `"dashpots"`, `"modes"`, `"laws"` of slack and gears, or nothing.
     damped: &'static str,
     cascades: bool,
+    /// Some scenario is followed from event to event.
+    marched: bool,
     sections: Vec<Section>,
     /// The verdict on each of several scenarios in one row.
     overview: Vec<Vec<String>>,
@@ -45,6 +47,7 @@ struct Report {
     groups: [Groups; 2],
     assumptions: Vec<assumptions::Row>,
     program: String,
+    date: String,
     options: String,
     /// Every file that was read: path and SHA-256.
     inputs: Vec<[String; 2]>,
@@ -65,18 +68,21 @@ pub fn markdown(train: &Train, analysis: &Analysis, pictures: &Pictures) -> Resu
         damped: match &train.extras {
             extras if !extras.dashpot_n_s_per_m.is_empty() => "dashpots",
             extras if extras.damping_ratio > 0.0 => "modes",
+            extras if !extras.laws.is_empty() => "laws",
             _ => "",
         },
         cascades: analysis.scenarios.iter().flat_map(|s| &s.cases).any(|c| c.cascade.is_some()),
+        marched: ran.iter().any(|s| scenario::is_march(train, s)),
         sections: analysis.scenarios.iter().enumerate().map(|(i, s)| section(train, s, of(i))).collect(),
         overview: analysis.scenarios.iter().map(|s| overview_row(train, s)).collect(),
         groups: [groups::vehicles(train), groups::couplers(train)],
         program: format!("{} {}", analysis.program.name, analysis.program.version),
+        date: analysis.date.clone(),
         options: options(analysis),
         inputs: analysis.inputs.iter().map(|f| [f.path.clone(), f.sha256.clone()]).collect(),
         assumptions: assumptions::rows(train, &ran),
         train: train_facts(train),
-        warnings: doubts(train).iter().map(ToString::to_string).collect(),
+        warnings: analysis.doubts.iter().map(ToString::to_string).collect(),
     };
     render(TEMPLATE, report)
 }

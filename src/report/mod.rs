@@ -37,7 +37,7 @@ pub(crate) mod words;
 use std::io;
 use std::path::{Path, PathBuf};
 
-pub use couplers_csv::csv;
+pub use couplers_csv::{Cells, Column, Row, coupler_columns, coupler_rows, csv};
 pub use files::{WriteError, write_all};
 pub use folder::{between_writes, can_write};
 pub use result_json::json;
@@ -131,6 +131,16 @@ pub(crate) fn shown_live(train: &Train, analysis: &Analysis) -> io::Result<(Stri
     let report = markdown::markdown(train, analysis, &pictures).map_err(io::Error::other)?;
     let data = interactive::data(&shown).map_err(io::Error::other)?;
     Ok((html::body(analysis, &report, &pictures), data))
+}
+
+/// The report as a page for a notebook: what `report.html` says, with its static figures and without scripts.
+///
+/// # Errors
+/// As for [`documents`].
+pub fn light_page(train: &Train, analysis: &Analysis) -> io::Result<String> {
+    let (_, pictures) = drawn(train, analysis);
+    let report = markdown::markdown(train, analysis, &pictures).map_err(io::Error::other)?;
+    Ok(html::light(analysis, &report, &pictures))
 }
 
 /// Whether a file's name is one that only a report, its figures and its maps have.

@@ -114,6 +114,11 @@ pub fn given_length(system: UnitSystem, value_m: f64) -> String {
     given(&[if system == UnitSystem::Us { unit("ft", 12.0 * INCH) } else { unit("m", 1.0) }], value_m)
 }
 
+/// A gap between couplers that was given.
+pub fn given_gap(system: UnitSystem, value_m: f64) -> String {
+    given(&[if system == UnitSystem::Us { unit("in", INCH) } else { unit("mm", 1e-3) }], value_m)
+}
+
 /// A speed of a vehicle that was given.
 pub fn given_speed(system: UnitSystem, value_m_per_s: f64) -> String {
     given(

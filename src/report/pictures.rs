@@ -131,6 +131,7 @@ impl<'a> Shown<'a> {
             Event::Pulse { vehicle, duration_s, .. } | Event::Shaped { vehicle, duration_s, .. } => {
                 (Some(*vehicle as f64 + 0.5), *duration_s)
             }
+            Event::Brake { from, .. } => (from.first().map(|v| *v as f64 + 0.5), 0.0),
             Event::Impact { vehicles, at_head: true, .. } => (Some(*vehicles as f64), 0.0),
             Event::Impact { vehicles, .. } => (Some((self.train.vehicles.len() - vehicles) as f64), 0.0),
         };

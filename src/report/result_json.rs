@@ -1,12 +1,10 @@
 //! `result.json`: everything that was found, for programs.
 
-use serde_json::Value;
-
 use crate::findings::{Analysis, CaseFindings, ScenarioFindings};
 
 /// The analysis as JSON, indented; the field names are those of [`crate::findings`].
 ///
-/// A scenario with more than one case leaves `couplers` out of its cases: `couplers.csv` has them. JSON knows no
+/// The cases of a scenario with more than one have empty `couplers`: `couplers.csv` has them. JSON knows no
 /// infinity, so a number that is not finite becomes `null`.
 ///
 /// # Errors
@@ -16,22 +14,13 @@ pub fn json(analysis: &Analysis) -> Result<String, serde_json::Error> {
         train: analysis.train.clone(),
         scenarios: analysis.scenarios.iter().map(shorten).collect(),
         program: analysis.program.clone(),
+        date: analysis.date.clone(),
         inputs: analysis.inputs.clone(),
         options: analysis.options.clone(),
         doubts: analysis.doubts.clone(),
         ..*analysis
     };
-    let mut value = serde_json::to_value(&shortened)?;
-    for scenario in value["scenarios"].as_array_mut().into_iter().flatten() {
-        let cases = scenario["cases"].as_array_mut().into_iter().flatten();
-        let cases: Vec<_> = cases.filter_map(Value::as_object_mut).collect();
-        if cases.len() > 1 {
-            for case in cases {
-                case.shift_remove("couplers");
-            }
-        }
-    }
-    let mut text = serde_json::to_string_pretty(&value)?;
+    let mut text = serde_json::to_string_pretty(&serde_json::to_value(&shortened)?)?;
     text.push('\n');
     Ok(text)
 }
@@ -46,6 +35,7 @@ fn shorten(scenario: &ScenarioFindings) -> ScenarioFindings {
         worst_first_passage: c.worst_first_passage.clone(),
         rod: c.rod.clone(),
         cascade: c.cascade.clone(),
+        gap_closures: c.gap_closures.clone(),
         ..*c
     };
     ScenarioFindings {

@@ -27,6 +27,8 @@ pub struct Section {
     sequence: Option<Table>,
     exceeding: Option<Table>,
     undecided: Option<Table>,
+    /// Errors are estimated, not proven.
+    estimated: bool,
     breaks: Option<Table>,
     often: Option<Table>,
     limits: String,
@@ -65,16 +67,18 @@ pub fn section(train: &Train, scenario: &ScenarioFindings, pictures: &[Picture])
     let cases = &scenario.cases;
     let single = if let [case] = &cases[..] { Some(case) } else { None };
     let factor = cases.iter().filter_map(|c| c.safe_load_factor).reduce(f64::min);
+    let no_factor = cases.iter().find_map(|c| c.no_safe_load_factor);
     let watched = cases.iter().any(|c| c.worst.is_some());
     Section {
         heading: scenario.name.clone(),
         event: source.map(|s| words::event(train, s)).unwrap_or_default(),
         verdict: words::verdict_of(scenario, units),
-        safe_load: event.filter(|_| watched).map(|e| words::safe_load(train, e, factor)).unwrap_or_default(),
+        safe_load: event.filter(|_| watched).map(|e| words::safe_load(train, e, factor, no_factor)).unwrap_or_default(),
         cascade: cascade::sentence(scenario),
         sequence: single.and_then(|case| sequence(case, units)),
         exceeding: single.and_then(|case| table(words::exceeding(case), |c| exceeding_row(c, case, units))),
         undecided: single.and_then(|case| table(words::undecided(case), |c| undecided_row(c, case, units))),
+        estimated: cases.iter().any(|c| c.error_estimate_n.is_some()),
         breaks: if single.is_none() { table(harmful(scenario), |of| break_row(of, units)) } else { None },
         often: if single.is_none() { often(scenario) } else { None },
         limits: limits::sentences(scenario, units),
@@ -135,7 +139,7 @@ fn losses(scenario: &ScenarioFindings, units: UnitSystem) -> Vec<Vec<String>> {
         let size = format!("{} in {}", force(units, newtons, error_n), words::sense(newtons));
         vec![ratio, exceeding.to_string(), coupler.to_string(), size, format!("{} %", percent(share)), time(at)]
     };
-    let without = [worst.peak_force_n, case.error_bound_n, worst.peak_time_s, worst.utilisation];
+    let without = [worst.peak_force_n, case.error_n(), worst.peak_time_s, worst.utilisation];
     let with = scenario.damping.iter().map(|d| {
         let numbers = [d.peak_force_n, d.error_bound_n, d.peak_time_s, d.utilisation];
         row(d.damping_ratio.to_string(), d.exceeding, d.coupler, numbers)
@@ -173,11 +177,11 @@ fn exceeding_row(c: &CouplerFindings, case: &CaseFindings, units: UnitSystem) ->
 fn undecided_row(c: &CouplerFindings, case: &CaseFindings, units: UnitSystem) -> Vec<String> {
     let unit = force_unit(units, 0.0);
     let rating = format!("{} {}", words::rating(c) / unit.size, unit.name);
-    vec![c.coupler.to_string(), c.between.join(", "), words::interval(c, case.error_bound_n, units), rating]
+    vec![c.coupler.to_string(), c.between.join(", "), words::interval(c, case.margin_n(), units), rating]
 }
 
 fn demand(c: &CouplerFindings, case: &CaseFindings, units: UnitSystem) -> String {
-    format!("{} in {}", force(units, c.peak_force_n, case.error_bound_n), words::sense(c.peak_force_n))
+    format!("{} in {}", force(units, c.peak_force_n, case.error_n()), words::sense(c.peak_force_n))
 }
 
 /// Cases in which some coupler exceeds, worst first.
@@ -244,6 +248,9 @@ fn run_time(cases: &[CaseFindings]) -> String {
 }
 
 fn accuracy(cases: &[CaseFindings], units: UnitSystem) -> String {
+    if cases.iter().any(|c| c.error_estimate_n.is_some()) {
+        return estimate(cases, units) + &endings(cases);
+    }
     let bound = cases.iter().map(|c| c.error_bound_n).fold(0.0, f64::max);
     let asked = cases.iter().map(|c| c.tolerance_n).fold(0.0, f64::max);
     let write = |f: f64| small_force(units, f);
@@ -253,5 +260,42 @@ fn accuracy(cases: &[CaseFindings], units: UnitSystem) -> String {
          and the search for peaks between instants ({met}: {}).",
         write(bound),
         write(asked)
+    ) + &endings(cases)
+}
+
+/// The accuracy of marches for which nothing is proven.
+fn estimate(cases: &[CaseFindings], units: UnitSystem) -> String {
+    let estimate = cases.iter().filter_map(|c| c.error_estimate_n).fold(0.0, f64::max);
+    let write = |f: f64| small_force(units, f);
+    let asked = cases.iter().map(|c| c.tolerance_n).fold(0.0, f64::max);
+    format!(
+        "The error of the reported forces against the exact solution of the model is estimated at {} or less (asked for: {}). This is an \
+         estimate, not a bound: the motion is computed three times, with other steps, with noise in the last places of every elongation and \
+         speed, and with the couplers' constants moved in their last places; it is ten times the largest difference. A rating within ten \
+         estimates of a peak is not decided.",
+        write(estimate),
+        write(asked)
     )
+}
+
+/// Where marches end before their horizon, and why.
+fn endings(cases: &[CaseFindings]) -> String {
+    let lost = cases.iter().filter_map(|c| c.predictable_until_s).reduce(f64::min);
+    let stopped = cases.iter().filter_map(|c| Some((c.stopped_at_s?, c.stopped_vehicle?)));
+    let stopped = stopped.reduce(|a, b| if b.0 < a.0 { b } else { a });
+    let of_cases = if cases.len() > 1 { "in one of the cases, at the earliest " } else { "" };
+    let mut text = String::new();
+    if let Some(at_s) = lost {
+        text += &format!(
+            " The report ends {of_cases}at {}: from then on small differences grow until no force can be told.",
+            time(at_s)
+        );
+    }
+    if let Some((at_s, vehicle)) = stopped {
+        text += &format!(
+            " The report ends {of_cases}at {}: vehicle {vehicle} would come to a stand then, and a standing vehicle is not computed.",
+            time(at_s)
+        );
+    }
+    text
 }

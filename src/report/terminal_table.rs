@@ -61,7 +61,7 @@ fn table(scenario: &ScenarioFindings, units: UnitSystem) -> Option<Table> {
             case.broken_coupler.map(|b| b.to_string()).unwrap_or_default(),
             worst.coupler.to_string(),
             format!("{} %", percent(worst.utilisation)),
-            format!("{} {}", force(units, worst.peak_force_n, case.error_bound_n), words::sense(worst.peak_force_n)),
+            format!("{} {}", force(units, worst.peak_force_n, case.error_n()), words::sense(worst.peak_force_n)),
             time(worst.peak_time_s),
             case.exceeding.to_string(),
             first.map_or("-".to_owned(), |(coupler, sense, at)| format!("{coupler} in {sense}, {}", time(at))),

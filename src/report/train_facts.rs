@@ -4,7 +4,7 @@ use super::numbers::{
     brief_time, digits, given_damping, given_force, given_mass, given_stiffness, metres, without_zeros,
 };
 use super::words::{count, sense};
-use crate::consist::{Train, Vehicle, of_parts};
+use crate::consist::{self, Train, Vehicle, of_parts};
 use crate::findings::damping::critical_n_s_per_m;
 use crate::scenario;
 
@@ -39,7 +39,12 @@ pub fn train_facts(train: &Train) -> Vec<[String; 2]> {
     }));
     rows.extend(held(train).map(|h| ["held at their speed".to_owned(), h]));
     let stiffness = span(couplers.iter().map(|c| c.stiffness_n_per_m), |k| given_stiffness(units, k));
-    rows.extend([["stiffness of a coupler".to_owned(), stiffness]]);
+    if train.extras.laws.is_empty() {
+        rows.push(["stiffness of a coupler".to_owned(), stiffness]);
+    } else {
+        rows.push(["secant stiffness of loading, for scales of time".to_owned(), stiffness]);
+        rows.extend(consist::laws(train).into_iter().map(|line| ["law of couplers".to_owned(), line]));
+    }
     if train.extras.damping_ratio > 0.0 {
         let ratio = format!("{} (not that of a dashpot, for which ratios are published)", train.extras.damping_ratio);
         rows.push(["damping ratio of every mode".to_owned(), ratio]);

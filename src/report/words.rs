@@ -1,7 +1,7 @@
 //! What the findings come to, in sentences: plain text, shared by the report and the terminal.
 
 use super::numbers::{brief_time, digits, down, given_force, given_speed, given_time, percent, time};
-use crate::consist::Train;
+use crate::consist::{self, Train};
 use crate::findings::{CaseFindings, CouplerFindings, ScenarioFindings};
 use crate::scenario::{Event, Scenario};
 use crate::units::UnitSystem;
@@ -36,6 +36,7 @@ pub fn since(case: &CaseFindings) -> &'static str {
     match case.kind {
         "break" => "after the break",
         "impact" => "after the vehicles meet",
+        "brake" => "after the brakes are applied",
         _ => "after the force sets in",
     }
 }
@@ -45,6 +46,7 @@ pub fn time_axis(case: &CaseFindings) -> &'static str {
     match case.kind {
         "break" => "time after the break",
         "impact" => "time since the vehicles met",
+        "brake" => "time since the brakes were applied",
         _ => "time since the force set in",
     }
 }
@@ -54,12 +56,17 @@ fn after(case: &CaseFindings) -> String {
     match case.broken_coupler {
         Some(b) => format!("after coupler {b} breaks"),
         None if case.kind == "impact" => "in the impact".to_owned(),
+        None if case.kind == "brake" => "while the brakes are applied".to_owned(),
         None => "under the pulse".to_owned(),
     }
 }
 
-/// The event, in one sentence.
+/// The event, in one sentence, and what brakes and drives do after it.
 pub fn event(train: &Train, scenario: &Scenario) -> String {
+    happens(train, scenario) + &consist::response(train, scenario)
+}
+
+fn happens(train: &Train, scenario: &Scenario) -> String {
     match &scenario.event {
         Event::Break { couplers } => match couplers[..] {
             [b] => {
@@ -100,6 +107,11 @@ pub fn event(train: &Train, scenario: &Scenario) -> String {
                 "A force pulls vehicle {} ({label}) {way} with up to {size} from t = 0 to {lasting}, its course over time: {shape}.",
                 vehicle + 1
             )
+        }
+        Event::Brake { from, emergency, application } => {
+            let what = if *emergency { "Emergency" } else { "Service" };
+            let (place, course) = (consist::place(train, from), consist::application(application));
+            format!("{what} brakes are applied from {place} at t = 0 ({course}).")
         }
         Event::Impact { vehicles, at_head, speed_m_per_s } => {
             let end = if *at_head { "head" } else { "tail" };
@@ -176,7 +188,7 @@ fn verdict(case: &CaseFindings, units: UnitSystem) -> String {
             "Not decided {when} for {}: {} peaks {}, and its rating lies inside.",
             count(case.undecided, "coupler"),
             place(first),
-            interval(first, case.error_bound_n, units),
+            interval(first, case.margin_n(), units),
         );
     }
     if worst.utilisation == 0.0 {
@@ -193,7 +205,7 @@ fn verdict(case: &CaseFindings, units: UnitSystem) -> String {
 
 /// "1.339 MN in draft, 75.3 % of its rating, 4.010 s after the break".
 fn most_used(worst: &CouplerFindings, case: &CaseFindings, units: UnitSystem) -> String {
-    let force = super::numbers::force(units, worst.peak_force_n, case.error_bound_n);
+    let force = super::numbers::force(units, worst.peak_force_n, case.error_n());
     let (share, at) = (percent(worst.utilisation), moment(worst.peak_time_s, case));
     format!("{force} in {}, {share} % of its rating, {at}", sense(worst.peak_force_n))
 }
@@ -269,6 +281,11 @@ pub fn verdict_of(scenario: &ScenarioFindings, units: UnitSystem) -> String {
 
 const LOSSES: &str = "come after reflections from the ends, which the losses of a real train reduce";
 
+/// What is to be said of exceedances after the first passage: a march has what losses and brakes the file gives.
+fn later_ones(case: &CaseFindings) -> &'static str {
+    if case.method == "march" { "come after it" } else { LOSSES }
+}
+
 /// What differs in the first passage; empty where nothing does.
 fn first_passage(case: &CaseFindings) -> String {
     let later = case.exceeding.saturating_sub(case.exceeding_first_passage);
@@ -282,8 +299,10 @@ fn first_passage(case: &CaseFindings) -> String {
         moment(worst.peak_time_s, case)
     );
     match case.exceeding_first_passage {
-        0 => format!(" In the first passage, to {end}, none exceeds: {largest}. The exceedances {LOSSES}."),
-        n => format!(" In the first passage, to {end}, {n} of them exceed; {largest}. The others {LOSSES}."),
+        0 => format!(" In the first passage, to {end}, none exceeds: {largest}. The exceedances {}.", later_ones(case)),
+        n => {
+            format!(" In the first passage, to {end}, {n} of them exceed; {largest}. The others {}.", later_ones(case))
+        }
     }
 }
 
@@ -295,7 +314,8 @@ fn first_passages(scenario: &ScenarioFindings) -> String {
         0 => String::new(),
         later => {
             let other = count(later, "other break");
-            format!(" In the first passage, {early} would; the exceedances after the {other} {LOSSES}.")
+            let come = scenario.cases.first().map_or(LOSSES, later_ones);
+            format!(" In the first passage, {early} would; the exceedances after the {other} {come}.")
         }
     }
 }
@@ -312,11 +332,11 @@ fn impact(case: &CaseFindings, units: UnitSystem) -> String {
     let buff = largest(|c| Some((c.peak_buff_n?, c.peak_buff_time_s?, -c.peak_buff_n? / c.rated_buff_n)));
     let draft = largest(|c| Some((c.peak_draft_n?, c.peak_draft_time_s?, c.peak_draft_n? / c.rated_draft_n)));
     let told = |(c, (newtons, at, share)): (&CouplerFindings, (f64, f64, f64))| {
-        let force = super::numbers::force(units, newtons.abs(), case.error_bound_n);
+        let force = super::numbers::force(units, newtons.abs(), case.error_n());
         format!("{force} ({} % of the rating) in coupler {}, {}", percent(share), c.coupler, moment(at, case))
     };
     let of = |sense: &str, found: Option<_>| found.map_or(String::new(), |f| format!(" Largest {sense}: {}.", told(f)));
-    let rebound = if draft.is_some() {
+    let rebound = if draft.is_some() && case.method != "march" {
         " The draft after the collision includes the rebound of the springs. A real draft gear absorbs up to 87 % of the work, so this \
          draft is too large unless the damping in the file represents that loss."
     } else {
@@ -372,12 +392,16 @@ pub fn cause(event: &Event) -> &'static str {
         Event::Pulse { .. } | Event::Shaped { .. } => "force",
         Event::Impact { .. } => "speed",
         Event::Break { .. } => "load",
+        Event::Brake { .. } => "brake force",
     }
 }
 
 /// What the safe load factor means, in one sentence.
-pub fn safe_load(train: &Train, event: &Event, factor: Option<f64>) -> String {
+pub fn safe_load(train: &Train, event: &Event, factor: Option<f64>, none: Option<&str>) -> String {
     let cause = cause(event);
+    if let Some(why) = none {
+        return format!("There is no safe {cause} factor: {why}.");
+    }
     let what = match event {
         Event::Break { .. } if train.initial_force_n.iter().all(|&f| f >= 0.0) => "pull",
         Event::Break { .. } if train.initial_force_n.iter().all(|&f| f <= 0.0) => "push",

@@ -100,7 +100,7 @@ pub fn play(train: &Train, scenario: &Scenario, broken: Option<usize>, horizon_s
 }
 
 /// Speed of a vehicle against the standing rest at t = 0, forward positive: what arrives comes toward the rest.
-fn speed_m_per_s(event: &Event, vehicle: usize, last: usize) -> f64 {
+pub(super) fn speed_m_per_s(event: &Event, vehicle: usize, last: usize) -> f64 {
     match *event {
         Event::Impact { vehicles, at_head: true, speed_m_per_s } if vehicle < vehicles => -speed_m_per_s,
         Event::Impact { vehicles, at_head: false, speed_m_per_s } if vehicle + vehicles > last => speed_m_per_s,

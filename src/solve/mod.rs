@@ -130,7 +130,9 @@ pub enum SolveError {
     #[error("the method {0} is for equal masses and stiffnesses, and this train's differ: use modal or propagator")]
     NotEqual(&'static str),
     /// The method is for steps of force on undamped chains.
-    #[error("the method {0} is for breaks and rectangular pulses without dashpots: leave the choice to the program")]
+    #[error(
+        "the method {0} is for breaks and rectangular pulses of linear couplers, without dashpots and brakes: leave the choice to the program"
+    )]
     StepsOnly(&'static str),
     /// Fronts cannot end a pulse so short.
     #[error("fronts need a pulse of a fifth of sqrt(mass / stiffness) or longer: use closed-form, modal or propagator")]

@@ -28,9 +28,11 @@
 //!
 //! **Breaks.** A coupler whose force passes its rating breaks. Its instant is known to within delta, the time in which its computed
 //! force is within the bound of the rating; over that time the computed and the true train differ by that coupler's force T on both
-//! its masses, so that the error's norm grows by at most `delta T sqrt(1 / m + 1 / m')`. Couplers whose intervals overlap break
-//! together. D grows by `T sqrt(1 / m + 1 / m')` at each break. What is parted never touches again: `gaps.rs` tells when it would.
+//! its masses, so that the error's norm grows by at most `delta T sqrt(1 / m + 1 / m')`. This supposes that it breaks in the true
+//! train too, whatever else may break there before it: `certain.rs` proves that, or leaves the sequence undecided. D grows by
+//! `T sqrt(1 / m + 1 / m')` at each break. What is parted never touches again: `gaps.rs` tells when it would.
 
+mod certain;
 mod gaps;
 mod search;
 mod series;

@@ -171,6 +171,7 @@ fn forms(dimension: Dimension) -> &'static [&'static [Piece]] {
             &[&[FORCE, Over, MASS], &[Piece::Of(&[Of::PoundForce]), Over, Piece::Of(&[Of::UsTon])]]
         }
         Dimension::Grade => &[&[Piece::Of(&[Of::Slope])], &[LENGTH, Over, LENGTH]],
+        Dimension::Share => &[&[Piece::Of(&[Of::Slope])]],
     }
 }
 

@@ -26,6 +26,7 @@ pub fn figure_5() -> Train {
         horizon_s: Some(200.0),
         cascade: Rule::Keep,
         left_out_in_buff: vec![],
+        response: trainsafe::scenario::Response::default(),
     }];
     train
 }
@@ -72,5 +73,6 @@ pub fn breaks(name: &str, couplers: Vec<usize>, horizon_s: Option<f64>) -> Scena
         horizon_s,
         cascade: Rule::Keep,
         left_out_in_buff: vec![],
+        response: trainsafe::scenario::Response::default(),
     }
 }

@@ -9,10 +9,11 @@ use crate::solve::path::Path;
 const PHASES: f64 = 3e4;
 
 /// SplitMix64 (G. L. Steele, D. Lea, C. H. Flood, *OOPSLA* 2014): the same numbers on every machine.
-struct Random(u64);
+#[derive(Clone, Debug)]
+pub(super) struct Random(pub u64);
 
 impl Random {
-    fn next(&mut self) -> u64 {
+    pub(super) fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -21,24 +22,24 @@ impl Random {
     }
 
     /// In [0, 1).
-    fn share(&mut self) -> f64 {
+    pub(super) fn share(&mut self) -> f64 {
         (self.next() >> 11) as f64 * 0.5f64.powi(53)
     }
 
-    fn between(&mut self, a: f64, b: f64) -> f64 {
+    pub(super) fn between(&mut self, a: f64, b: f64) -> f64 {
         a + (b - a) * self.share()
     }
 
     /// One of 0..n.
-    fn one_of(&mut self, n: usize) -> usize {
+    pub(super) fn one_of(&mut self, n: usize) -> usize {
         (self.share() * n as f64) as usize
     }
 
-    fn chance(&mut self, p: f64) -> bool {
+    pub(super) fn chance(&mut self, p: f64) -> bool {
         self.share() < p
     }
 
-    fn sign(&mut self) -> f64 {
+    pub(super) fn sign(&mut self) -> f64 {
         if self.chance(0.5) { 1.0 } else { -1.0 }
     }
 }

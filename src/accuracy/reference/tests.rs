@@ -74,3 +74,86 @@ fn refuses_what_is_no_scene() {
     scene.source = 0;
     assert!(matches!(Reference::new(&scene), Err(ReferenceError::Scene(_))));
 }
+
+/// The march in displacements and the sum over modes are two ways to one motion: 25 digits apart from the digits that either has.
+#[test]
+fn the_march_agrees_with_the_modes() {
+    let scene = Scene { horizon: 30.0, duration: 7.0, ..held(6) };
+    let reference = Reference::new(&scene).expect("an ordinary chain");
+    let system = march::System {
+        mass: scene.chain.mass.clone(),
+        held: [true, false],
+        stiffness: scene.chain.stiffness.clone(),
+        dashpot: vec![0.0; 6],
+        initial: vec![march::long(1.0); 6],
+        outside: [vec![march::long(0.0); 6], vec![march::long(-1.0)]].concat(),
+        velocity: vec![0.0; 7],
+        source: 6,
+        drive: vec![march::Course::Line([0.0, 1.0], [7.0, 1.0])],
+        horizon: 30.0,
+        ..march::System::default()
+    };
+    let motion = march::march(&system, &[[f64::INFINITY; 2]; 6]);
+    for (spring, t) in [(0, 3.3), (5, 6.9), (2, 29.5), (5, 17.0)] {
+        let (force, _) = motion.force(spring, t).expect("whole");
+        let off = force - reference.exact_force(spring, t).with_precision(144).value();
+        assert!(rounded(&off).abs() < 1e-25, "spring {spring} at {t}: {:e}", rounded(&off));
+    }
+    let extremes = reference.extremes().expect("a short search");
+    for (spring, sides) in extremes.iter().enumerate() {
+        for (side, extreme) in sides.iter().enumerate() {
+            let largest = motion.largest(spring, side, 30.0).1;
+            assert!(extreme.error_of(rounded(&largest)) < 1e-15, "spring {spring}");
+        }
+    }
+}
+
+/// Two vehicles that run into each other: `F = -v sqrt(k m / 2) e^(-z w t) sin(d t) / sqrt(1 - z^2)` in the spring, with the damping
+/// ratio, and the dashpot's `c v e^(-z w t) (cos - z / sqrt(1 - z^2) sin)` beside it with the dashpot of the same ratio. Doubles
+/// carry these to a few 1e-16.
+#[test]
+fn the_march_knows_both_kinds_of_damping() {
+    let (z, w) = (0.2f64, 2f64.sqrt());
+    let d = w * (1.0 - z * z).sqrt();
+    for (dashpot, ratio) in [(0.0, z), (z * w, 0.0)] {
+        let system = march::System {
+            mass: vec![1.0; 2],
+            stiffness: vec![1.0],
+            dashpot: vec![dashpot],
+            ratio,
+            initial: vec![march::long(0.0)],
+            outside: vec![march::long(0.0); 2],
+            velocity: vec![-1.0, 0.0],
+            horizon: 9.0,
+            ..march::System::default()
+        };
+        let motion = march::march(&system, &[[f64::INFINITY; 2]]);
+        for t in [0.0, 0.7, 4.1, 8.8] {
+            let (sin, cos) = (d * t).sin_cos();
+            let apart = -(-z * w * t).exp() * (cos - z / (1.0 - z * z).sqrt() * sin);
+            let due = -(-z * w * t).exp() * sin / d + dashpot * apart;
+            let (force, _) = motion.force(0, t).expect("whole");
+            assert!((rounded(&force) - due).abs() < 2e-15, "{dashpot} {t}: {} {due}", rounded(&force));
+        }
+    }
+}
+
+/// A coupler breaks when it passes its load, to the digits of a sine's inverse, and one that stands at its load at once.
+#[test]
+fn the_march_breaks_couplers() {
+    let system = march::System {
+        mass: vec![1.0; 2],
+        stiffness: vec![1.0],
+        dashpot: vec![0.0],
+        initial: vec![march::long(0.5)],
+        outside: vec![march::long(0.5), march::long(-0.5)],
+        velocity: vec![1.0, 0.0],
+        horizon: 9.0,
+        ..march::System::default()
+    };
+    let at = |load: f64| march::march(&system, &[[load, f64::INFINITY]]).broke.first().map(|b| b.at);
+    // F = 1/2 + sin(sqrt 2 t) / sqrt 2
+    let due = (0.3 * 2f64.sqrt()).asin() / 2f64.sqrt();
+    assert!((at(0.8).expect("it breaks") - due).abs() < 1e-15);
+    assert_eq!((at(0.5), at(1.3)), (Some(0.0), None));
+}

@@ -33,7 +33,7 @@ pub fn map(map: &MapFindings, event: &Event, units: UnitSystem, name: &str) -> S
         Event::Pulse { force_n, duration_s, .. } | Event::Shaped { force_n, duration_s, .. } => {
             Some((duration_s / clock.size, force_n.abs() / size.size, *force_n))
         }
-        Event::Break { .. } | Event::Impact { .. } => None,
+        Event::Break { .. } | Event::Impact { .. } | Event::Brake { .. } => None,
     };
     let top = shown.fold(0.0, f64::max).max(given.map_or(0.0, |g| g.1));
     let bottom = (least / size.size).min(given.map_or(f64::INFINITY, |g| g.1));

@@ -1,8 +1,9 @@
 //! Couplers that pass their rating on the way, and what their breaking does to the error.
 
+use super::certain::Step;
 use super::gaps::Gaps;
-use super::series::{Series, State, centred, reach};
-use super::{DEGREE, ROUNDINGS, Rates, U};
+use super::series::{Series, State};
+use super::{ROUNDINGS, Rates, U};
 use crate::play::{Play, Rule};
 
 /// Roundings of a force that is shown, beside those of its state.
@@ -34,32 +35,23 @@ pub struct Found {
     /// At which share of the step.
     pub share: f64,
     /// Spring, force, and how far its exact instant may be from that.
-    torn: Vec<(usize, f64, f64)>,
-}
-
-/// A side of a coupler within a step: when its force is within the bound of its rating, at it, and certainly over it.
-struct Passing {
-    spring: usize,
-    side: usize,
-    /// Time at which it may be over, and is certainly over.
-    from: f64,
-    until: Option<f64>,
-    at: f64,
-    coefficient: [f64; DEGREE + 1],
+    pub(super) torn: Vec<(usize, f64, f64)>,
 }
 
 /// The search for couplers that break.
 pub struct Breaks<'a> {
-    play: &'a Play,
+    pub(super) play: &'a Play,
     rates: Rates,
     /// What broke so far.
     pub breakages: Vec<Breakage>,
     /// Where couplers broke; followed with a rule of breaking only.
     pub gaps: Gaps,
     /// Per coupler and sign: since when it may be over its rating.
-    near: Vec<[Option<f64>; 2]>,
+    pub(super) near: Vec<[Option<f64>; 2]>,
     /// Per coupler and sign: it has been certainly under its rating.
-    departed: Vec<[bool; 2]>,
+    pub(super) departed: Vec<[bool; 2]>,
+    /// A coupler that may have broken before another one did, and so may have kept it from breaking, and since when.
+    pub(super) doubt: Option<(usize, f64)>,
     /// Norm of the error, of the motion, and bound on that of its derivative, at `since`.
     error: f64,
     motion: f64,
@@ -78,6 +70,7 @@ impl<'a> Breaks<'a> {
             gaps: Gaps::default(),
             near: vec![[None; 2]; springs],
             departed: vec![[true; 2]; springs],
+            doubt: None,
             error: start_error(play),
             motion: 0.0,
             derivative: 0.0,
@@ -96,12 +89,12 @@ impl<'a> Breaks<'a> {
         breaks.measure(state, series);
         let bound = breaks.bound();
         for i in 0..springs {
-            breaks.departed[i] = [0, 1].map(|side| breaks.signed(i, side) < breaks.rating(i, side) - 4.0 * bound);
+            breaks.departed[i] = [0, 1].map(|side| breaks.signed(i, side) < breaks.rating(i, side) - bound);
         }
         breaks
     }
 
-    fn sides(&self) -> &'static [usize] {
+    pub(super) fn sides(&self) -> &'static [usize] {
         match self.play.rule {
             Rule::Keep => &[],
             Rule::InDraft => &[0],
@@ -109,12 +102,12 @@ impl<'a> Breaks<'a> {
         }
     }
 
-    fn signed(&self, spring: usize, side: usize) -> f64 {
+    pub(super) fn signed(&self, spring: usize, side: usize) -> f64 {
         SIGN[side] * self.play.scene.initial[spring]
     }
 
     /// The force at which a side breaks.
-    fn rating(&self, spring: usize, side: usize) -> f64 {
+    pub(super) fn rating(&self, spring: usize, side: usize) -> f64 {
         let rated = || [&self.play.scene.rated_draft, &self.play.scene.rated_buff][side][spring];
         self.play.break_at.get(spring).map_or_else(rated, |at| at[side])
     }
@@ -159,60 +152,31 @@ impl<'a> Breaks<'a> {
         self.error + self.growth() * (self.play.scene.horizon - self.since)
     }
 
-    /// The first coupler that may have passed its rating and was not seen to, and when.
+    /// The first coupler that may have passed its rating and was not seen to, and when: at t = 0 if it stood there and never left.
     pub fn open(&self) -> Option<(usize, f64)> {
-        let near = self.near.iter().enumerate().flat_map(|(i, sides)| sides.iter().flatten().map(move |t| (i, *t)));
-        near.min_by(|a, b| a.1.total_cmp(&b.1))
+        let since = |i: usize, side: usize| if self.departed[i][side] { self.near[i][side] } else { Some(0.0) };
+        let sides = (0..self.near.len()).flat_map(|i| self.sides().iter().map(move |&side| (i, side)));
+        let near = sides.filter_map(|(i, side)| Some((i, since(i, side)?)));
+        near.chain(self.doubt).min_by(|a, b| a.1.total_cmp(&b.1))
     }
 
     /// The first breakage within a step, if there is one.
     pub fn find(&mut self, state: &State, series: &Series, from: f64, width: f64) -> Option<Found> {
-        let bound = self.bound();
-        let mut passing: Vec<Passing> = Vec::new();
-        for i in (0..self.near.len()).filter(|&i| !self.sides().is_empty() && state.whole(i)) {
-            let coefficient = series.coupler(i, self.play.steady(i));
-            for &side in self.sides() {
-                if reach(&coefficient, SIGN[side]) > self.rating(i, side) - bound {
-                    passing.extend(self.passes(i, side, coefficient, from, width));
-                }
-            }
+        if self.sides().is_empty() {
+            return None;
         }
-        let first = passing.iter().filter_map(|p| p.until).reduce(f64::min);
-        let found = first.map(|first| {
-            let torn: Vec<&Passing> = passing.iter().filter(|p| p.until.is_some() && p.from <= first).collect();
-            let time = torn.iter().map(|p| p.at).fold(first, f64::min);
-            let share = ((time - from) / width).clamp(0.0, 1.0);
-            let apart = |p: &Passing| (p.until.unwrap_or(time) - time).max(time - p.from) + 4.0 * U * time;
-            let force = |p: &Passing| p.coefficient.iter().rev().fold(0.0, |sum, c| sum * share + c);
-            Found { share, torn: torn.iter().map(|p| (p.spring, force(p), apart(p))).collect() }
-        });
+        let step = Step { state, series, from, width };
+        let plain = self.passing(&step, &[]);
+        let waiting = self.doubt.is_none() && self.near.iter().flatten().any(Option::is_some);
+        let (passing, torn) =
+            if plain.is_empty() && !waiting { (plain, Vec::new()) } else { self.decide(&step, plain) };
+        let found = (!torn.is_empty()).then(|| step.tear(torn.iter().map(|&n| &passing[n])));
         let until = from + found.as_ref().map_or(1.0, |f| f.share) * width;
-        for p in passing.iter().filter(|p| p.from <= until && self.departed[p.spring][p.side]) {
+        for p in passing.iter().filter(|p| p.from <= until) {
             self.near[p.spring][p.side].get_or_insert(p.from);
         }
-        self.note_departures(state, series, (until - from) / width, bound);
+        self.note_departures(state, series, (until - from) / width, self.bound());
         found
-    }
-
-    /// When a side passes the levels around its rating within a step.
-    fn passes(
-        &self,
-        spring: usize,
-        side: usize,
-        coefficient: [f64; DEGREE + 1],
-        from: f64,
-        width: f64,
-    ) -> Option<Passing> {
-        let turned = coefficient.map(|c| SIGN[side] * c);
-        let local = centred(&turned, from, width);
-        let (rating, bound) = (self.rating(spring, side), self.bound());
-        let time = |x: f64| from + 0.5 * (x + 1.0) * width;
-        let over = |level: f64| local.first_over(-1.0, 1.0, level).map(time);
-        let earliest = if self.departed[spring][side] { over(rating - bound)? } else { 0.0 };
-        let earliest = self.near[spring][side].map_or(earliest, |t| t.min(earliest));
-        let until = over(rating + bound);
-        let at = until.and_then(|_| over(rating)).unwrap_or(from);
-        Some(Passing { spring, side, from: earliest, until, at, coefficient })
     }
 
     fn note_departures(&mut self, state: &State, series: &Series, share: f64, bound: f64) {
@@ -247,7 +211,7 @@ impl<'a> Breaks<'a> {
             let k = state.stiffness[i + 1];
             self.gaps.add(*i, (steady[*i] + state.force[0][i + 1]) / k, time, error / k.sqrt());
             state.break_spring(*i, steady[*i]);
-            self.near[*i] = [None; 2];
+            (self.near[*i], self.departed[*i]) = ([None; 2], [true; 2]);
         }
         self.breakages.push(Breakage {
             time,
@@ -263,7 +227,7 @@ impl<'a> Breaks<'a> {
 }
 
 /// Of draft and buff.
-const SIGN: [f64; 2] = [1.0, -1.0];
+pub(super) const SIGN: [f64; 2] = [1.0, -1.0];
 
 /// Norm of what rounding did to the start: the forces at t = 0 and the steady ones were each rounded once, and so was their
 /// difference. Where there is no difference the two are one number.
@@ -276,7 +240,7 @@ fn start_error(play: &Play) -> f64 {
 }
 
 /// `sqrt(1 / m + 1 / m')` of the masses at a spring.
-fn jolt(state: &State, i: usize) -> f64 {
+pub(super) fn jolt(state: &State, i: usize) -> f64 {
     (state.inverse_mass[i] + state.inverse_mass[i + 1]).sqrt()
 }
 

@@ -1,0 +1,16 @@
+"""The command `trainsafe`."""
+
+import signal
+import sys
+
+from . import _native
+
+
+def main() -> None:
+    # The program has its own way to end on Ctrl-C.
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    sys.exit(_native.main(sys.argv[1:]))
+
+
+if __name__ == "__main__":
+    main()

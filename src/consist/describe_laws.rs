@@ -1,0 +1,131 @@
+//! Couplers with slack and gears, and what brakes and drives do, in words.
+
+use super::Train;
+use crate::law::{Curve, Law};
+use crate::scenario::{Application, Event, Scenario};
+use crate::units::{Dimension, shown};
+
+/// The laws of couplers that are not linear, each kind once with what it does at the load; empty where all are linear.
+pub(crate) fn laws(train: &Train) -> Vec<String> {
+    let mut kinds: Vec<(Vec<usize>, &Law)> = vec![];
+    for (i, law) in train.extras.laws.iter().enumerate() {
+        match kinds.iter_mut().find(|(_, known)| *known == law) {
+            Some((couplers, _)) => couplers.push(i),
+            None => kinds.push((vec![i], law)),
+        }
+    }
+    kinds.into_iter().map(|(couplers, law)| line(train, &couplers, law)).collect()
+}
+
+fn line(train: &Train, couplers: &[usize], law: &Law) -> String {
+    let which = match couplers {
+        _ if couplers.len() == train.couplers.len() => "every coupler".to_owned(),
+        [one] => format!("coupler {}", one + 1),
+        [first, .., last] => format!("{} couplers from {} to {}", couplers.len(), first + 1, last + 1),
+        [] => String::new(),
+    };
+    let length = |m: f64| shown(m, Dimension::Length);
+    let slack = match law.slack_m() {
+        0.0 => "no slack".to_owned(),
+        s => format!("slack {}", length(s)),
+    };
+    format!("{which}: {}, {slack}{}", kind(law), at_the_load(train, couplers, law))
+}
+
+fn kind(law: &Law) -> String {
+    let stiffness = |k: f64| shown(k, Dimension::Stiffness);
+    match law {
+        Law::Elastic { draft_n_per_m, buff_n_per_m, .. } if draft_n_per_m == buff_n_per_m => {
+            format!("a spring of {}", stiffness(*draft_n_per_m))
+        }
+        Law::Elastic { draft_n_per_m, buff_n_per_m, .. } => {
+            format!("a spring of {} in draft, {} in buff", stiffness(*draft_n_per_m), stiffness(*buff_n_per_m))
+        }
+        Law::Gear { solid_n_per_m, draft, buff, .. } if draft == buff => {
+            format!("a gear, {}, in series with {}", gear(draft), stiffness(*solid_n_per_m))
+        }
+        Law::Gear { solid_n_per_m, draft, buff, .. } => {
+            let [draft, buff, solid] = [gear(draft), gear(buff), stiffness(*solid_n_per_m)];
+            format!("a gear, in draft {draft}, in buff {buff}, in series with {solid}")
+        }
+    }
+}
+
+/// Stroke, work and share of it that is lost.
+fn gear(curve: &Curve) -> String {
+    let last_n = curve.rows().last().map_or(0.0, |row| row.loading_n);
+    format!(
+        "which closes after {} at {}; a full stroke takes {:.1} kJ and loses {:.0} % of it",
+        shown(curve.stroke_m(), Dimension::Length),
+        shown(last_n, Dimension::Force),
+        1e-3 * curve.absorbed_j(),
+        100.0 * curve.lost_share()
+    )
+}
+
+/// The travel of the couplers at the load, from the end of the slack, and the pull from which they were let down.
+fn at_the_load(train: &Train, couplers: &[usize], law: &Law) -> String {
+    let load = |&i: &usize| train.initial_force_n[i];
+    let Some(&most) = couplers.iter().max_by(|a, b| load(a).abs().total_cmp(&load(b).abs())) else {
+        return String::new();
+    };
+    let force_n = train.initial_force_n[most];
+    if force_n == 0.0 {
+        return "; no load before the event".to_owned();
+    }
+    let rest = law.rest(&train.history_n(most));
+    let travel_m = law.elongation_m(&rest).abs() - 0.5 * law.slack_m();
+    let from = train
+        .extras
+        .pulled_to_n
+        .get(most)
+        .map_or(String::new(), |n| format!(", let down from {}", shown(*n, Dimension::Force)));
+    let sense = if force_n < 0.0 { "buff" } else { "draft" };
+    let [travel, force] = [shown(travel_m, Dimension::Length), shown(force_n.abs(), Dimension::Force)];
+    format!("; at {force} in {sense}{from}, it has travelled {travel} beyond the slack")
+}
+
+/// An application in words: `an AAR application` or its numbers.
+pub(crate) fn application(of: &Application) -> String {
+    let named = of.name.map_or(String::new(), |name| format!("{name}: "));
+    let most = of.build_up.last().map_or(0.0, |last| 100.0 * last[1]);
+    let [wave, full] = [shown(of.wave_m_per_s, Dimension::Speed), shown(of.full_after_s(), Dimension::Time)];
+    format!("{named}wave {wave}, {most:.0} % of emergency_brake after {full}")
+}
+
+/// What a scenario's brakes and drives do beside its event: a clause that starts with `; `, or nothing.
+pub(super) fn response(train: &Train, scenario: &Scenario) -> String {
+    let mut text = String::new();
+    if let Some(emergency) = &scenario.response.emergency {
+        text += &format!("; each parting sets off emergency brakes both ways ({})", application(emergency));
+    }
+    let efforts = &scenario.response.efforts;
+    if let Some(last_s) = efforts.iter().filter_map(|f| f.points.last()).map(|p| p[0]).reduce(f64::max) {
+        let vehicles = super::count(efforts.len(), "vehicle");
+        text += &format!("; the tractive effort of {vehicles} changes until {}", shown(last_s, Dimension::Time));
+    }
+    let braking = scenario.response.emergency.is_some() || matches!(scenario.event, Event::Brake { .. });
+    if let Some(speed) = train.extras.speed_m_per_s.filter(|_| braking) {
+        text += &format!("; the train runs at {}", shown(speed, Dimension::Speed));
+    }
+    text
+}
+
+/// The same as sentences of a report.
+pub(crate) fn response_sentences(train: &Train, scenario: &Scenario) -> String {
+    let sentence = |clause: &str| {
+        let mut letters = clause.chars();
+        letters.next().map_or(String::new(), |first| format!(" {}{}.", first.to_uppercase(), letters.as_str()))
+    };
+    response(train, scenario).split("; ").filter(|clause| !clause.is_empty()).map(sentence).collect()
+}
+
+/// Where an application starts: "the head", "both ends", "vehicle 12 (car 11)".
+pub(crate) fn place(train: &Train, from: &[usize]) -> String {
+    match from {
+        [0] => "the head".to_owned(),
+        [v] if v + 1 == train.vehicles.len() => "the tail".to_owned(),
+        [v] => format!("vehicle {} ({})", v + 1, train.vehicles[*v].label),
+        _ => "both ends".to_owned(),
+    }
+}

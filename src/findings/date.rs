@@ -1,0 +1,60 @@
+//! The date of an analysis.
+
+use std::time::{SystemTime, UNIX_EPOCH};
+
+/// The variable that sets the date of reproducible results, in seconds since 1970; see reproducible-builds.org.
+const EPOCH: &str = "SOURCE_DATE_EPOCH";
+
+/// Today's date in UTC, such as `2026-12-01`, or the one that `SOURCE_DATE_EPOCH` says.
+///
+/// # Errors
+/// What is wrong with that variable, as a sentence without its full stop.
+pub fn today() -> Result<String, String> {
+    let seconds = match std::env::var_os(EPOCH) {
+        Some(set) => {
+            let wrong = || format!("{EPOCH} is {set:?}, not a whole number of seconds since 1970");
+            // The last is in the year 9999, beyond which a date has more digits.
+            set.to_str().and_then(|s| s.parse().ok()).filter(|s| *s < 253_402_300_800).ok_or_else(wrong)?
+        }
+        None => SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs()),
+    };
+    Ok(date(seconds / 86400))
+}
+
+/// The date so many days after 1970-01-01, Gregorian.
+fn date(days: u64) -> String {
+    // Years begin in March here, so that the day that some have not is the last: 400 of them are 146,097 days.
+    let days = days + 719_468;
+    let (era, day) = (days / 146_097, days % 146_097);
+    let year = (day - day / 1460 + day / 36_524 - day / 146_096) / 365;
+    let day = day - (365 * year + year / 4 - year / 100);
+    let month = (5 * day + 2) / 153;
+    let day = day - (153 * month + 2) / 5 + 1;
+    let (year, month) = if month < 10 { (year, month + 3) } else { (year + 1, month - 9) };
+    format!("{:04}-{month:02}-{day:02}", 400 * era + year)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::date;
+
+    /// Against `date -u -d "1970-01-01 + N days" +%F`.
+    #[test]
+    fn dates() {
+        let days = [0, 58, 59, 364, 365, 11_016, 11_017, 20_786, 47_540, 47_541, 2_932_896];
+        let expected = [
+            "1970-01-01",
+            "1970-02-28",
+            "1970-03-01",
+            "1970-12-31",
+            "1971-01-01",
+            "2000-02-29",
+            "2000-03-01",
+            "2026-11-29",
+            "2100-02-28",
+            "2100-03-01",
+            "9999-12-31",
+        ];
+        assert_eq!(days.map(date), expected);
+    }
+}

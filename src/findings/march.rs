@@ -1,0 +1,145 @@
+//! Cases that are marched from event to event: couplers with slack and gears, brakes and drives that change.
+
+use super::general::Solved;
+use super::{CouplerFindings, Ending, Options, Seen, coupler_findings, first_passage, largest_rating_n, worst};
+use crate::consist::Train;
+use crate::march::{self, Ask, Bound, Extremes, Outcome, Problem};
+use crate::play::Rule;
+use crate::scenario::{self, Scenario};
+use crate::solve::SolveError;
+
+/// The error that forces may have, as a share of the largest rating, where less is asked for: a march that goes on until its
+/// estimate passes what is asked for ends late enough for every use.
+const TOLERANCE: f64 = 1e-6;
+
+/// A rating that lies so many estimated errors from a peak, or less, is not decided.
+pub(super) const MARGIN: f64 = 10.0;
+
+/// What only a march finds.
+pub(super) struct Marched {
+    /// The couplers over the first passage.
+    pub to_mark: Vec<CouplerFindings>,
+    /// Where the march ended before its horizon.
+    pub ending: Option<Ending>,
+    /// Where gaps of parted couplers closed, and when, s.
+    pub closures: Vec<(usize, f64)>,
+}
+
+/// The error that is asked for, N.
+pub(super) fn tolerance_n(train: &Train, options: &Options) -> f64 {
+    options.tolerance.max(TOLERANCE) * largest_rating_n(train)
+}
+
+/// What is asked of a march: forces as good as the options want them, and when they pass the ratings.
+pub(super) fn ask(train: &Train, options: &Options) -> Ask {
+    Ask {
+        capacity_n: train.couplers.iter().map(|c| [c.rated_draft_n, c.rated_buff_n]).collect(),
+        tolerance_n: Some(tolerance_n(train, options)),
+        ..Ask::default()
+    }
+}
+
+/// The march of a case without a cascade.
+pub(super) fn problem(train: &Train, scenario: &Scenario, broken: Option<usize>, horizon_s: f64) -> Problem {
+    let mark_s = first_passage::end_s(train, scenario, broken, horizon_s);
+    scenario::march(train, scenario, broken, [horizon_s, mark_s], Rule::Keep)
+}
+
+/// Extremes of every coupler but the broken one.
+///
+/// # Errors
+/// [`SolveError::StepsOnly`] when a method for steps is asked for.
+pub(super) fn solved(
+    train: &Train,
+    scenario: &Scenario,
+    broken: Option<usize>,
+    horizon_s: f64,
+    options: &Options,
+) -> Result<Solved, SolveError> {
+    if let Some(method) = options.method {
+        return Err(SolveError::StepsOnly(method.name()));
+    }
+    let problem = problem(train, scenario, broken, horizon_s);
+    let outcome = march::solve(&problem, &ask(train, options));
+    let estimated = matches!(outcome.bound, Bound::Estimated(_));
+    let before_n = scenario::initial_force_n(train, &scenario.event);
+    let findings = |of: &[Extremes], error_n: &[[f64; 2]]| {
+        let others = (0..of.len()).filter(|i| Some(*i) != broken);
+        let one = |i: usize| CouplerFindings {
+            initial_force_n: before_n[i],
+            error_estimate_n: error_n.get(i).filter(|_| estimated).map(|n| n[0].max(n[1])),
+            ..coupler_findings(train, i, &seen(train, &outcome, i, of[i], error_n.get(i)), None)
+        };
+        others.map(one).collect::<Vec<CouplerFindings>>()
+    };
+    let couplers = findings(&outcome.extremes, &outcome.error_n);
+    let to_mark = findings(&outcome.to_mark, &outcome.error_to_mark_n);
+    let (error_bound_n, error_estimate_n) = errors(&outcome.bound);
+    let error_n = error_estimate_n.unwrap_or(error_bound_n);
+    Ok(Solved {
+        method: "march",
+        reason: reason(train).to_owned(),
+        error_bound_n,
+        error_estimate_n,
+        worst: worst(&couplers, 0..couplers.len(), error_n),
+        couplers,
+        left_out: Vec::new(),
+        marched: Some(Marched { to_mark, ending: ending(&outcome), closures: outcome.closures }),
+    })
+}
+
+/// Where a march ended before its horizon, and why.
+pub(super) fn ending(outcome: &Outcome) -> Option<Ending> {
+    let stop = outcome.stopped.map(|(vehicle, at_s)| Ending { at_s, stopped_vehicle: Some(vehicle + 1) });
+    let lost = outcome.predictable_until_s.map(|at_s| Ending { at_s, stopped_vehicle: None });
+    [stop, lost].into_iter().flatten().reduce(|a, b| if b.at_s < a.at_s { b } else { a })
+}
+
+/// What is seen of one coupler's force.
+fn seen(train: &Train, outcome: &Outcome, i: usize, extremes: Extremes, error_n: Option<&[f64; 2]>) -> Seen {
+    let factor = if matches!(outcome.bound, Bound::Estimated(_)) { MARGIN } else { 1.0 };
+    let margins = error_n.map_or([f64::INFINITY; 2], |of| of.map(|n| factor * n));
+    let c = &train.couplers[i];
+    let largest = [(extremes.draft.force_n, extremes.draft.time_s), (-extremes.buff.force_n, extremes.buff.time_s)];
+    let ratings = [c.rated_draft_n, c.rated_buff_n];
+    let exceeds = |side: usize| {
+        let over_n = largest[side].0 - ratings[side];
+        // The force before the event is known as it is given.
+        let exact = largest[side].1 == 0.0 && over_n > 0.0;
+        (exact || over_n.abs() > margins[side]).then_some(over_n > 0.0)
+    };
+    let exceeds = [exceeds(0), exceeds(1)];
+    let first = outcome.first_over_s.get(i).copied().unwrap_or_default();
+    let last_s = largest.map(|(_, at)| at);
+    let over = |side: usize| first[side].filter(|at| exceeds[side] == Some(true) && *at <= last_s[side]);
+    Seen { largest, exceeds, first_over_s: [over(0), over(1)] }
+}
+
+/// The proven bound, infinite without one, and the largest estimate.
+pub(super) fn errors(bound: &Bound) -> (f64, Option<f64>) {
+    match bound {
+        Bound::Proven(bound_n) => (*bound_n, None),
+        Bound::Estimated(estimate_n) => (f64::INFINITY, Some(*estimate_n)),
+        Bound::None => (f64::INFINITY, None),
+    }
+}
+
+/// Estimated time of a case, s: its march, and a second one where couplers break one after the other.
+pub(super) fn estimate_s(
+    train: &Train,
+    scenario: &Scenario,
+    broken: Option<usize>,
+    horizon_s: f64,
+    options: &Options,
+) -> f64 {
+    let once = march::estimate_s(&problem(train, scenario, broken, horizon_s), &ask(train, options));
+    if scenario.cascade == Rule::Keep { once } else { 2.0 * once }
+}
+
+fn reason(train: &Train) -> &'static str {
+    if train.extras.laws.is_empty() {
+        "forces from outside change on several vehicles"
+    } else {
+        "couplers with slack or gears change their stiffness while they move"
+    }
+}

@@ -1,0 +1,398 @@
+//! The force of a coupler against its elongation: an elastic law with a gap, or a gear with friction and a memory.
+//!
+//! Elongation q is positive in draft and zero in the middle of the slack. An elastic law has no memory. A gear has one number of
+//! it, its travel w, and a stiffness kl in series (wedges locked, or gear closed):
+//!
+//! ```text
+//! F = kl (q - w)     w' > 0 only if F = u(w)     w' < 0 only if F = l(w)     otherwise w' = 0 and l(w) <= F <= u(w)
+//! draft (w > s/2):   u = loading(w - s/2),       l = unloading(w - s/2)
+//! slack (|w| <= s/2) u = l = 0
+//! buff  (w < -s/2):  u = -unloading(-w - s/2),   l = -loading(-w - s/2)
+//! ```
+//!
+//! Beyond the last row of a table the gear is closed: w stands still, and F rises at kl. Both u and l never fall over w
+//! ([`Law::check`]); this makes the motion of a train unique and its energy never grow without work from outside.
+
+use std::sync::Arc;
+
+/// One row of a gear's table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row {
+    /// Travel of the whole connection from the end of the slack, m.
+    pub travel_m: f64,
+    /// Force while the travel grows, N.
+    pub loading_n: f64,
+    /// Force while the travel shrinks, N.
+    pub unloading_n: f64,
+}
+
+/// A gear's loading and unloading curves, linear between rows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// Shared by all couplers that have it.
+    rows: Arc<[Row]>,
+}
+
+/// What is wrong with a gear's table; rows count from 1.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CurveProblem {
+    /// Fewer than two rows.
+    #[error("a gear's table has at least two rows, and this one has {0}")]
+    TooFewRows(usize),
+    /// A number that is not finite.
+    #[error("row {0} has a value that is not a finite number")]
+    NotFinite(usize),
+    /// The first travel is not zero.
+    #[error("the first row's travel is 0, and here it is {0} m")]
+    FirstTravel(f64),
+    /// A travel that is not larger than the one before.
+    #[error("row {0}: its travel has to be larger than that of the row before")]
+    TravelFalls(usize),
+    /// A loading force under the one before.
+    #[error("row {0}: its loading force has to be at least that of the row before")]
+    LoadingFalls(usize),
+    /// An unloading force under the one before.
+    #[error("row {0}: its unloading force has to be at least that of the row before")]
+    UnloadingFalls(usize),
+    /// More force on the way back than on the way in.
+    #[error(
+        "row {0}: its unloading force is larger than its loading force, and a gear gives back no more than it takes"
+    )]
+    Unloading(usize),
+    /// A gear that never resists.
+    #[error("the loading force is 0 in every row")]
+    NoForce,
+}
+
+impl CurveProblem {
+    /// The same with another number for the row that it names.
+    pub fn renumbered(self, number: impl Fn(usize) -> usize) -> CurveProblem {
+        match self {
+            CurveProblem::NotFinite(row) => CurveProblem::NotFinite(number(row)),
+            CurveProblem::TravelFalls(row) => CurveProblem::TravelFalls(number(row)),
+            CurveProblem::LoadingFalls(row) => CurveProblem::LoadingFalls(number(row)),
+            CurveProblem::UnloadingFalls(row) => CurveProblem::UnloadingFalls(number(row)),
+            CurveProblem::Unloading(row) => CurveProblem::Unloading(number(row)),
+            of_all => of_all,
+        }
+    }
+
+    /// The row that it names, from 1; `None` where it is of the whole table.
+    pub fn row(&self) -> Option<usize> {
+        match *self {
+            CurveProblem::NotFinite(row)
+            | CurveProblem::TravelFalls(row)
+            | CurveProblem::LoadingFalls(row)
+            | CurveProblem::UnloadingFalls(row)
+            | CurveProblem::Unloading(row) => Some(row),
+            CurveProblem::FirstTravel(_) => Some(1),
+            CurveProblem::TooFewRows(_) | CurveProblem::NoForce => None,
+        }
+    }
+}
+
+impl Curve {
+    /// A table of rows in order of travel.
+    ///
+    /// # Errors
+    /// [`CurveProblem`]: fewer than two rows, a number that is not finite, a first travel other than 0, a travel that does
+    /// not rise, a force that falls, an unloading force over the loading force, or no loading force at all.
+    ///
+    /// ```
+    /// use trainsafe::law::{Curve, CurveProblem, Row};
+    /// let row = |travel_m, loading_n, unloading_n| Row { travel_m, loading_n, unloading_n };
+    /// assert!(Curve::new(vec![row(0.0, 0.0, 0.0), row(0.05, 9e5, 2e5)]).is_ok());
+    /// let wrong = Curve::new(vec![row(0.0, 0.0, 0.0), row(0.05, 2e5, 9e5)]);
+    /// assert_eq!(wrong, Err(CurveProblem::Unloading(2)));
+    /// ```
+    pub fn new(rows: Vec<Row>) -> Result<Curve, CurveProblem> {
+        if rows.len() < 2 {
+            return Err(CurveProblem::TooFewRows(rows.len()));
+        }
+        for (i, r) in rows.iter().enumerate() {
+            if ![r.travel_m, r.loading_n, r.unloading_n].iter().all(|x| x.is_finite()) {
+                return Err(CurveProblem::NotFinite(i + 1));
+            }
+            if r.unloading_n > r.loading_n {
+                return Err(CurveProblem::Unloading(i + 1));
+            }
+        }
+        if rows[0].travel_m != 0.0 {
+            return Err(CurveProblem::FirstTravel(rows[0].travel_m));
+        }
+        for (i, pair) in rows.windows(2).enumerate() {
+            let row = i + 2;
+            if pair[1].travel_m <= pair[0].travel_m {
+                return Err(CurveProblem::TravelFalls(row));
+            } else if pair[1].loading_n < pair[0].loading_n {
+                return Err(CurveProblem::LoadingFalls(row));
+            } else if pair[1].unloading_n < pair[0].unloading_n {
+                return Err(CurveProblem::UnloadingFalls(row));
+            }
+        }
+        if rows[rows.len() - 1].loading_n <= 0.0 {
+            return Err(CurveProblem::NoForce);
+        }
+        Ok(Curve { rows: rows.into() })
+    }
+
+    /// The rows, in order of travel.
+    pub fn rows(&self) -> &[Row] {
+        &self.rows
+    }
+
+    /// The travel at which the gear is closed, m.
+    pub fn stroke_m(&self) -> f64 {
+        self.rows[self.rows.len() - 1].travel_m
+    }
+
+    /// Work that a full stroke takes up, J: the area under the loading curve.
+    pub fn absorbed_j(&self) -> f64 {
+        self.area(|r| r.loading_n)
+    }
+
+    /// Share of the work of a full stroke that is lost to friction.
+    pub fn lost_share(&self) -> f64 {
+        1.0 - self.area(|r| r.unloading_n) / self.absorbed_j()
+    }
+
+    fn area(&self, force: impl Fn(&Row) -> f64) -> f64 {
+        self.rows.windows(2).map(|p| 0.5 * (force(&p[0]) + force(&p[1])) * (p[1].travel_m - p[0].travel_m)).sum()
+    }
+}
+
+/// A coupler's force against its elongation.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Law {
+    /// A spring, which may be of another stiffness in buff, with a gap between draft and buff. No memory.
+    Elastic {
+        /// Stiffness in draft, N/m.
+        draft_n_per_m: f64,
+        /// Stiffness in buff, N/m.
+        buff_n_per_m: f64,
+        /// Free play between draft and buff, m.
+        slack_m: f64,
+    },
+    /// A gear with friction.
+    Gear {
+        /// Stiffness of what is in series with the gear, N/m.
+        solid_n_per_m: f64,
+        /// Free play between draft and buff, m.
+        slack_m: f64,
+        /// Table in draft.
+        draft: Curve,
+        /// Table in buff, its forces and travels positive.
+        buff: Curve,
+    },
+}
+
+/// What is wrong with a law whose tables are right.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum LawProblem {
+    /// A stiffness that is not positive and finite.
+    #[error("a stiffness has to be positive and finite, and this one is {0} N/m")]
+    Stiffness(f64),
+    /// A slack that is negative or not finite.
+    #[error("slack has to be finite and not negative, and this one is {0} m")]
+    Slack(f64),
+    /// A pull while the gear is in buff, or the reverse, beside a slack that carries no force.
+    #[error("with slack the unloading force of the first row cannot be negative, and here it is {0} N")]
+    NegativeBesideSlack(f64),
+    /// At travel 0 the force of one sense lies past that of the other, so that it would fall while the coupler gets longer.
+    #[error(
+        "without slack the unloading force of the first row in one sense cannot lie under minus the loading force of the first \
+             row in the other, and here {unloading_n} N lies under -{loading_n} N"
+    )]
+    Crossed {
+        /// Of the first row in one sense, N.
+        unloading_n: f64,
+        /// Of the first row in the other, N.
+        loading_n: f64,
+    },
+}
+
+/// A coupler at rest: its force and the one number of its memory.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Rest {
+    /// Force, N, draft positive.
+    pub force_n: f64,
+    /// Travel w of a gear, m: its sense is that of the elongation, half the slack included. Of an elastic law the part of the
+    /// elongation that is slack, `-slack / 2 ..= slack / 2`.
+    pub travel_m: f64,
+}
+
+impl Law {
+    /// Whether the force is proportional to the elongation.
+    pub fn is_linear(&self) -> bool {
+        matches!(self, Law::Elastic { draft_n_per_m, buff_n_per_m, slack_m } if draft_n_per_m == buff_n_per_m && *slack_m == 0.0)
+    }
+
+    /// Free play between draft and buff, m.
+    pub fn slack_m(&self) -> f64 {
+        match self {
+            Law::Elastic { slack_m, .. } | Law::Gear { slack_m, .. } => *slack_m,
+        }
+    }
+
+    /// Whether both curves never fall over the whole travel, and stiffnesses and slack are numbers that can be.
+    ///
+    /// # Errors
+    /// [`LawProblem`].
+    pub fn check(&self) -> Result<(), LawProblem> {
+        let stiffness = |k: f64| if k > 0.0 && k.is_finite() { Ok(()) } else { Err(LawProblem::Stiffness(k)) };
+        let slack = self.slack_m();
+        if !(slack >= 0.0 && slack.is_finite()) {
+            return Err(LawProblem::Slack(slack));
+        }
+        match self {
+            Law::Elastic { draft_n_per_m, buff_n_per_m, .. } => stiffness(*draft_n_per_m).and(stiffness(*buff_n_per_m)),
+            Law::Gear { solid_n_per_m, draft, buff, .. } => {
+                stiffness(*solid_n_per_m)?;
+                for (one, other) in [(draft, buff), (buff, draft)] {
+                    let (unloading_n, loading_n) = (one.rows[0].unloading_n, other.rows[0].loading_n);
+                    if slack > 0.0 && unloading_n < 0.0 {
+                        return Err(LawProblem::NegativeBesideSlack(unloading_n));
+                    }
+                    if unloading_n < -loading_n {
+                        return Err(LawProblem::Crossed { unloading_n, loading_n });
+                    }
+                }
+                Ok(())
+            }
+        }
+    }
+
+    /// The coupler at rest under forces that rose or fell, one after the other, to each of `forces_n`, N, draft positive; from
+    /// the middle of the slack, unstrained. Loaded to a, let down to b: `rest(&[a, b])`.
+    ///
+    /// A gear goes along a curve only as far as it must; what it needs not undo stays ("locked").
+    ///
+    /// ```
+    /// use trainsafe::law::{Curve, Law, Row};
+    /// let row = |mm: f64, kn: f64, back_kn: f64| Row { travel_m: mm / 1e3, loading_n: kn * 1e3, unloading_n: back_kn * 1e3 };
+    /// let gear = Curve::new(vec![row(0.0, 0.0, 0.0), row(7.0, 120.0, 60.0), row(38.0, 680.0, 172.0)])?;
+    /// let law = Law::Gear { solid_n_per_m: 2e8, slack_m: 0.0, draft: gear.clone(), buff: gear };
+    /// let (pulled, locked) = (law.rest(&[6e5]), law.rest(&[6e5, 3e5]));
+    /// assert_eq!(pulled.travel_m, locked.travel_m);
+    /// assert!((law.elongation_m(&locked) - (pulled.travel_m + 3e5 / 2e8)).abs() < 1e-12);
+    /// # Ok::<(), trainsafe::law::CurveProblem>(())
+    /// ```
+    pub fn rest(&self, forces_n: &[f64]) -> Rest {
+        let mut rest = Rest::default();
+        for &force_n in forces_n {
+            rest = self.moved(rest, force_n);
+        }
+        rest
+    }
+
+    /// Elongation of a coupler at rest, m.
+    pub fn elongation_m(&self, rest: &Rest) -> f64 {
+        let k = match self {
+            Law::Elastic { draft_n_per_m, .. } if rest.force_n > 0.0 => draft_n_per_m,
+            Law::Elastic { buff_n_per_m, .. } => buff_n_per_m,
+            Law::Gear { solid_n_per_m, .. } => solid_n_per_m,
+        };
+        rest.travel_m + rest.force_n / k
+    }
+
+    /// The coupler after its force went from that of `rest` to another.
+    fn moved(&self, rest: Rest, force_n: f64) -> Rest {
+        let half = 0.5 * self.slack_m();
+        let Law::Gear { draft, buff, .. } = self else {
+            let travel_m = if force_n == 0.0 { rest.travel_m } else { half.copysign(force_n) };
+            return Rest { force_n, travel_m };
+        };
+        // The mirror image of a fall is a rise, with the tables exchanged.
+        let w = rest.travel_m;
+        let up = risen(w, force_n, half, draft, buff);
+        let down = -risen(-w, -force_n, half, buff, draft);
+        Rest { force_n, travel_m: if up > w { up } else { w.min(down) } }
+    }
+}
+
+/// The smallest travel from w on at which u is at least `force`; the stop, if it is nowhere. Where u is so already, w.
+fn risen(w: f64, force: f64, half: f64, draft: &Curve, buff: &Curve) -> f64 {
+    // Places and u from the stop in buff to that in draft; the first place that reaches the force from the left.
+    let mut place = f64::NEG_INFINITY;
+    let mut reached = -half - buff.stroke_m();
+    let mut last = f64::NEG_INFINITY;
+    let in_buff = buff.rows.iter().rev().map(|r| (-half - r.travel_m, -r.unloading_n));
+    let slack = [(-half, 0.0), (half, 0.0)].into_iter().filter(|_| half > 0.0);
+    let in_draft = draft.rows.iter().map(|r| (half + r.travel_m, r.loading_n));
+    for (x, u) in in_buff.chain(slack).chain(in_draft) {
+        if u >= force {
+            reached =
+                if last.is_infinite() || u == last { x } else { place + (x - place) * (force - last) / (u - last) };
+            return w.max(reached);
+        }
+        (place, last) = (x, u);
+        reached = x;
+    }
+    w.max(reached)
+}
+
+#[cfg(test)]
+#[allow(clippy::excessive_precision)] // Reference numbers are given with all their digits.
+mod tests {
+    use super::{Curve, CurveProblem, Law, LawProblem, Row};
+
+    fn curve(rows: &[[f64; 3]]) -> Curve {
+        let row = |r: &[f64; 3]| Row { travel_m: r[0] / 1e3, loading_n: r[1] * 1e3, unloading_n: r[2] * 1e3 };
+        Curve::new(rows.iter().map(row).collect()).expect("a right table")
+    }
+
+    fn gear_a(slack_m: f64) -> Law {
+        let gear =
+            curve(&[[0., 0., 0.], [7., 120., 120.], [38., 680., 172.], [114., 1350., 300.], [149., 2520., 360.]]);
+        Law::Gear { solid_n_per_m: 2e8, slack_m, draft: gear.clone(), buff: gear }
+    }
+
+    /// Gear A let down from 0.6 MN to 0.3 MN, locked, and to 0.15 MN, on its unloading curve: plain arithmetic.
+    #[test]
+    fn let_down() {
+        let law = gear_a(0.0);
+        for (b, q) in [(6e5, 0.036571428571428571429), (3e5, 0.035071428571428571429), (1.5e5, 0.025634615384615384615)]
+        {
+            let got = law.elongation_m(&law.rest(&[6e5, b]));
+            assert!((got - q).abs() < 1e-16, "{got} {q}");
+        }
+    }
+
+    /// The same in buff, and with slack: half of it more; let down to nothing the gear stands at the slack's end.
+    #[test]
+    fn mirror_and_slack() {
+        let law = gear_a(0.025);
+        for b in [6e5, 3e5, 1.5e5, 0.0] {
+            let (draft, buff) = (law.rest(&[6e5, b]), law.rest(&[-6e5, -b]));
+            assert_eq!((draft.force_n, draft.travel_m), (-buff.force_n, -buff.travel_m));
+            assert!((draft.travel_m - 0.0125 - gear_a(0.0).rest(&[6e5, b]).travel_m).abs() < 1e-16);
+        }
+        assert_eq!(law.rest(&[6e5, 0.0]).travel_m, 0.0125);
+        assert_eq!(law.rest(&[0.0]).travel_m, 0.0);
+    }
+
+    /// A preload is overcome at the end of the slack; past the last row the gear stands at its stop.
+    #[test]
+    fn preload_and_stop() {
+        let gear = curve(&[[0., 60., 20.], [40., 700., 150.]]);
+        let law = Law::Gear { solid_n_per_m: 2e8, slack_m: 0.01, draft: gear.clone(), buff: gear };
+        assert_eq!(law.rest(&[5e4]).travel_m, 0.005);
+        assert_eq!(law.rest(&[9e5]).travel_m, 0.045);
+        assert_eq!(law.rest(&[9e5, 2e5]).travel_m, 0.045);
+        assert_eq!(law.rest(&[9e5, 1e4]).travel_m, 0.005);
+    }
+
+    #[test]
+    fn problems() {
+        let rows = |rows: &[[f64; 3]]| {
+            Curve::new(rows.iter().map(|r| Row { travel_m: r[0], loading_n: r[1], unloading_n: r[2] }).collect())
+        };
+        assert_eq!(rows(&[[0., 0., 0.]]), Err(CurveProblem::TooFewRows(1)));
+        assert_eq!(rows(&[[0., 0., 0.], [0., 1., 0.]]), Err(CurveProblem::TravelFalls(2)));
+        assert_eq!(rows(&[[0., 3., 0.], [1., 2., 0.]]), Err(CurveProblem::LoadingFalls(2)));
+        assert_eq!(rows(&[[0., 3., 1.], [1., 3., 0.]]), Err(CurveProblem::UnloadingFalls(2)));
+        let slider = rows(&[[0., 1., -1.], [1., 2., 0.]]).expect("constant friction");
+        let law = |slack_m| Law::Gear { solid_n_per_m: 10.0, slack_m, draft: slider.clone(), buff: slider.clone() };
+        assert_eq!((law(0.0).check(), law(0.1).check()), (Ok(()), Err(LawProblem::NegativeBesideSlack(-1.0))));
+    }
+}

@@ -1,0 +1,229 @@
+//! The error of a march: proven where it can be, and estimated by two more runs where it cannot.
+//!
+//! The other runs take other steps, with noise of 32 units in the last place on every elongation and speed at every step, and the laws'
+//! constants moved by 16 units. Estimate: 10 times the larger difference from them, and 16 units of the largest force. The runs go side by
+//! side; where the estimate of any force passes the tolerance, nothing can be said from there on.
+
+use super::proof::Proof;
+use super::step::{Manner, March, stiffest};
+use super::{Ask, Bound, Extremes, Outcome, Problem};
+use crate::law::{Curve, Law, Row};
+
+/// Largest step times the largest rate: of the run that counts, and of the others.
+const PHASE: f64 = 1.0;
+const OTHERS: [f64; 2] = [0.73, 0.81];
+/// Sizes of noise and of moved constants, in units in the last place.
+const NOISE: f64 = 32.0;
+const MOVED: f64 = 16.0;
+/// The estimate is so many differences and units in the last place of the largest force.
+const DIFFERENCES: f64 = 10.0;
+const UNITS: f64 = 16.0;
+/// Instants at which the runs are compared.
+const COMPARED: usize = 200;
+/// Half a unit in the last place.
+const U: f64 = 0.5 * f64::EPSILON;
+
+/// Follows the motion of a train.
+///
+/// # Panics
+/// Where the lists of the problem are not of one length each for vehicles and couplers, or a law is not one
+/// ([`Law::check`]).
+pub fn solve(problem: &Problem, ask: &Ask) -> Outcome {
+    check(problem, ask);
+    let manner = Manner { phase: PHASE, noise: None };
+    let mut march = March::new(problem, ask, manner);
+    march.proof = Proof::new(&march);
+    if ask.tolerance_n.is_some() && march.proof.is_none() {
+        return compared(problem, ask, march);
+    }
+    let (mark, horizon) = (problem.mark_s.min(problem.horizon_s), problem.horizon_s);
+    march.advance_to(mark);
+    march.record.mark();
+    march.advance_to(horizon);
+    let proven = march.proof.as_ref().and_then(|p| p.bound(&march));
+    match (ask.tolerance_n, proven) {
+        (Some(_), None) => compared(problem, ask, March::new(problem, ask, manner)),
+        (_, Some(bound)) => {
+            let all = vec![[bound; 2]; problem.laws.len()];
+            finish(march, Bound::Proven(bound), [all.clone(), all], None)
+        }
+        (None, None) => finish(march, Bound::None, [Vec::new(), Vec::new()], None),
+    }
+}
+
+/// Time of one coupler in one step, s.
+const COUPLER_STEP_S: f64 = 100e-9;
+/// Events of one coupler with slack or friction in a second, many.
+const EVENTS: f64 = 8.0;
+
+/// Estimated time of [`solve`] on one core, s.
+pub fn estimate_s(problem: &Problem, ask: &Ask) -> f64 {
+    let march = March::new(problem, &Ask::default(), Manner { phase: PHASE, noise: None });
+    let linear = problem.laws.iter().filter(|l| l.is_linear()).count();
+    let couplers = problem.laws.len();
+    let rate = march.fastest() / PHASE + EVENTS * (couplers - linear) as f64;
+    let runs = if ask.tolerance_n.is_some() && Proof::new(&march).is_none() { 3.0 } else { 1.0 };
+    runs * rate * problem.horizon_s * (couplers + 1) as f64 * COUPLER_STEP_S
+}
+
+fn check(problem: &Problem, ask: &Ask) {
+    let (n, couplers) = (problem.mass_kg.len(), problem.laws.len());
+    assert!(n > 0 && couplers == n - 1 && problem.start.len() == couplers, "one coupler between two vehicles");
+    assert!(problem.speed_m_s.len() == n && problem.steady_n.len() == n, "a speed and a force of every vehicle");
+    for length in [problem.dashpot_n_s_per_m.len(), problem.break_at_n.len(), ask.capacity_n.len()] {
+        assert!(length == 0 || length == couplers, "one of every coupler, or none");
+    }
+    for law in &problem.laws {
+        law.check().expect("a law that can be");
+    }
+}
+
+/// What is kept at an instant of comparison, for the case that it is the last.
+#[derive(Clone)]
+struct Kept {
+    at: f64,
+    extremes: Vec<Extremes>,
+    over: Vec<[Option<f64>; 2]>,
+}
+
+fn keep(march: &March) -> Kept {
+    let record = &march.record;
+    Kept { at: march.t, extremes: record.extremes.clone(), over: record.first_over_s.clone() }
+}
+
+/// The march with two others beside it.
+fn compared(problem: &Problem, ask: &Ask, mut march: March) -> Outcome {
+    let moved: Vec<Problem> = (1..=2).map(|seed| moved(problem, seed)).collect();
+    let quiet = Ask { capacity_n: ask.capacity_n.clone(), ..Ask::default() };
+    let other =
+        |(n, p)| March::new(p, &quiet, Manner { phase: OTHERS[n], noise: Some((0x9E37_79B9 + n as u64, NOISE)) });
+    let mut others: Vec<March> = moved.iter().enumerate().map(other).collect();
+    let (mark, horizon) = (problem.mark_s.min(problem.horizon_s), problem.horizon_s);
+    let mut instants: Vec<f64> =
+        (1..COMPARED).map(|k| horizon * k as f64 / COMPARED as f64).chain([mark, horizon]).collect();
+    instants.sort_by(f64::total_cmp);
+    let mut to_mark = Vec::new();
+    let mut until = None;
+    let mut last: Vec<Kept> = [&march].into_iter().chain(&others).map(keep).collect();
+    for t in instants {
+        march.advance_to(t);
+        others.iter_mut().for_each(|o| o.advance_to(march.t));
+        let error = error_now(&march, &others);
+        if ask.tolerance_n.is_some_and(|tolerance| error > tolerance) {
+            until = Some(last[0].at);
+            march.record.cut(last[0].at, last[0].extremes.clone(), last[0].over.clone());
+            march.partings.retain(|p| p.time_s <= last[0].at);
+            march.closures.retain(|c| c.1 <= last[0].at);
+            march.stopped = None;
+            break;
+        }
+        last = [&march].into_iter().chain(&others).map(keep).collect();
+        if t == mark {
+            march.record.mark();
+            to_mark = errors(&last);
+        }
+        if march.stopped.is_some() {
+            break;
+        }
+    }
+    let whole = errors(&last);
+    if to_mark.is_empty() {
+        to_mark = whole.clone();
+    }
+    let worst = whole.iter().flatten().copied().fold(0.0, f64::max);
+    finish(march, Bound::Estimated(worst), [whole, to_mark], until)
+}
+
+/// The estimate for the forces of this instant, the largest of all couplers.
+fn error_now(march: &March, others: &[March]) -> f64 {
+    let force = |m: &March, i: usize| m.start[i][1] + m.state.tension(i);
+    let (mut apart, mut largest) = (0.0f64, 0.0f64);
+    for i in 0..march.couplers.len() {
+        let f = force(march, i);
+        largest = largest.max(f.abs());
+        apart = others.iter().map(|o| (force(o, i) - f).abs()).fold(apart, f64::max);
+    }
+    // What parted in one run only is not foreseen, whatever the forces are.
+    if others.iter().any(|o| o.partings.len() != march.partings.len()) {
+        return f64::INFINITY;
+    }
+    DIFFERENCES * apart + UNITS * U * largest
+}
+
+/// The estimates for every coupler's extremes.
+fn errors(kept: &[Kept]) -> Vec<[f64; 2]> {
+    let of = |e: &Extremes| [e.draft.force_n, e.buff.force_n];
+    let largest = kept[0].extremes.iter().flat_map(of).fold(0.0f64, |a, f| a.max(f.abs()));
+    let error = |i: usize| {
+        let mine = of(&kept[0].extremes[i]);
+        [0, 1].map(|sense| {
+            let apart = |k: &Kept| (of(&k.extremes[i])[sense] - mine[sense]).abs();
+            DIFFERENCES * kept[1..].iter().map(apart).fold(0.0, f64::max) + UNITS * U * largest
+        })
+    };
+    (0..kept[0].extremes.len()).map(error).collect()
+}
+
+/// The problem with the constants of its laws moved by some units in the last place, each up or down.
+fn moved(problem: &Problem, seed: u64) -> Problem {
+    let mut bits = seed;
+    let mut factor = || {
+        // A linear congruence; its high bits are even enough for signs.
+        bits = bits.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        if bits >> 63 == 0 { 1.0 + MOVED * U } else { 1.0 - MOVED * U }
+    };
+    let laws = problem.laws.iter().map(|law| match law {
+        Law::Elastic { draft_n_per_m, buff_n_per_m, slack_m } => {
+            let same = draft_n_per_m == buff_n_per_m;
+            let draft = factor();
+            let buff = if same { draft } else { factor() };
+            Law::Elastic {
+                draft_n_per_m: draft_n_per_m * draft,
+                buff_n_per_m: buff_n_per_m * buff,
+                slack_m: slack_m * factor(),
+            }
+        }
+        Law::Gear { solid_n_per_m, slack_m, draft, buff } => {
+            let mut table = |c: &Curve| {
+                // One factor for a column, so that what rises, is level or equal stays so.
+                let (travel, loading, back) = (factor(), factor(), factor());
+                let equal = c.rows().iter().any(|r| r.loading_n == r.unloading_n && r.loading_n != 0.0);
+                let back = if equal || back > loading { loading } else { back };
+                let row = |r: &Row| Row {
+                    travel_m: r.travel_m * travel,
+                    loading_n: r.loading_n * loading,
+                    unloading_n: r.unloading_n * back,
+                };
+                Curve::new(c.rows().iter().map(row).collect()).unwrap_or_else(|_| c.clone())
+            };
+            let (draft, buff) = (table(draft), table(buff));
+            Law::Gear { solid_n_per_m: solid_n_per_m * factor(), slack_m: slack_m * factor(), draft, buff }
+        }
+    });
+    Problem { laws: laws.collect(), ..problem.clone() }
+}
+
+fn finish(mut march: March, bound: Bound, errors: [Vec<[f64; 2]>; 2], predictable_until_s: Option<f64>) -> Outcome {
+    // An elongation may be twice the margin past a guard, at its largest stiffness.
+    let none = |i: usize| 2.0 * march.past * stiffest(&march.problem.laws[i]);
+    march.record.finish(none);
+    let record = march.record;
+    let [error_n, error_to_mark_n] = errors;
+    Outcome {
+        extremes: record.extremes,
+        to_mark: record.to_mark.unwrap_or_default(),
+        first_over_s: record.first_over_s,
+        bound,
+        error_n,
+        error_to_mark_n,
+        partings: march.partings,
+        closures: march.closures,
+        stopped: march.stopped,
+        predictable_until_s,
+        history: record.history,
+        end_speed_m_s: march.state.v[0].clone(),
+        energy: march.audit.map(|a| a.energy),
+        events: march.events,
+        steps: march.steps,
+    }
+}

@@ -1,0 +1,222 @@
+//! Forces from outside that change over time, each on one vehicle, and the brakes that a parting sets off.
+
+use super::Emergency;
+use crate::play::Drive;
+
+/// A force over time on one vehicle.
+#[derive(Clone, Debug)]
+struct Source {
+    vehicle: usize,
+    course: Course,
+}
+
+#[derive(Clone, Debug)]
+enum Course {
+    /// Straight lines between points; the last value holds, or there is none after it. The index is that of the next point.
+    Lines { points: Vec<[f64; 2]>, holds: bool, next: usize },
+    /// `peak sin(omega t)` until an instant.
+    Sine { peak: f64, omega: f64, until: f64 },
+}
+
+/// All forces of a march.
+#[derive(Clone, Debug, Default)]
+pub struct Forces {
+    sources: Vec<Source>,
+    /// When the brake of each vehicle begins to act.
+    braked_from: Vec<f64>,
+}
+
+impl Source {
+    /// The next instant after `t` at which the course has a kink; infinite for none.
+    fn next_kink(&self, t: f64) -> f64 {
+        match &self.course {
+            Course::Lines { points, next, .. } => points.get(*next).map_or(f64::INFINITY, |p| p[0]),
+            Course::Sine { until, .. } if t < *until => *until,
+            Course::Sine { .. } => f64::INFINITY,
+        }
+    }
+
+    /// Passes what lies at or before `t`.
+    fn pass(&mut self, t: f64) {
+        if let Course::Lines { points, next, .. } = &mut self.course {
+            while points.get(*next).is_some_and(|p| p[0] <= t) {
+                *next += 1;
+            }
+        }
+    }
+
+    /// Adds the terms `f^(k) width^k / k!` at `t`.
+    fn add(&self, t: f64, width: f64, mut term: impl FnMut(usize, f64), terms: usize) {
+        match &self.course {
+            Course::Lines { points, holds, next } => {
+                match (next.checked_sub(1).map(|n| points[n]), points.get(*next)) {
+                    (Some([from, a]), Some([to, b])) => {
+                        let slope = (b - a) / (to - from);
+                        term(0, a + slope * (t - from));
+                        term(1, slope * width);
+                    }
+                    (Some([_, a]), None) if *holds => term(0, a),
+                    _ => {}
+                }
+            }
+            Course::Sine { peak, omega, until } if t < *until => {
+                let (sin, cos) = (omega * t).sin_cos();
+                let mut power = *peak;
+                for k in 0..terms {
+                    term(k, power * [sin, cos, -sin, -cos][k % 4]);
+                    power *= omega * width / (k + 1) as f64;
+                }
+            }
+            Course::Sine { .. } => {}
+        }
+    }
+
+    /// Whether it is nothing until its next kink.
+    fn quiet(&self, t: f64) -> bool {
+        match &self.course {
+            Course::Lines { points, holds, next } => {
+                match (next.checked_sub(1).map(|n| points[n]), points.get(*next)) {
+                    (Some([_, a]), Some([_, b])) => a == 0.0 && *b == 0.0,
+                    (Some([_, a]), None) => !holds || a == 0.0,
+                    (None, _) => true,
+                }
+            }
+            Course::Sine { until, .. } => t >= *until,
+        }
+    }
+}
+
+impl Forces {
+    pub fn new(forcing: &[(usize, Drive)], vehicles: usize) -> Forces {
+        let source = |(vehicle, drive): &(usize, Drive)| {
+            let course = match drive {
+                Drive::Lines(points) => Course::Lines { points: points.clone(), holds: false, next: 0 },
+                Drive::HalfSine { peak, duration } => {
+                    Course::Sine { peak: *peak, omega: std::f64::consts::PI / duration, until: *duration }
+                }
+            };
+            Source { vehicle: *vehicle, course }
+        };
+        let mut forces =
+            Forces { sources: forcing.iter().map(source).collect(), braked_from: vec![f64::INFINITY; vehicles] };
+        forces.pass(0.0);
+        forces
+    }
+
+    /// The pipe opens at coupler `c` at `t`: the wave runs both ways, and each vehicle brakes
+    /// from its first arrival on, against the `direction` of the motion (1 or -1).
+    pub fn vent(&mut self, emergency: &Emergency, direction: f64, c: usize, t: f64) {
+        let mut end = 0.0;
+        let ends: Vec<f64> = emergency
+            .length_m
+            .iter()
+            .map(|l| {
+                end += l;
+                end
+            })
+            .collect();
+        for (v, (full, length)) in emergency.full_n.iter().zip(&emergency.length_m).enumerate() {
+            let from = t + (ends[v] - 0.5 * length - ends[c]).abs() / emergency.wave_m_s;
+            if *full == 0.0 || from >= self.braked_from[v] {
+                continue;
+            }
+            self.braked_from[v] = from;
+            let force = -direction * full;
+            let points = emergency.build_up.iter().map(|p| [from + p[0], force * p[1]]).collect();
+            self.sources.retain(|s| s.vehicle != v || !matches!(s.course, Course::Lines { holds: true, .. }));
+            self.sources.push(Source { vehicle: v, course: Course::Lines { points, holds: true, next: 0 } });
+        }
+        self.pass(t);
+    }
+
+    /// Whether the brake of a vehicle acts.
+    pub fn brakes(&self, vehicle: usize, t: f64) -> bool {
+        t >= self.braked_from[vehicle]
+    }
+
+    /// The next kink after `t`.
+    pub fn next_kink(&self, t: f64) -> f64 {
+        self.sources.iter().map(|s| s.next_kink(t)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Passes kinks at `t`.
+    pub fn pass(&mut self, t: f64) {
+        self.sources.iter_mut().for_each(|s| s.pass(t));
+    }
+
+    /// Vehicles that some force acts on until the next kink.
+    pub fn loud(&self, t: f64) -> impl Iterator<Item = usize> {
+        self.sources.iter().filter(move |s| !s.quiet(t)).map(|s| s.vehicle)
+    }
+
+    /// The fastest sine, 1/s.
+    pub fn rate(&self, t: f64) -> f64 {
+        let omega = |s: &Source| match s.course {
+            Course::Sine { omega, until, .. } if t < until => omega,
+            _ => 0.0,
+        };
+        self.sources.iter().map(omega).fold(0.0, f64::max)
+    }
+
+    /// Calls `term(vehicle, k, f^(k) width^k / k!)` for every force that acts.
+    pub fn expand(&self, t: f64, width: f64, terms: usize, mut term: impl FnMut(usize, usize, f64)) {
+        for s in &self.sources {
+            s.add(t, width, |k, x| term(s.vehicle, k, x), terms);
+        }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::excessive_precision)] // Reference numbers are given with all their digits.
+mod tests {
+    use super::*;
+
+    /// Locomotives of 392 t and 30 cars of 130 t, rigid; the pipe parts at the rear: the brakes' forces at once give the
+    /// couplers' by plain arithmetic.
+    #[test]
+    fn brake_wave_on_a_rigid_train() {
+        let build_up = vec![[0.0, 0.0], [1.5, 0.3], [8.0, 1.0]];
+        let full_n = [0.0].into_iter().chain([45e3; 30]).collect();
+        let emergency = Emergency { wave_m_s: 290.0, build_up, full_n, length_m: vec![16.2; 31] };
+        let mass: Vec<f64> = [392e3].into_iter().chain([130e3; 30]).collect();
+        let want = [
+            (1.0, 7357.1333997493331619, 40609.045859176655847),
+            (3.0, 45676.157925052098655, 55292.734270903117514),
+            (6.0, 85616.059487640938295, 75982.11059500001236),
+            (12.0, 123299.16123019571295, 65759.552656104380242),
+        ];
+        for (t, first, fifteenth) in want {
+            let mut forces = Forces::new(&[], 31);
+            // Behind the last vehicle.
+            forces.vent(&emergency, 1.0, 30, 0.0);
+            forces.pass(t);
+            let mut force = [0.0; 31];
+            forces.expand(t, 1.0, 20, |v, k, f| {
+                if k == 0 {
+                    force[v] += f
+                }
+            });
+            let acceleration = force.iter().sum::<f64>() / mass.iter().sum::<f64>();
+            let coupler = |i: usize| force[..i].iter().sum::<f64>() - acceleration * mass[..i].iter().sum::<f64>();
+            for (i, want) in [(1, first), (15, fifteenth)] {
+                assert!((coupler(i) - want).abs() < 1e-9, "{t} s, coupler {i}: {} for {want}", coupler(i));
+            }
+        }
+    }
+
+    /// Each vehicle brakes from the first wave that comes, and once.
+    #[test]
+    fn two_partings() {
+        let (build_up, length_m) = (vec![[0.0, 0.0], [1.0, 1.0]], vec![16.0; 31]);
+        let emergency = Emergency { wave_m_s: 320.0, build_up, full_n: vec![1.0; 31], length_m };
+        let mut forces = Forces::new(&[], 31);
+        forces.vent(&emergency, 1.0, 3, 0.0);
+        let first: Vec<f64> = (0..31).map(|v: i32| (f64::from(v) - 3.5).abs() / 20.0).collect();
+        assert_eq!(forces.braked_from, first);
+        forces.vent(&emergency, 1.0, 27, 0.5);
+        let second: Vec<f64> = (0..31).map(|v: i32| 0.5 + (f64::from(v) - 27.5).abs() / 20.0).collect();
+        let earliest: Vec<f64> = first.iter().zip(&second).map(|(a, b)| a.min(*b)).collect();
+        assert_eq!((&forces.braked_from, forces.sources.len()), (&earliest, 31));
+        assert!(forces.braked_from[30] < first[30] && forces.braked_from[10] == first[10]);
+    }
+}

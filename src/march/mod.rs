@@ -1,0 +1,187 @@
+//! The motion of a train whose couplers have slack and friction, from event to event.
+//!
+//! Between events every coupler's force is linear in its elongation ([`crate::law`]), so that the motion is a Taylor series;
+//! events (a gear that locks or unlocks, a gap that closes, a coupler that breaks, a kink of an outside force) are found to the
+//! last digits and end steps. Motion is counted against the common motion at t = 0, forward positive; forces in draft positive.
+//!
+//! ```text
+//! q_i' = v_i - v_{i+1}       m_j v_j' = F_{j-1} - F_j + f_j(t)       F_i = law of coupler i (q_i, its travel)
+//! ```
+//!
+//! [`solve`] answers a [`Problem`]. Its surface is SI.
+
+mod branches;
+mod energy;
+mod estimate;
+mod events;
+mod forces;
+mod mode;
+mod proof;
+mod record;
+mod roots;
+mod series;
+mod step;
+#[cfg(test)]
+mod tests;
+
+use crate::law::{Law, Rest};
+use crate::play::Drive;
+
+/// A train and what happens to it.
+#[derive(Clone, Debug)]
+pub struct Problem {
+    /// Mass of each vehicle, kg, from the head.
+    pub mass_kg: Vec<f64>,
+    /// The first vehicle keeps its speed.
+    pub held_head: bool,
+    /// The last vehicle keeps its speed.
+    pub held_tail: bool,
+    /// Coupler `i` lies between vehicles `i` and `i + 1`.
+    pub laws: Vec<Law>,
+    /// A dashpot beside each coupler, N s/m; acts until it parts. Empty for none; not beside slack.
+    pub dashpot_n_s_per_m: Vec<f64>,
+    /// Each coupler at t = 0.
+    pub start: Vec<Rest>,
+    /// Speed of each vehicle at t = 0 against the common motion.
+    pub speed_m_s: Vec<f64>,
+    /// Speed of the common motion at t = 0 against the track, where brakes act: they act against it, and the march ends when a
+    /// braked vehicle would stop. `None`: forward, and no vehicle stops.
+    pub common_speed_m_s: Option<f64>,
+    /// Steady outside force on each vehicle. Of a train without a held vehicle the common acceleration that they give is taken
+    /// off, so that they may be given with it or without. What is under 1e-12 of the largest force counts as balance.
+    pub steady_n: Vec<f64>,
+    /// Further forces over time, each on a vehicle; one that is to hold needs a last point beyond the horizon.
+    pub forcing: Vec<(usize, Drive)>,
+    /// Couplers that part at t = 0. What has parted carries no draft, and pushes by its law in buff when the gap closes.
+    pub gone: Vec<usize>,
+    /// Force in draft and in buff, both positive, above which each coupler parts; infinite for never. Empty for none.
+    pub break_at_n: Vec<[f64; 2]>,
+    /// Emergency brakes that every parting sets off.
+    pub emergency: Option<Emergency>,
+    /// The motion is followed up to here.
+    pub horizon_s: f64,
+    /// Extremes are given up to here as well.
+    pub mark_s: f64,
+}
+
+/// Emergency brakes: the pipe opens where a coupler parts, and a wave runs both ways from there.
+#[derive(Clone, Debug)]
+pub struct Emergency {
+    /// Speed of the wave.
+    pub wave_m_s: f64,
+    /// Share of the full force against the time since the wave came to the middle of the vehicle, straight between points; the
+    /// last holds.
+    pub build_up: Vec<[f64; 2]>,
+    /// Full brake force of each vehicle, positive.
+    pub full_n: Vec<f64>,
+    /// Length of each vehicle over its couplers.
+    pub length_m: Vec<f64>,
+}
+
+/// What is asked of a march.
+#[derive(Clone, Debug, Default)]
+pub struct Ask {
+    /// Capacity of each coupler in draft and buff, for the first instants above it. Empty for none.
+    pub capacity_n: Vec<[f64; 2]>,
+    /// Couplers whose force over time is wanted.
+    pub history: Vec<usize>,
+    /// Instants of the history, in order.
+    pub times_s: Vec<f64>,
+    /// How good forces have to be: the march ends where the estimate of any coupler's error passes this. `None`: one run only,
+    /// and no estimate.
+    pub tolerance_n: Option<f64>,
+    /// Follow the energy.
+    pub audit: bool,
+}
+
+/// A force and its instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Peak {
+    /// Force, draft positive, N.
+    pub force_n: f64,
+    /// Instant, s.
+    pub time_s: f64,
+}
+
+/// Largest draft and largest buff of a coupler: the largest and the smallest force, whatever their signs.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Extremes {
+    /// The largest force.
+    pub draft: Peak,
+    /// The smallest.
+    pub buff: Peak,
+}
+
+/// A coupler that parted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parting {
+    /// Which, from 0.
+    pub coupler: usize,
+    /// When.
+    pub time_s: f64,
+    /// Its force just before.
+    pub force_n: f64,
+}
+
+/// What forces are within.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Bound {
+    /// Proven: no force is further than this from the exact motion's, N.
+    Proven(f64),
+    /// Estimated by three runs: the largest of [`Outcome::error_n`].
+    Estimated(f64),
+    /// Not asked for, and not proven.
+    None,
+}
+
+/// What a march comes to.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// Of each coupler up to the horizon, or up to where the march ended; a coupler that is gone from t = 0 begins there with 0.
+    pub extremes: Vec<Extremes>,
+    /// The same up to the mark.
+    pub to_mark: Vec<Extremes>,
+    /// First instants above the capacity, in draft and in buff.
+    pub first_over_s: Vec<[Option<f64>; 2]>,
+    /// What the extremes are within.
+    pub bound: Bound,
+    /// Bound or estimate of the error of each coupler's largest draft and buff, up to the horizon; empty where there is none.
+    pub error_n: Vec<[f64; 2]>,
+    /// The same up to the mark.
+    pub error_to_mark_n: Vec<[f64; 2]>,
+    /// What parted, in order.
+    pub partings: Vec<Parting>,
+    /// Gaps of parted couplers that closed: which, and when.
+    pub closures: Vec<(usize, f64)>,
+    /// The braked vehicle that would stop, and when; the march ends there.
+    pub stopped: Option<(usize, f64)>,
+    /// Forces can be told up to here only; `None`: to the horizon.
+    pub predictable_until_s: Option<f64>,
+    /// Forces of the couplers of the history at its instants; not a number beyond the end of the march.
+    pub history: Vec<Vec<f64>>,
+    /// Speed of each vehicle at the end of the march, against the common motion.
+    pub end_speed_m_s: Vec<f64>,
+    /// Energy over the march, if it was to be followed.
+    pub energy: Option<Energy>,
+    /// Events that ended steps.
+    pub events: u64,
+    /// Steps.
+    pub steps: u64,
+}
+
+/// Energy of the motion against the common one: of speeds and of couplers.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Energy {
+    /// At t = 0, before anything parts, J.
+    pub start_j: f64,
+    /// At the end.
+    pub end_j: f64,
+    /// Work of the outside forces between.
+    pub work_j: f64,
+    /// Released at partings.
+    pub released_j: f64,
+    /// The most by which energy has grown in a step beyond the work in it: rounding.
+    pub created_j: f64,
+}
+
+pub use estimate::{estimate_s, solve};

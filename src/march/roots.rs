@@ -1,0 +1,139 @@
+//! The first root of a polynomial over a step.
+
+/// Value of a polynomial, lowest power first.
+pub fn at(c: &[f64], s: f64) -> f64 {
+    c.iter().rev().fold(0.0, |sum, c| sum * s + c)
+}
+
+/// Value and slope.
+fn with_slope(c: &[f64], s: f64) -> (f64, f64) {
+    c.iter().rev().fold((0.0, 0.0), |(f, d), c| (f * s + c, d * s + f))
+}
+
+/// Steps from the left before the interval is halved.
+const STEPS: usize = 24;
+/// Halvings before what is left counts as the root: closer than that instants are one.
+const HALVINGS: usize = 60;
+
+/// The first s in 0..=1 at which the polynomial, of at most 24 powers, is positive, to the last digits; 0 where it is so from the
+/// start.
+///
+/// From the left: with `M >= max f''` the parabola `f + f' x + M x^2 / 2` lies over f, so that its first root is not beyond that
+/// of f; the distance to the root is squared from one to the next. Where that is slow (f is nearly zero over a while), the
+/// rest is halved: high powers, and M with them, shrink fast.
+pub fn first_positive(c: &[f64]) -> Option<f64> {
+    halved(c, HALVINGS)
+}
+
+fn halved(c: &[f64], halvings: usize) -> Option<f64> {
+    if c[0] > 0.0 {
+        return Some(0.0);
+    }
+    if c.iter().skip(1).map(|c| c.max(0.0)).sum::<f64>() <= -c[0] {
+        return None;
+    }
+    let start = if c[0] == 0.0 { leave(c)? } else { 0.0 };
+    if c[0] == 0.0 && start == 0.0 {
+        return Some(0.0);
+    }
+    let s = match from_the_left(c, start) {
+        Ok(found) => return found,
+        Err(s) if halvings == 0 => return Some(s),
+        Err(s) => s,
+    };
+    let middle = 0.5 * (s + 1.0);
+    let part = |from: f64, to: f64| {
+        let mut part = [0.0; 25];
+        part[..c.len()].copy_from_slice(c);
+        onto(&mut part[..c.len()], from, to);
+        // What rounding makes of a value that was not positive.
+        part[0] = part[0].min(-0.0);
+        halved(&part[..c.len()], halvings - 1).map(|x| from + x * (to - from))
+    };
+    part(s, middle).or_else(|| part(middle, 1.0))
+}
+
+/// The root, or none up to 1; an error where it is not found in some steps, with the place up to which there is none.
+fn from_the_left(c: &[f64], start: f64) -> Result<Option<f64>, f64> {
+    let bend: f64 = c.iter().enumerate().skip(2).map(|(k, c)| (k * (k - 1)) as f64 * c.max(0.0)).sum();
+    let mut s = start;
+    for _ in 0..STEPS {
+        let (f, d) = with_slope(c, s);
+        if f > 0.0 {
+            return Ok(Some(s));
+        }
+        // Root of f + d x + bend x^2 / 2 = 0 in the form that loses no digits.
+        let root = (d * d - 2.0 * bend * f).max(0.0).sqrt();
+        let step = if d > 0.0 {
+            -2.0 * f / (d + root)
+        } else if bend > 0.0 {
+            (root - d) / bend
+        } else {
+            return Ok(None);
+        };
+        if s + step > 1.0 {
+            return Ok((at(c, 1.0) > 0.0).then_some(1.0));
+        }
+        if step <= 0.5 * f64::EPSILON * s {
+            return Ok(Some(s + step));
+        }
+        s += step;
+    }
+    Err(s)
+}
+
+/// The polynomial over `from..to` as one over 0..1.
+pub fn onto(c: &mut [f64], from: f64, to: f64) {
+    let n = c.len();
+    for j in 0..n {
+        for k in (j..n - 1).rev() {
+            c[k] += from * c[k + 1];
+        }
+    }
+    let mut power = 1.0;
+    for c in c {
+        *c *= power;
+        power *= to - from;
+    }
+}
+
+/// For a polynomial that begins with a root: 0 if it rises from it, or an s up to which it is negative.
+fn leave(c: &[f64]) -> Option<f64> {
+    let k = c.iter().position(|c| *c != 0.0)?;
+    let later: f64 = c[k + 1..].iter().map(|c| c.max(0.0)).sum();
+    Some(if c[k] > 0.0 { 0.0 } else { 0.5 * (-c[k] / later).min(1.0) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::first_positive;
+
+    #[test]
+    fn first_of_several() {
+        // (s - 0.2)(s - 0.5)(s - 0.9): positive from 0.2 on, and again from 0.9.
+        let c = [-0.09, 0.73, -1.6, 1.0];
+        assert!((first_positive(&c).expect("a root") - 0.2).abs() < 1e-15);
+        assert_eq!(first_positive(&[0.0, 0.0, -1.0, 2.0]).map(|s| (s - 0.5).abs() < 1e-15), Some(true));
+        let minus = c.map(|c| -c);
+        assert_eq!(first_positive(&minus), Some(0.0));
+    }
+
+    /// Nearly zero over the first half, and falling then.
+    #[test]
+    fn flat() {
+        let mut c = [0.0; 21];
+        (c[0], c[8], c[9]) = (-3e-14, -1e-8, 0.9e-8);
+        assert_eq!(first_positive(&c), None);
+        c[20] = 2e-9;
+        assert!(first_positive(&c).is_some_and(|s| s > 0.9 && s <= 1.0));
+    }
+
+    /// A parabola that stays under zero by little, touches, or passes it by little.
+    #[test]
+    fn grazing() {
+        let under = |by: f64| [-0.25 - by, 1.0, -1.0];
+        assert_eq!(first_positive(&under(1e-12)), None);
+        let at = first_positive(&under(-1e-12)).expect("it passes");
+        assert!((at - (0.5 - 1e-6)).abs() < 1e-10);
+    }
+}

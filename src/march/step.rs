@@ -1,0 +1,276 @@
+//! The march itself: from event to event.
+
+use super::energy::Audit;
+use super::events::{Event, terms, unbalanced};
+use super::forces::Forces;
+use super::mode::{Coupler, End};
+use super::proof::Proof;
+use super::record::{Record, Taken};
+use super::series::{Series, State};
+use super::{Ask, Parting, Problem};
+use crate::law::Law;
+
+/// An event counts only once the elongation is this share of the train's longest scale past its guard: about 1e-15 m where
+/// elongations are some 40 mm. The law is continuous, so that this costs no more than so much times kl.
+const PAST: f64 = 2.5e-14;
+/// Motion under this share of the scale is none, at the edge of the part that moves.
+const NOTHING: f64 = 1e-24;
+/// A step is tried with this many times the mean width of the last ones.
+const AHEAD: f64 = 2.5;
+/// How a run is made: other runs of the same problem tell its error.
+#[derive(Clone, Copy, Debug)]
+pub struct Manner {
+    /// Largest step times the largest rate.
+    pub phase: f64,
+    /// Seed and size of noise on every elongation and speed at every step, in units of their rounding.
+    pub noise: Option<(u64, f64)>,
+}
+
+pub struct March<'a> {
+    pub problem: &'a Problem,
+    pub manner: Manner,
+    pub couplers: Vec<Coupler>,
+    /// Elongation and force of each coupler at t = 0.
+    pub start: Vec<[f64; 2]>,
+    pub state: State,
+    pub series: Series,
+    pub forces: Forces,
+    pub record: Record,
+    pub partings: Vec<Parting>,
+    pub closures: Vec<(usize, f64)>,
+    pub stopped: Option<(usize, f64)>,
+    pub audit: Option<Audit>,
+    pub proof: Option<Proof>,
+    pub t: f64,
+    pub events: u64,
+    pub steps: u64,
+    /// Common acceleration that is taken off.
+    pub common_m_s2: f64,
+    /// How far past its guard an elongation counts.
+    pub past: f64,
+    /// Elongation and speed that are none at the edge of what moves.
+    pub nothing: [f64; 2],
+    mean_width: f64,
+    /// Width of the step as tried.
+    pub width: f64,
+    pub random: u64,
+}
+
+/// What ends a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum What {
+    Mode(End),
+    Breaks,
+    Stops,
+}
+
+impl<'a> March<'a> {
+    pub fn new(problem: &'a Problem, ask: &Ask, manner: Manner) -> March<'a> {
+        let n = problem.mass_kg.len();
+        let live = |v: usize| !(v == 0 && problem.held_head || v + 1 == n && problem.held_tail);
+        let couplers: Vec<Coupler> = problem.laws.iter().zip(&problem.start).map(|(l, r)| Coupler::new(l, r)).collect();
+        let start: Vec<[f64; 2]> = couplers.iter().map(|c| c.start).collect();
+        let (unbalanced, common_m_s2) = unbalanced(problem, &start);
+        let zeros = || vec![0.0; n + 1];
+        let dashpot = &problem.dashpot_n_s_per_m;
+        let dashpot =
+            if dashpot.iter().all(|c| *c == 0.0) { Vec::new() } else { [&[0.0], &dashpot[..], &[0.0]].concat() };
+        let state = State {
+            q: [zeros(), zeros()],
+            v: [problem.speed_m_s.clone(), vec![0.0; n]],
+            place: zeros(),
+            force: zeros(),
+            slope: zeros(),
+            dashpot,
+            inverse_mass: (0..n).map(|v| if live(v) { 1.0 / problem.mass_kg[v] } else { 0.0 }).collect(),
+            unbalanced,
+            moving: [0, n],
+        };
+        let forces: Vec<f64> =
+            start.iter().enumerate().map(|(i, s)| if problem.gone.contains(&i) { 0.0 } else { s[1] }).collect();
+        let mut march = March {
+            manner,
+            couplers,
+            start,
+            state,
+            series: Series::new(n),
+            forces: Forces::new(&problem.forcing, n),
+            record: Record::new(&forces, ask),
+            partings: Vec::new(),
+            closures: Vec::new(),
+            stopped: None,
+            audit: None,
+            proof: None,
+            t: 0.0,
+            events: 0,
+            steps: 0,
+            common_m_s2,
+            past: 0.0,
+            nothing: [0.0; 2],
+            mean_width: f64::INFINITY,
+            width: 0.0,
+            random: manner.noise.map_or(0, |n| n.0),
+            problem,
+        };
+        (0..march.couplers.len()).for_each(|i| march.set_line(i));
+        march.set_scales();
+        march.audit = ask.audit.then(|| Audit::new(&march));
+        for &i in &problem.gone {
+            march.part(i);
+        }
+        march.shrink();
+        march
+    }
+
+    /// The scale of elongations, for what is past a guard and what is nothing.
+    fn set_scales(&mut self) {
+        let softest = self.problem.laws.iter().map(stiffest).fold(f64::INFINITY, f64::min);
+        let rate = self.fastest();
+        let apart = self.state.v[0].windows(2).map(|v| (v[0] - v[1]).abs()).fold(0.0, f64::max);
+        let mut scale = if apart > 0.0 && rate > 0.0 { apart / rate } else { 0.0 };
+        for (s, law) in self.start.iter().zip(&self.problem.laws) {
+            scale = scale.max(s[0].abs()).max(0.5 * law.slack_m());
+        }
+        if scale == 0.0 && softest.is_finite() {
+            let drive = |d: &(usize, crate::play::Drive)| d.1.measures()[0];
+            let force = self.problem.forcing.iter().map(drive).chain(self.state.unbalanced.iter().map(|f| f.abs()));
+            let brakes = self.problem.emergency.iter().flat_map(|e| e.full_n.iter().copied());
+            scale = force.chain(brakes).fold(0.0, f64::max) / softest;
+        }
+        self.past = PAST * scale;
+        self.nothing = [NOTHING * scale, NOTHING * scale * rate];
+    }
+
+    /// The largest rate that the motion can have, every coupler at its stiffest, 1/s.
+    pub fn fastest(&self) -> f64 {
+        let laws = &self.problem.laws;
+        let stiffness = |i: Option<usize>| i.and_then(|i| laws.get(i)).map_or(0.0, stiffest);
+        let of = |(v, m): (usize, &f64)| m * (stiffness(v.checked_sub(1)) + stiffness(Some(v)));
+        let damping = |(v, m): (usize, &f64)| {
+            let c = &self.problem.dashpot_n_s_per_m;
+            m * (v.checked_sub(1).and_then(|i| c.get(i)).unwrap_or(&0.0) + c.get(v).unwrap_or(&0.0))
+        };
+        let masses = || self.state.inverse_mass.iter().enumerate();
+        (2.0 * masses().map(of).fold(0.0, f64::max)).sqrt() + 2.0 * masses().map(damping).fold(0.0, f64::max)
+    }
+
+    fn set_line(&mut self, i: usize) {
+        let line = self.couplers[i].line;
+        (self.state.place[i + 1], self.state.force[i + 1], self.state.slope[i + 1]) =
+            (line.place, line.force, line.slope);
+    }
+
+    /// Coupler `i` parts now.
+    fn part(&mut self, i: usize) {
+        let force_n = self.start[i][1] + self.state.tension(i);
+        let before = self.audit.is_some().then(|| self.couplers[i].energy(self.state.elongation(i)));
+        self.couplers[i].part(&self.problem.laws[i], self.state.elongation(i));
+        if let (Some(audit), Some(before)) = (&mut self.audit, before) {
+            audit.release(before - self.couplers[i].energy(self.state.elongation(i)));
+        }
+        if let Some(c) = self.state.dashpot.get_mut(i + 1) {
+            *c = 0.0;
+        }
+        self.set_line(i);
+        self.partings.push(Parting { coupler: i, time_s: self.t, force_n });
+        if let Some(emergency) = &self.problem.emergency {
+            let direction = if self.problem.common_speed_m_s.unwrap_or(1.0) < 0.0 { -1.0 } else { 1.0 };
+            self.forces.vent(emergency, direction, i, self.t);
+        }
+    }
+
+    /// Goes on to an instant, or to where the march ends.
+    pub fn advance_to(&mut self, end: f64) {
+        while self.t < end && self.stopped.is_none() {
+            self.step(end);
+        }
+    }
+
+    fn step(&mut self, end: f64) {
+        self.forces.pass(self.t);
+        self.grow();
+        self.disturb();
+        let kink = self.forces.next_kink(self.t).min(end);
+        let rate = self.state.rate().max(self.forces.rate(self.t));
+        let wanted = (self.manner.phase / rate).min(AHEAD * self.mean_width);
+        let left = kink - self.t;
+        // The last steps to a kink are of one width.
+        let mut width = if wanted >= left { left } else { left / (left / wanted).ceil() };
+        self.series.terms = terms(rate * width);
+        self.width = width;
+        self.expand(width);
+        let found: Vec<Event> = self.first_event(width);
+        let mut next = if width == left { kink } else { self.t + width };
+        if let Some(share) = found.iter().map(|e| e.0).reduce(f64::min) {
+            width *= share;
+            next = self.t + width;
+            self.series.cut(&self.state, share);
+        }
+        let taken = Taken { state: &self.state, series: &self.series, from: self.t, width };
+        self.record.see(&taken, &self.start);
+        if let Some(audit) = &mut self.audit {
+            audit.work(&self.state, &self.series, &self.start, width);
+        }
+        if let Some(mut proof) = self.proof.take() {
+            proof.step(self, width);
+            self.proof = Some(proof);
+        }
+        self.series.advance(&mut self.state);
+        self.t = next;
+        self.steps += 1;
+        self.mean_width = if self.steps == 1 { width } else { 0.8 * self.mean_width + 0.2 * width }
+            .max(1e-3 * self.manner.phase / rate);
+        self.audit_step();
+        for (_, i, what) in found {
+            self.happens(i, what);
+        }
+        self.shrink();
+    }
+
+    fn audit_step(&mut self) {
+        if let Some(mut audit) = self.audit.take() {
+            audit.step(self);
+            self.audit = Some(audit);
+        }
+    }
+
+    fn happens(&mut self, i: usize, what: What) {
+        self.events += 1;
+        match what {
+            What::Mode(end) => {
+                let q = self.state.elongation(i);
+                let coupler = &mut self.couplers[i];
+                let open = coupler.is_open();
+                coupler.switch(end, q);
+                if open && !coupler.is_open() {
+                    self.closures.push((i, self.t));
+                }
+                self.set_line(i);
+            }
+            What::Breaks => self.part(i),
+            What::Stops => self.stopped = Some((i, self.t)),
+        }
+    }
+
+    fn expand(&mut self, width: f64) {
+        let Series { outside, terms, .. } = &mut self.series;
+        outside.iter_mut().for_each(Vec::clear);
+        let from = self.state.moving[0];
+        let [a, b] = self.state.moving;
+        self.forces.expand(self.t, width, *terms, |v, k, f| {
+            debug_assert!(f == 0.0 || (a..b).contains(&v), "a force acts on a vehicle at rest");
+            if f != 0.0 && v >= from && v < b {
+                outside[k].push((v, f));
+            }
+        });
+        self.series.expand(&self.state, width);
+    }
+}
+
+/// The largest slope of a law.
+pub fn stiffest(law: &Law) -> f64 {
+    match law {
+        Law::Elastic { draft_n_per_m, buff_n_per_m, .. } => draft_n_per_m.max(*buff_n_per_m),
+        Law::Gear { solid_n_per_m, .. } => *solid_n_per_m,
+    }
+}

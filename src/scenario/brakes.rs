@@ -1,0 +1,73 @@
+//! Brake applications on a train: when they reach each vehicle, and the forces that they bring.
+//!
+//! ```text
+//! B_v(t) = -full_v share(t - |x_v - x| / wave)          x: where the application starts, x_v: the middle of vehicle v
+//! ```
+
+use super::{Application, Event, Forcing, Scenario};
+use crate::consist::Train;
+
+/// Distance of each vehicle's middle from the front of the train, m; `None` where a vehicle has no length.
+pub fn middles_m(train: &Train) -> Option<Vec<f64>> {
+    let mut front = 0.0;
+    let middle = |v: &crate::consist::Vehicle| {
+        let length = v.length_m?;
+        front += length;
+        Some(front - 0.5 * length)
+    };
+    train.vehicles.iter().map(middle).collect()
+}
+
+/// Distance of the coupler behind each vehicle but the last from the front of the train, m.
+pub fn couplers_m(train: &Train) -> Option<Vec<f64>> {
+    let lengths: Option<Vec<f64>> = train.vehicles.iter().map(|v| v.length_m).collect();
+    let ends = |lengths: Vec<f64>| {
+        let mut front = 0.0;
+        let mut end = |length: f64| {
+            front += length;
+            front
+        };
+        lengths[..lengths.len() - 1].iter().map(|&l| end(l)).collect()
+    };
+    lengths.map(ends)
+}
+
+/// Changes of the outside forces on the vehicles that a scenario brings by itself: tractive efforts, and the brakes of a brake
+/// application. Those of an emergency application that a parting sets off are not among them.
+pub fn forcings(train: &Train, scenario: &Scenario) -> Vec<Forcing> {
+    let mut all = scenario.response.efforts.clone();
+    if let (Event::Brake { from, application, .. }, Some(middles)) = (&scenario.event, middles_m(train)) {
+        let full_n = &train.extras.emergency_brake_n;
+        let braked = (0..train.vehicles.len()).filter(|&v| full_n.get(v).is_some_and(|n| *n > 0.0));
+        all.extend(braked.map(|v| {
+            let distance_m = from.iter().map(|&s| (middles[v] - middles[s]).abs()).fold(f64::INFINITY, f64::min);
+            let reached_s = distance_m / application.wave_m_per_s;
+            let point = |p: &[f64; 2]| [reached_s + p[0], -full_n[v] * p[1]];
+            Forcing { vehicle: v, points: application.build_up.iter().map(point).collect() }
+        }));
+    }
+    all
+}
+
+/// When an application that starts at places, m, has built up in every vehicle, s; 0 where there are no places.
+fn built_up_s(train: &Train, application: &Application, from_m: &[f64]) -> f64 {
+    let Some(middles) = middles_m(train) else { return 0.0 };
+    let distance_m = |x: f64| from_m.iter().map(|s| (x - s).abs()).fold(f64::INFINITY, f64::min);
+    let farthest_m = middles.iter().map(|x| distance_m(*x)).fold(0.0, f64::max);
+    if farthest_m.is_finite() { farthest_m / application.wave_m_per_s + application.full_after_s() } else { 0.0 }
+}
+
+/// When brakes and drives change for the last time after an event, s; `broken` is the coupler that parts, where one does.
+pub(super) fn last_change_s(train: &Train, scenario: &Scenario, broken: Option<usize>) -> f64 {
+    let efforts = scenario.response.efforts.iter().filter_map(|f| f.points.last()).map(|p| p[0]).fold(0.0, f64::max);
+    let parting = broken.and_then(|b| Some(vec![couplers_m(train)?[b]]));
+    let emergency = scenario.response.emergency.as_ref().zip(parting).map(|(a, from)| built_up_s(train, a, &from));
+    let applied = match &scenario.event {
+        Event::Brake { from, application, .. } => {
+            let from_m = |middles: Vec<f64>| from.iter().map(|&v| middles[v]).collect::<Vec<_>>();
+            middles_m(train).map(|middles| built_up_s(train, application, &from_m(middles)))
+        }
+        _ => None,
+    };
+    [Some(efforts), emergency, applied].into_iter().flatten().fold(0.0, f64::max)
+}

@@ -1,0 +1,181 @@
+//! Which couplers certainly break, whatever else may have broken shortly before.
+//!
+//! A side of a coupler *may* be over its rating from the instant at which its computed force comes within the bound of it, and
+//! *certainly* is once it is over it by more than the bound. Between the two, the true train may be without that coupler, where the
+//! computed one still has it. The forces T_j of such couplers, put on their masses for the times tau_j that have passed since each
+//! may be over, move another one's force by no more than
+//!
+//! ```text
+//! drift_i = J_i sum_j T_j J_j (k_i tau_j^2 / 2 + c_i tau_j)        J = sqrt(1 / m + 1 / m')
+//! ```
+//!
+//! for the energy of the difference, `|z| <= sum T_j J_j tau_j`, bounds the difference of every relative speed by `J_i |z|`. So all
+//! bounds are widened by the drift. A coupler that passes its rating by more than the widened bound before the end of these times breaks in the
+//! true train as well; couplers of which that holds and whose times overlap break together. Where it holds of none, the sequence is
+//! not decided from the beginning of that time on.
+
+use super::search::{Breaks, Found, SIGN, jolt};
+use super::series::{Series, State, centred, reach};
+use super::{DEGREE, U};
+
+/// A push away from a rating at which a coupler stood, in bounds, that counts: ahead of the front rounding is far smaller.
+const PUSH: f64 = 1e-8;
+/// Attempts to find a drift that covers itself.
+const ROUNDS: usize = 40;
+
+/// A step of the march.
+pub struct Step<'a> {
+    pub state: &'a State,
+    pub series: &'a Series,
+    pub from: f64,
+    pub width: f64,
+}
+
+/// A side of a coupler within a step: since when it may be over its rating, from when on it certainly is, and its own passing.
+#[derive(Clone)]
+pub struct Passing {
+    pub spring: usize,
+    pub side: usize,
+    pub from: f64,
+    until: Option<f64>,
+    at: f64,
+    coefficient: [f64; DEGREE + 1],
+}
+
+impl Step<'_> {
+    /// The breakage of some of what passes.
+    pub fn tear<'p>(&self, torn: impl Iterator<Item = &'p Passing> + Clone) -> Found {
+        let time = torn.clone().map(|p| p.at).fold(f64::INFINITY, f64::min);
+        let share = ((time - self.from) / self.width).clamp(0.0, 1.0);
+        let apart = |p: &Passing| (p.until.unwrap_or(time) - time).max(time - p.from) + 4.0 * U * time;
+        let force = |p: &Passing| p.coefficient.iter().rev().fold(0.0, |sum, c| sum * share + c);
+        Found { share, torn: torn.map(|p| (p.spring, force(p), apart(p))).collect() }
+    }
+}
+
+impl Breaks<'_> {
+    /// All sides that may be over their ratings within a step, with each bound widened by its drift; none for an empty one.
+    pub fn passing(&self, step: &Step, drift: &[f64]) -> Vec<Passing> {
+        let bound = self.bound();
+        let mut passing = Vec::new();
+        for i in (0..self.near.len()).filter(|&i| step.state.whole(i)) {
+            let coefficient = step.series.coupler(i, self.play.steady(i));
+            let bound = bound + drift.get(i).unwrap_or(&0.0);
+            for &side in self.sides() {
+                if reach(&coefficient, SIGN[side]) > self.rating(i, side) - bound {
+                    passing.extend(self.passes(step, [i, side], coefficient, bound));
+                }
+            }
+        }
+        passing
+    }
+
+    /// When a side passes the levels around its rating within a step.
+    ///
+    /// One that stood at its rating, and is not pushed on, does not count before it has come back.
+    fn passes(
+        &self,
+        step: &Step,
+        [spring, side]: [usize; 2],
+        coefficient: [f64; DEGREE + 1],
+        bound: f64,
+    ) -> Option<Passing> {
+        let &Step { from, width, .. } = step;
+        let local = centred(&coefficient.map(|c| SIGN[side] * c), from, width);
+        let over = |level: f64| local.first_over(-1.0, 1.0, level).map(|x| from + 0.5 * (x + 1.0) * width);
+        let rating = self.rating(spring, side);
+        let mut earliest = over(rating - bound)?;
+        if !self.departed[spring][side] {
+            if !self.is_pushed_on(step, spring, side) {
+                return None;
+            }
+            earliest = 0.0;
+        }
+        let earliest = self.near[spring][side].map_or(earliest, |t| t.min(earliest));
+        let until = over(rating + bound);
+        let at = until.and_then(|_| over(rating)).unwrap_or(from);
+        Some(Passing { spring, side, from: earliest, until, at, coefficient })
+    }
+
+    /// Whether a side that stood at its rating is first, or at an end of the step, pushed on. It is told from the motion alone: beside
+    /// the load a small push would be lost.
+    fn is_pushed_on(&self, step: &Step, spring: usize, side: usize) -> bool {
+        let moved = step.series.coupler(spring, -self.play.start[spring]).map(|c| SIGN[side] * c);
+        let first = if step.from == 0.0 { moved.iter().find(|c| **c != 0.0) } else { None };
+        let least = PUSH * self.bound();
+        first.is_some_and(|c| *c > 0.0) || moved[0] > least || moved.iter().rev().sum::<f64>() > least
+    }
+
+    /// What may be over, and which of it certainly breaks first.
+    ///
+    /// Where nothing is certain, the first to be over by the bound is taken out, and the sequence is in doubt from then on.
+    pub fn decide(&mut self, step: &Step, plain: Vec<Passing>) -> (Vec<Passing>, Vec<usize>) {
+        if self.doubt.is_none() {
+            let retreated = plain.iter().any(|p| self.was_overlooked(p));
+            let proven = [true, false].into_iter().find_map(|together| self.proven(step, &plain, together));
+            if let Some(proven) = proven.filter(|_| !retreated) {
+                return proven;
+            }
+            let before = self.near.iter().enumerate().flat_map(|(i, n)| n.iter().flatten().map(move |t| (i, *t)));
+            let now = plain.iter().map(|p| (p.spring, p.from));
+            self.doubt = before.chain(now).min_by(|a, b| a.1.total_cmp(&b.1));
+        }
+        let untils = plain.iter().enumerate().filter_map(|(n, p)| Some((n, p.until?)));
+        let first = untils.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(n, _)| n);
+        (plain, first.into_iter().collect())
+    }
+
+    /// Whether a side may have been over before something else broke, and was not considered then.
+    fn was_overlooked(&self, p: &Passing) -> bool {
+        let last = self.breakages.last().map_or(0.0, |b| b.time);
+        p.from < last && self.near[p.spring][p.side].is_none()
+    }
+
+    /// Couplers that certainly break by the end of a time that begins when the first may have: all whose own times begin before
+    /// the first is certain, or the first alone. `None` where no drift is found that covers itself.
+    fn proven(&self, step: &Step, plain: &[Passing], together: bool) -> Option<(Vec<Passing>, Vec<usize>)> {
+        let was_certain = plain.iter().any(|p| p.until.is_some());
+        let mut drift = vec![0.0; self.near.len()];
+        let mut passing = plain.to_vec();
+        for _ in 0..ROUNDS {
+            let first = passing.iter().filter_map(|p| p.until).reduce(f64::min);
+            let torn =
+                |p: &Passing| p.until.is_some_and(|u| if together { Some(p.from) <= first } else { Some(u) == first });
+            let end = passing.iter().filter(|p| torn(p)).filter_map(|p| p.until).reduce(f64::max);
+            if was_certain && end.is_none() {
+                return None;
+            }
+            let due = self.drift(step, &passing, end.unwrap_or(step.from + step.width));
+            if due.iter().zip(&drift).all(|(due, has)| due <= has) {
+                let torn = (0..passing.len()).filter(|&n| torn(&passing[n])).collect();
+                return Some((passing, torn));
+            }
+            // The time grows with the drift: twice what is due soon covers it.
+            drift.iter_mut().zip(due).for_each(|(has, due)| *has = has.max(2.0 * due));
+            passing = self.passing(step, &drift);
+        }
+        None
+    }
+
+    /// How far each force may have been moved at `end` by the absence of couplers that may have broken before.
+    fn drift(&self, step: &Step, passing: &[Passing], end: f64) -> Vec<f64> {
+        let state = step.state;
+        // Of each coupler `T J tau` and `T J tau^2`.
+        let mut push = vec![[0.0f64; 2]; self.near.len()];
+        let now = passing.iter().filter(|p| p.from <= end).map(|p| (p.spring, p.from));
+        let before = self.near.iter().enumerate().flat_map(|(i, n)| n.iter().flatten().map(move |t| (i, *t)));
+        for (i, from) in before.chain(now) {
+            let coefficient = step.series.coupler(i, self.play.steady(i));
+            let force = SIGN.map(|sign| reach(&coefficient, sign)).into_iter().fold(0.0, f64::max);
+            let rating = self.sides().iter().map(|&side| self.rating(i, side)).fold(0.0, f64::max);
+            let (size, tau) = (force.max(rating) * jolt(state, i), end - from);
+            push[i] = [push[i][0].max(size * tau), push[i][1].max(size * tau * tau)];
+        }
+        let all = push.iter().fold([0.0; 2], |sum, p| [sum[0] + p[0], sum[1] + p[1]]);
+        let moved = |i: usize| {
+            let [once, twice] = [0, 1].map(|q| (all[q] - push[i][q]).max(0.0));
+            jolt(state, i) * (state.dashpot[i + 1] * once + 0.5 * state.stiffness[i + 1] * twice)
+        };
+        (0..push.len()).map(moved).collect()
+    }
+}

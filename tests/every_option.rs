@@ -152,6 +152,7 @@ fn told(folder: &Path, arguments: &str) -> String {
 const OPTIONS: &[(&str, &str, &[&str])] = &[
     ("analyze", "--scenario pulse", &["analyze both.toml --json"]),
     ("analyze", "--fail-on-exceed", &["analyze both.toml --json"]),
+    ("analyze", "--units us", &["analyze both.toml"]),
     (
         "analyze",
         "--verdict-only",
@@ -184,7 +185,10 @@ const OPTIONS: &[(&str, &str, &[&str])] = &[
 ];
 
 /// Options that choose what is written and where, how a run is gone on with, or another command altogether.
-const OTHERS: [&str; 12] = [
+const OTHERS: [&str; 15] = [
+    "--color",
+    "--threads",
+    "--quiet",
     "--out",
     "--format",
     "--json",

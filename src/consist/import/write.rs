@@ -124,7 +124,9 @@ fn common<'d>(of: &BTreeMap<usize, &'d Given>, couplers: usize, key: &str) -> Op
 
 fn coupler_table(by_key: &ByKey, couplers: usize, missing: &mut Vec<String>) -> String {
     let mut text = "\n[coupler]\n".to_owned();
-    for key in COUPLER.keys.iter().filter(|key| key.required) {
+    // A coupler without a gear has a stiffness.
+    let needed = |key: &&Key| key.required || key.name == "stiffness" && !by_key.contains_key("gear");
+    for key in COUPLER.keys.iter().filter(needed) {
         if by_key.get(key.name).and_then(|of| common(of, couplers, key.name)).is_none() {
             let known = by_key.get(key.name).map_or(0, BTreeMap::len);
             let of = if known == 0 { "no coupler".to_owned() } else { format!("{known} of {couplers} couplers") };

@@ -6,6 +6,7 @@ use std::fmt::Write as _;
 use super::{Draft, Given, Group};
 use crate::consist::keys::COUPLER;
 use crate::error::{harmless, printable, quoted};
+use crate::keys::Key;
 
 /// Comments start in this column, where the value leaves room.
 const COLUMN: usize = 44;

@@ -231,8 +231,13 @@ fn of_cascade(train: &Train, case: &CaseFindings) {
 }
 
 /// Fields of `result.json` that may be null.
-const MAY_BE_NULL: [&str; 13] = [
+const MAY_BE_NULL: [&str; 18] = [
     "broken_coupler",
+    "error_bound_n",
+    "error_estimate_n",
+    "predictable_until_s",
+    "stopped_vehicle",
+    "stopped_at_s",
     "safe_load_factor",
     "worst",
     "peak_draft_n",

@@ -152,6 +152,7 @@ fn told(folder: &Path, arguments: &str) -> String {
 const OPTIONS: &[(&str, &str, &[&str])] = &[
     ("analyze", "--scenario pulse", &["analyze both.toml --json"]),
     ("analyze", "--fail-on-exceed", &["analyze both.toml --json"]),
+    ("analyze", "--units us", &["analyze both.toml"]),
     (
         "analyze",
         "--verdict-only",

@@ -96,7 +96,7 @@ fn rows_of_json_and_joined_shards_have_them_too() {
     }
     let output = fleet(folder.path(), &["--merge", "--out", "parts"]);
     assert!(String::from_utf8_lossy(&output.stdout).starts_with(SENTENCE));
-    let line = "warning: a.toml: no-load, which `trainsafe check` explains (11 of 11 cases)\n";
+    let line = "warning: a.toml: no-load, which `trainsafe analyze` explains (11 of 11 cases)\n";
     assert!(complaint(&output).contains(line), "{}", complaint(&output));
 }
 

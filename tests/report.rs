@@ -245,7 +245,8 @@ fn the_json_has_the_contract_s_fields_in_order() {
     assert_eq!(keys(&value["scenarios"][0]), "name kind cases left_out_in_buff");
     assert_eq!(
         keys(case),
-        "broken_coupler method method_reason horizon_s error_bound_n error_estimate_n predictable_until_s tolerance_n run_time_s exceeding undecided \
+        "broken_coupler method method_reason horizon_s error_bound_n error_estimate_n predictable_until_s stopped_vehicle \
+         stopped_at_s tolerance_n run_time_s exceeding undecided \
          safe_load_factor first_passage_s exceeding_first_passage worst_first_passage worst couplers left_out"
     );
     assert_eq!(

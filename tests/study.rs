@@ -338,7 +338,7 @@ fn each_mistake_in_a_study_has_its_message() {
 4 | key = \"coupler.stifness\"
   |       ^^^^^^^^^^^^^^^^^^
   |
-  = help: expected stiffness, rated_load, rated_buff, limits.fatigue, limits.proof, limits.ultimate, limits.draft.fatigue, limits.draft.proof, limits.draft.ultimate, limits.buff.fatigue, limits.buff.proof, limits.buff.ultimate or damping
+  = help: expected stiffness, rated_load, rated_buff, limits.fatigue, limits.proof, limits.ultimate, limits.draft.fatigue, limits.draft.proof, limits.draft.ultimate, limits.buff.fatigue, limits.buff.proof, limits.buff.ultimate, damping, stiffness_in_buff, slack, gear, gear_in_buff, friction or solid_stiffness
 ",
         ),
         (

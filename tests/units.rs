@@ -50,6 +50,7 @@ fn one_of_every_unit() {
         ("2000 lbf/ton_us", Dimension::Resistance, 9.80665),
         ("1 %", Dimension::Grade, 0.01),
         ("1 \u{2030}", Dimension::Grade, 0.001),
+        ("1 %", Dimension::Share, 0.01),
         ("1 kN/mm", Dimension::Stiffness, 1e6),
         ("1 lbf/in", Dimension::Stiffness, 175.126_835_246_476_4),
         ("1 kip/in", Dimension::Stiffness, 175_126.835_246_476_37),

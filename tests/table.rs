@@ -76,7 +76,7 @@ error: row 4, column mass [t]: mass is negative
   |       ^^^^^^^
   |
   = help: did you mean \"mass\"? columns are label, count, mass, held, length, tractive_effort, \
-             rolling_resistance, grade, brake_force, stiffness, rated_load, rated_buff, limits.fatigue, limits.proof, limits.ultimate, limits.draft.fatigue, limits.draft.proof, limits.draft.ultimate, limits.buff.fatigue, limits.buff.proof, limits.buff.ultimate or damping",
+             rolling_resistance, grade, brake_force, emergency_brake, stiffness, rated_load, rated_buff, limits.fatigue, limits.proof, limits.ultimate, limits.draft.fatigue, limits.draft.proof, limits.draft.ultimate, limits.buff.fatigue, limits.buff.proof, limits.buff.ultimate, damping, stiffness_in_buff, slack, gear, gear_in_buff, friction or solid_stiffness",
         ),
         (
             "mass [MN]\n80\n80\n",

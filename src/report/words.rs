@@ -3,7 +3,7 @@
 use super::numbers::{brief_time, digits, down, given_force, given_speed, given_time, percent, time};
 use crate::consist::{self, Train};
 use crate::findings::{CaseFindings, CouplerFindings, ScenarioFindings};
-use crate::scenario::{Event, Scenario};
+use crate::scenario::{Application, Event, Scenario};
 use crate::units::UnitSystem;
 
 /// The scenario of the train that a scenario of findings was made from, with its index.
@@ -108,11 +108,7 @@ fn happens(train: &Train, scenario: &Scenario) -> String {
                 vehicle + 1
             )
         }
-        Event::Brake { from, emergency, application } => {
-            let what = if *emergency { "Emergency" } else { "Service" };
-            let (place, course) = (consist::place(train, from), consist::application(application));
-            format!("{what} brakes are applied from {place} at t = 0 ({course}).")
-        }
+        Event::Brake { from, emergency, application } => applied(train, from, *emergency, application),
         Event::Impact { vehicles, at_head, speed_m_per_s } => {
             let end = if *at_head { "head" } else { "tail" };
             let speed = given_speed(train.origin.units, *speed_m_per_s);
@@ -131,6 +127,12 @@ fn happens(train: &Train, scenario: &Scenario) -> String {
             )
         }
     }
+}
+
+fn applied(train: &Train, from: &[usize], emergency: bool, application: &Application) -> String {
+    let what = if emergency { "Emergency" } else { "Service" };
+    let (place, course) = (consist::place(train, from), consist::application(application));
+    format!("{what} brakes are applied from {place} at t = 0 ({course}).")
 }
 
 /// Whether the load alone is over a coupler's rating.

@@ -108,7 +108,7 @@ fn happens(train: &Train, scenario: &Scenario) -> String {
                 vehicle + 1
             )
         }
-        Event::Brake { from, emergency, application } => applied(train, from, *emergency, application),
+        Event::Brake { from, emergency, application: a } => applied(train, from, *emergency, a),
         Event::Impact { vehicles, at_head, speed_m_per_s } => {
             let end = if *at_head { "head" } else { "tail" };
             let speed = given_speed(train.origin.units, *speed_m_per_s);

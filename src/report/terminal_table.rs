@@ -26,6 +26,10 @@ pub fn terminal(analysis: &Analysis, reports: &[PathBuf]) -> String {
         let verdict = words::verdict_of(scenario, analysis.units);
         // Writing to a String cannot fail.
         let _ = write!(out, "\n{}\n{}\n", harmless(&scenario.name), harmless(&verdict));
+        let passage = words::passage(scenario, analysis.units);
+        if !passage.is_empty() {
+            let _ = writeln!(out, "{passage}");
+        }
         let next = super::cascade::sentence(scenario);
         if !next.is_empty() {
             let _ = writeln!(out, "What breaks next: {}", harmless(&next));

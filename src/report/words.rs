@@ -322,6 +322,42 @@ fn first_passages(scenario: &ScenarioFindings) -> String {
     }
 }
 
+/// The largest draft and buff of the first passage of a single case, beside those over all that was computed; empty for several
+/// cases, whose passages end at different times.
+pub fn passage(scenario: &ScenarioFindings, units: UnitSystem) -> String {
+    type Peak = (usize, f64, f64);
+    let [case] = &scenario.cases[..] else { return String::new() };
+    let largest = |peak: &dyn Fn(&CouplerFindings) -> Option<(f64, f64)>| -> Option<Peak> {
+        let all = case.couplers.iter().filter_map(|c| peak(c).map(|(f, t)| (c.coupler, f, t)));
+        all.reduce(|a, b| if b.1.abs() > a.1.abs() { b } else { a })
+    };
+    let early = |c: &CouplerFindings| c.first_passage.clone();
+    let first = [
+        largest(&|c| early(c).and_then(|p| p.peak_draft_n.zip(p.peak_draft_time_s))),
+        largest(&|c| early(c).and_then(|p| p.peak_buff_n.zip(p.peak_buff_time_s))),
+    ];
+    let all = [
+        largest(&|c| c.peak_draft_n.zip(c.peak_draft_time_s)),
+        largest(&|c| c.peak_buff_n.zip(c.peak_buff_time_s)),
+    ];
+    let told = |peak: Option<Peak>| match peak {
+        None => "none".to_owned(),
+        Some((coupler, f, t)) => {
+            let force = super::numbers::force(units, f, case.error_n());
+            format!("{force} in coupler {coupler}, at {}", time(t))
+        }
+    };
+    let both = |[draft, buff]: [Option<Peak>; 2]| format!("largest draft {}; largest buff {}", told(draft), told(buff));
+    if first == [None, None] && all == [None, None] {
+        return String::new();
+    }
+    let (end, whole) = (time(case.first_passage_s.min(case.horizon_s)), brief_time(case.horizon_s));
+    match first == all {
+        true => format!("In the first passage, to {end}: {}. No later force is larger.", both(first)),
+        false => format!("In the first passage, to {end}: {}. Over all {whole}: {}.", both(first), both(all)),
+    }
+}
+
 /// The largest buff and draft of an impact: those of the collision and of the rebound.
 fn impact(case: &CaseFindings, units: UnitSystem) -> String {
     if case.kind != "impact" {

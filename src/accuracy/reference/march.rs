@@ -238,8 +238,8 @@ impl Motion<'_> {
                 push * inverse * &share
             };
             let next = (0..n).map(faster).collect();
-            let moved =
-                v[q].iter().zip(&self.inverse).map(|(v, m)| if m.is_some() { v * &share } else { zero.clone() });
+            // A held vehicle moves on at the speed that it has.
+            let moved = v[q].iter().map(|v| v * &share);
             x.push(moved.collect());
             v.push(next);
         }

@@ -336,10 +336,8 @@ pub fn passage(scenario: &ScenarioFindings, units: UnitSystem) -> String {
         largest(&|c| early(c).and_then(|p| p.peak_draft_n.zip(p.peak_draft_time_s))),
         largest(&|c| early(c).and_then(|p| p.peak_buff_n.zip(p.peak_buff_time_s))),
     ];
-    let all = [
-        largest(&|c| c.peak_draft_n.zip(c.peak_draft_time_s)),
-        largest(&|c| c.peak_buff_n.zip(c.peak_buff_time_s)),
-    ];
+    let all =
+        [largest(&|c| c.peak_draft_n.zip(c.peak_draft_time_s)), largest(&|c| c.peak_buff_n.zip(c.peak_buff_time_s))];
     let told = |peak: Option<Peak>| match peak {
         None => "none".to_owned(),
         Some((coupler, f, t)) => {

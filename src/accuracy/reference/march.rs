@@ -7,8 +7,8 @@
 //! T_i = T_i(0) + k_i (x_i - x_{i+1}) + c_i (v_i - v_{i+1}), 0 once it is broken
 //! ```
 //!
-//! with p_j the steady forces from outside. A step is a Taylor series of degree [`DEGREE`] over at most one unit of phase: the first
-//! term left out is `1 / 31! = 1e-34` of the motion, and the arithmetic has [`BITS`] bits. Every step is kept as the series of every
+//! with p_j the steady forces from outside. A step is a Taylor series of degree `DEGREE` over at most one unit of phase: the first
+//! term left out is `1 / 31! = 1e-34` of the motion, and the arithmetic has `BITS` bits. Every step is kept as the series of every
 //! coupler's force, in which extremes, crossings and values at any time are found afterwards.
 
 use std::borrow::Cow;

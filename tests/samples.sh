@@ -14,3 +14,6 @@ sample mixed-manifest-train
 sample hauled-train-on-a-grade --map
 sample paper-figure-4 --format md,html
 sample paper-figure-4-damped
+sample unit-train-emergency
+sample shunting-european-rake
+sample mixed-manifest-brakes

@@ -3,8 +3,8 @@
 #[cfg(feature = "serve")]
 use std::process::{Command, Stdio};
 
-use crate::cli::Serve;
-use crate::{Failure, print, say};
+use super::cli::Serve;
+use super::{Failure, say};
 
 /// Serves the page of a train until Ctrl-C.
 #[cfg(feature = "serve")]
@@ -20,8 +20,8 @@ pub fn run(args: &Serve) -> Result<(), Failure> {
             Failure::Output
         }
     })?;
-    crate::signals::heed(|| ());
-    print(&format!("{}\n", server.address()))?;
+    super::signals::heed(|| ());
+    super::print(&format!("{}\n", server.address()))?;
     say("open this address in a browser on this machine; Ctrl-C ends it");
     if !args.no_open {
         open(server.address());
@@ -36,7 +36,6 @@ pub fn run(args: &Serve) -> Result<(), Failure> {
 #[cfg(not(feature = "serve"))]
 pub fn run(_: &Serve) -> Result<(), Failure> {
     say("error: this trainsafe is built without serve: build it with `cargo install --path . --features serve`");
-    let _ = print;
     Err(Failure::Input)
 }
 

@@ -290,12 +290,12 @@ pub(crate) struct Ending {
 impl CaseFindings {
     /// What every reported force is within, N: proven, or else estimated.
     pub fn error_n(&self) -> f64 {
-        self.error_estimate_n.unwrap_or(self.error_bound_n)
+        march::error_n(self.error_bound_n, self.error_estimate_n)
     }
 
     /// A rating that lies this close to a peak, or closer, is not decided, N: the bound, or ten estimates.
     pub fn margin_n(&self) -> f64 {
-        self.error_estimate_n.map_or(self.error_bound_n, |n| march::MARGIN * n)
+        march::margin_n(self.error_bound_n, self.error_estimate_n)
     }
 }
 

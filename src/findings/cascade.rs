@@ -50,7 +50,7 @@ pub struct CascadeFindings {
 impl CascadeFindings {
     /// What every force is within, N: proven, or else estimated.
     pub fn error_n(&self) -> f64 {
-        self.error_estimate_n.unwrap_or(self.error_bound_n)
+        super::march::error_n(self.error_bound_n, self.error_estimate_n)
     }
 }
 
@@ -155,7 +155,7 @@ fn marched(
     let problem = scenario::march(train, scenario, broken, [horizon_s; 2], scenario.cascade);
     let outcome = march::solve(&problem, &super::march::ask(train, options));
     let (error_bound_n, error_estimate_n) = super::march::errors(&outcome.bound);
-    let margin_n = error_estimate_n.map_or(error_bound_n, |n| super::march::MARGIN * n);
+    let margin_n = super::march::margin_n(error_bound_n, error_estimate_n);
     let loads = |i: usize| scenario::break_loads(train, i);
     let one = |p: &march::Parting| CascadeBreak {
         time_s: p.time_s,

@@ -116,8 +116,8 @@ pub(crate) fn case_findings(
     let passage_s = first_passage::end_s(train, scenario, broken, horizon_s);
     let horizon_s = ending.map_or(horizon_s, |end| end.at_s);
     let cascade = cascade::find(train, scenario, broken, horizon_s, options)?;
-    let error_n = error_estimate_n.unwrap_or(error_bound_n);
-    let margin_n = error_estimate_n.map_or(error_bound_n, |n| march::MARGIN * n);
+    let error_n = march::error_n(error_bound_n, error_estimate_n);
+    let margin_n = march::margin_n(error_bound_n, error_estimate_n);
     limits::find(train, &mut couplers, margin_n, |rated| {
         // The tolerance is a share of the largest rating, and stays what it is.
         let tolerance = options.tolerance * largest_rating_n(train) / largest_rating_n(rated);

@@ -13,7 +13,7 @@ use crate::solve::SolveError;
 const TOLERANCE: f64 = 1e-6;
 
 /// A rating that lies so many estimated errors from a peak, or less, is not decided.
-pub(super) const MARGIN: f64 = 10.0;
+const MARGIN: f64 = 10.0;
 
 /// What only a march finds.
 pub(super) struct Marched {
@@ -75,7 +75,7 @@ pub(super) fn solved(
     let couplers = findings(&outcome.extremes, &outcome.error_n);
     let to_mark = findings(&outcome.to_mark, &outcome.error_to_mark_n);
     let (error_bound_n, error_estimate_n) = errors(&outcome.bound);
-    let error_n = error_estimate_n.unwrap_or(error_bound_n);
+    let error_n = error_n(error_bound_n, error_estimate_n);
     Ok(Solved {
         method: "march",
         reason: reason(train).to_owned(),
@@ -122,6 +122,16 @@ pub(super) fn errors(bound: &Bound) -> (f64, Option<f64>) {
         Bound::Estimated(estimate_n) => (f64::INFINITY, Some(*estimate_n)),
         Bound::None => (f64::INFINITY, None),
     }
+}
+
+/// What every force is within, N: proven, or else estimated.
+pub(super) fn error_n(bound_n: f64, estimate_n: Option<f64>) -> f64 {
+    estimate_n.unwrap_or(bound_n)
+}
+
+/// A rating that lies so near a peak, N, or nearer, is not decided.
+pub(super) fn margin_n(bound_n: f64, estimate_n: Option<f64>) -> f64 {
+    estimate_n.map_or(bound_n, |n| MARGIN * n)
 }
 
 /// Estimated time of a case, s: its march, and a second one where couplers break one after the other.

@@ -95,7 +95,7 @@ pub(crate) fn body(analysis: &Analysis, markdown: &str, pictures: &Pictures) -> 
 /// The same without scripts and what they draw from.
 pub fn light(analysis: &Analysis, markdown: &str, pictures: &Pictures) -> String {
     let title = escaped(&analysis.train);
-    let body = Page { analysis, pictures, out: String::new(), heading: String::new() }.body(markdown);
+    let body = body(analysis, markdown, pictures);
     format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data:\">\n\

@@ -3,30 +3,14 @@
 // Run by tests/browser/run.sh, which builds the program with the feature serve.
 import assert from "node:assert/strict";
 import { execFileSync, spawn } from "node:child_process";
-import { copyFileSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
-import { createRequire } from "node:module";
-import { tmpdir } from "node:os";
+import { copyFileSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
-import { after, before, test } from "node:test";
-import { chromium } from "playwright-core";
+import { after, test } from "node:test";
+import { axe, browser, folder, program, root } from "./browser.js";
 
-const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
-const root = join(import.meta.dirname, "../..");
-const program = process.env.TRAINSAFE ?? join(root, "target/debug/trainsafe");
-const flags = "--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking " +
-  "--disable-component-update --disable-sync";
-const folder = mkdtempSync(join(tmpdir(), "trainsafe-serve-"));
-let browser;
 const running = [];
 
-before(async () => {
-  browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: flags.split(" ") });
-});
-after(async () => {
-  running.forEach((server) => server.kill());
-  await browser?.close();
-  rmSync(folder, { recursive: true, force: true });
-});
+after(() => running.forEach((server) => server.kill()));
 
 // Serves a copy of a train and opens its page; `page.file` is the copy.
 async function open(train, options = {}) {

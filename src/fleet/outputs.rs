@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::parts::Run;
 use super::summary::Summary;
-use super::{FleetError, fleet_md, page};
+use super::{FleetError, Request, fleet_md, page};
 use crate::report::files::{self, WriteError};
 
 const MARKDOWN: &str = "fleet.md";
@@ -57,12 +57,12 @@ impl Format {
     }
 }
 
-/// Whether this build can write them.
+/// Whether this build can write what is asked for.
 ///
 /// # Errors
 /// [`FleetError::Usage`] with how to build one that can.
-pub fn can_write(formats: &[Format]) -> Result<(), FleetError> {
-    if formats.contains(&Format::Parquet) && !cfg!(feature = "parquet") {
+pub fn can_write(request: &Request) -> Result<(), FleetError> {
+    if (request.couplers || request.formats.contains(&Format::Parquet)) && !cfg!(feature = "parquet") {
         let why = "this trainsafe was built without Parquet: build it with `cargo install --path . --features parquet`";
         return Err(FleetError::Usage(why.to_owned()));
     }

@@ -16,7 +16,7 @@
 mod assumptions;
 mod cascade;
 pub(crate) mod cells;
-mod couplers_csv;
+pub(crate) mod couplers_csv;
 pub(crate) mod figures;
 pub(crate) mod files;
 pub(crate) mod folder;

@@ -111,11 +111,11 @@ impl<'a> Plan<'a> {
     /// As for [`Inputs::load`].
     pub fn compute(&self, chunk: usize) -> Result<Chunk, FleetError> {
         let range = self.range(chunk);
-        #[cfg(not(feature = "parquet"))]
         let mut rows = Chunk::default();
         #[cfg(feature = "parquet")]
-        let mut rows =
-            Chunk { couplers: self.couplers.then(|| Couplers::new(self.inputs.study.as_ref())), ..Chunk::default() };
+        if self.couplers {
+            rows.couplers = Some(Couplers::new(self.inputs.study.as_ref()));
+        }
         let mut at = range.start;
         while at < range.end {
             let (unit, index) = self.place(at);

@@ -1,3 +1,4 @@
+# shellcheck shell=bash disable=SC2034,SC2164 # Read by scripts that use its names and stop at errors.
 # What the scripts beside this one begin with: a fleet in a folder of its own, its results in whole/, and what tidies up.
 here=$(cd "$(dirname "$0")/../.." && pwd)
 TRAINSAFE=$(realpath "${TRAINSAFE:-$here/target/release/trainsafe}")

@@ -20,8 +20,7 @@ done
 "$python" "$here/recipes/fleet_dask.py" "tcp://127.0.0.1:$port" parts 3 trains > merge.log 2> tasks.log &
 run=$!
 await 20
-child=$(pgrep -P "$worker")
-kill -9 "$worker" $child
+kill -9 "$worker" "$(pgrep -P "$worker")"
 echo "killed a worker with $(parts) parts done"
 wait $run || { cat tasks.log merge.log; exit 1; }
 diff -r whole parts

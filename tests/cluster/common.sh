@@ -14,7 +14,7 @@ tidy() {
 }
 trap tidy EXIT
 cd "$work"
-python3 "$here/tests/scale/make_fleet.py" trains "${TRAINS:-60}"
+python3 "$here/tests/scale/make_fleet.py" trains "${TRAINS:-60}" --most "${VEHICLES:-240}"
 "$TRAINSAFE" fleet trains --out whole -q
 cases=$(($(wc -l < whole/fleet.csv) - 1))
 

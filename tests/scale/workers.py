@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Workers of a fleet killed (kill -9) and added at random: the bytes are those of an undisturbed run.
 
-    TRAINSAFE=target/release/trainsafe tests/scale/workers.py [TRAINS] [KILLS]        150 and 30 if not given
+    TRAINSAFE=target/release/trainsafe tests/scale/workers.py [TRAINS] [KILLS] [VEHICLES]     150, 30 and at most 240 if not given
 
 Up to three workers of a thread each share a folder. At random moments one of them is killed, asked to stop (SIGTERM), or one is added.
 When a run is done it is joined and compared, and the next begins, until there were so many kills.
@@ -18,7 +18,7 @@ from pathlib import Path
 
 import make_fleet
 
-trains, kills = (int(a) for a in (sys.argv[1:] + ["150", "30"][len(sys.argv) - 1 :]))
+trains, kills, vehicles = (int(a) for a in (sys.argv[1:] + ["150", "30", "240"][len(sys.argv) - 1 :]))
 program = str(Path(os.environ.get("TRAINSAFE", "target/release/trainsafe")).resolve())
 quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
 command = [program, "fleet", "trains", "--out", "out", "--work", "--threads", "1"]
@@ -34,7 +34,7 @@ def done():
 
 with tempfile.TemporaryDirectory() as work:
     os.chdir(work)
-    make_fleet.write(Path("trains"), trains)
+    make_fleet.write(Path("trains"), trains, most=vehicles)
     # Every seventh is bad, so that errors are shared as well.
     for path in sorted(Path("trains").glob("*.toml"))[::7]:
         make_fleet.spoil(path, "unknown key")

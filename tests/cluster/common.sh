@@ -17,6 +17,8 @@ cd "$work"
 python3 "$here/tests/scale/make_fleet.py" trains "${TRAINS:-60}" --most "${VEHICLES:-240}"
 "$TRAINSAFE" fleet trains --out whole -q
 cases=$(($(wc -l < whole/fleet.csv) - 1))
+of_a_part=$(sed -n 's/.*"chunk_cases": \([0-9]*\).*/\1/p' whole/fleet-run.json)
+all=$((cases / of_a_part))
 
 # Parts of the run in parts/ that are done.
 parts() { find parts/fleet-parts -name '0*.csv' ! -name '*-errors.csv' 2>/dev/null | wc -l; }

@@ -19,7 +19,7 @@ for i in 1 2 3; do
 done
 "$python" "$here/recipes/fleet_dask.py" "tcp://127.0.0.1:$port" parts 3 trains > merge.log 2> tasks.log &
 run=$!
-await 20
+await $((all / 4))
 kill -9 "$worker" "$(pgrep -P "$worker")"
 echo "killed a worker with $(parts) parts done"
 wait $run || { cat tasks.log merge.log; exit 1; }

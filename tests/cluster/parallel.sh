@@ -8,8 +8,8 @@ set -eu
 . "$(dirname "$0")/common.sh"
 "$here/recipes/fleet_parallel.sh" 3 parts trains > parallel.log 2>&1 &
 run=$!
-for done in 20 40; do
-    await $done
+for done in $((all / 4)) $((all / 2)); do
+    await "$done"
     # By its full name: the shell that parallel starts has the same words in its command.
     kill -9 "$(pgrep -f "^$TRAINSAFE fleet trains --out parts --work" | head -1)"
     echo "killed a worker with $(parts) parts done"

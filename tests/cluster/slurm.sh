@@ -62,7 +62,7 @@ quiet() {
     done
 }
 array=$(sbatch --parsable --output="$work/worker-%a.log" --array=1-4 "$here/recipes/fleet.sbatch" parts trains)
-await 20
+await $((all / 4))
 # The daemon of node b dies, and with it the worker that runs there.
 until job=$(squeue --noheader --nodelist=b --states=RUNNING --format=%A) && [ -n "$job" ]; do sleep 0.05; done
 kill -9 "$daemon"
@@ -76,7 +76,7 @@ for environment in /proc/[0-9]*/environ; do
 done
 echo "killed node b with $(parts) parts done"
 # All other tasks are taken from the queue: the run is left unfinished.
-await 40
+await $((all / 2))
 scancel "$array"
 quiet
 early=$("$TRAINSAFE" fleet --merge --out parts 2>&1) && { echo "nothing is missing: take more TRAINS"; exit 1; }

@@ -10,7 +10,7 @@ snakemake=$(realpath -s "$(command -v "${SNAKEMAKE:-snakemake}")")
 "$snakemake" --snakefile "$here/recipes/Snakefile" --cores 3 --retries 2 \
     --config trains=trains out=parts workers=3 trainsafe="$TRAINSAFE" > snakemake.log 2>&1 &
 run=$!
-await 20
+await $((all / 4))
 kill -9 "$(pgrep -f "^$TRAINSAFE fleet trains --out parts --work" | head -1)"
 echo "killed a worker with $(parts) parts done"
 wait $run || { cat snakemake.log; exit 1; }

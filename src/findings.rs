@@ -24,7 +24,7 @@ pub use estimate::{estimate_s, memory_bytes};
 pub(crate) use field::larger;
 pub use field::{Field, Of, field};
 pub use first_passage::FirstPassage;
-pub use history::{history, rod_history};
+pub use history::{history, loop_of, rod_history};
 pub use limits::{LimitFindings, LimitInSense};
 pub use map::{MapFindings, MapPoint};
 use rayon::prelude::*;

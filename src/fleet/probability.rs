@@ -100,7 +100,10 @@ pub fn shares(run: &Run, summary: &Summary) -> Section {
     trains.sort_by(|a, b| share(b).total_cmp(&share(a)));
     more(&mut text, trains.len(), LISTED, "trains");
     let (title, named): (_, &[&str]) = match run.drawn {
-        true => ("Probability of an exceedance", &["train", "probability", "95 % confidence", "draws with an exceedance", "draws"]),
+        true => (
+            "Probability of an exceedance",
+            &["train", "probability", "95 % confidence", "draws with an exceedance", "draws"],
+        ),
         false => ("Variations", &["train", "share", "variations with an exceedance", "variations"]),
     };
     let head = named.iter().map(|h| (*h).to_owned()).collect();

@@ -60,7 +60,8 @@ impl Section {
 
 /// What stands before the trains: of a study the probabilities and what they depend on, then the safe factors.
 pub fn before(run: &Run, summary: &Summary) -> Vec<Section> {
-    let studied = run.variations.map(|_| [Some(probability::shares(run, summary)), probability::influences(run, summary)]);
+    let studied =
+        run.variations.map(|_| [Some(probability::shares(run, summary)), probability::influences(run, summary)]);
     studied.into_iter().flatten().chain([safe_factors(summary)]).flatten().collect()
 }
 
@@ -115,7 +116,8 @@ fn safe_factors(summary: &Summary) -> Option<Section> {
     let of = |i: usize| summary.safe.iter().filter_map(|f| f[i]).collect::<Vec<f64>>();
     let found: Vec<_> = (0..CAUSES.len()).map(|i| (CAUSES[i].1, of(i))).collect();
     let found: Vec<_> = found.into_iter().filter(|(_, f)| f.iter().any(|x| x.is_finite())).collect();
-    let svg = (!found.is_empty()).then(|| figures::safe_factors(&found, units, SAFE_FACTORS.trim_end_matches(".svg")))?;
+    let svg =
+        (!found.is_empty()).then(|| figures::safe_factors(&found, units, SAFE_FACTORS.trim_end_matches(".svg")))?;
     let caption = format!(
         "Share of the {units} whose smallest safe factor is below x. Left of 1 a coupler is overloaded by the cause as it is given."
     );
@@ -146,8 +148,7 @@ pub fn trains(summary: &Summary) -> Option<Section> {
         row
     };
     let trains = summary.worst_first();
-    let mut text =
-        vec!["The margin is what is left of the rating; it is negative where a coupler exceeds.".to_owned()];
+    let mut text = vec!["The margin is what is left of the rating; it is negative where a coupler exceeds.".to_owned()];
     more(&mut text, trains.len(), LISTED, "trains");
     let factors: Vec<String> = causes.iter().map(|&i| format!("safe factor on the {}", CAUSES[i].1)).collect();
     let mut head = vec!["train", "file", "largest utilisation, %", "margin, %", "coupler", "case"];

@@ -44,7 +44,8 @@ pub struct Summary {
 pub type Factors = [Option<f64>; 3];
 
 /// What safe factors multiply, each after the kind of the event in `fleet.csv`: they are never put on one axis.
-pub const CAUSES: [(&str, &str); 3] = [("break", "load"), ("pulse", "force of the pulse"), ("impact", "speed of the impact")];
+pub const CAUSES: [(&str, &str); 3] =
+    [("break", "load"), ("pulse", "force of the pulse"), ("impact", "speed of the impact")];
 
 fn smaller(a: Factors, b: Factors) -> Factors {
     std::array::from_fn(|i| match (a[i], b[i]) {

@@ -3,6 +3,7 @@
 mod breaks;
 mod envelope;
 mod history;
+mod hysteresis;
 mod influences;
 mod map;
 mod raster;
@@ -14,6 +15,7 @@ mod wave;
 pub use breaks::breaks;
 pub use envelope::{couplers_per_place, envelope};
 pub use history::{history, window};
+pub use hysteresis::hysteresis;
 pub use influences::influences;
 pub use map::map;
 pub use safe_factors::safe_factors;

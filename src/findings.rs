@@ -2,7 +2,6 @@
 
 mod cascade;
 mod case;
-pub(crate) mod damping;
 mod date;
 mod estimate;
 mod field;
@@ -15,21 +14,23 @@ mod march;
 mod safe_factor;
 mod safe_speed;
 mod stop;
+pub(crate) mod variants;
 
 pub use cascade::{CascadeBreak, CascadeFindings};
 pub(crate) use case::case_findings;
-pub use damping::DampingFindings;
+
 pub(crate) use estimate::case_estimate_s;
 pub use estimate::{estimate_s, memory_bytes};
 pub(crate) use field::larger;
 pub use field::{Field, Of, field};
 pub use first_passage::FirstPassage;
-pub use history::{history, rod_history};
+pub use history::{history, loop_of, rod_history};
 pub use limits::{LimitFindings, LimitInSense};
 pub use map::{MapFindings, MapPoint};
 use rayon::prelude::*;
 use serde::Serialize;
 pub use stop::{Stop, Stopped};
+pub use variants::{Changed, DampingFindings, Variant, VariantFindings};
 
 use crate::consist::{Source, Train};
 use crate::doubts::{self, Doubt};
@@ -153,6 +154,10 @@ pub struct ScenarioFindings {
     /// The worst case with dashpots in every coupler, by damping ratio; empty for a train that has losses, and where not asked for.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub damping: Vec<DampingFindings>,
+    /// The worst case on a train with other couplers, without brakes, or let down from a larger pull; those that mean something for
+    /// the train, and none where not asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub variants: Vec<VariantFindings>,
 }
 
 /// What one event does to every coupler.
@@ -456,11 +461,15 @@ fn scenario_findings(
     options.stop.check()?;
     let map = if options.map { map::find(train, scenario, options, memo) } else { Ok(None) };
     let map = map.map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
-    let damping = if options.damping { damping::sweep(train, scenario, &cases, options) } else { Ok(Vec::new()) };
-    let damping = damping.map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
+    let solve = |source| AnalyzeError::Solve { scenario: scenario.name.clone(), source };
+    let (mut damping, mut variants) = (Vec::new(), Vec::new());
+    if options.damping {
+        damping = variants::damping(train, scenario, &cases, options).map_err(solve)?;
+        variants = variants::variants(train, scenario, &cases, options).map_err(solve)?;
+    }
     let left_out_in_buff = scenario.left_out_in_buff.iter().map(|i| i + 1).collect();
     let (name, kind) = (scenario.name.clone(), scenario.event.kind());
-    Ok(ScenarioFindings { name, kind, cases, left_out_in_buff, map, damping })
+    Ok(ScenarioFindings { name, kind, cases, left_out_in_buff, map, damping, variants })
 }
 
 /// The findings of the coupler of that number, if they are among these, which are in order from the head.

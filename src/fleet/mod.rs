@@ -30,9 +30,11 @@ mod page;
 mod parquet_file;
 mod parts;
 mod plan;
+mod probability;
 mod progress;
 mod reports;
 mod rows;
+mod sections;
 pub mod spread;
 mod statistics;
 pub mod study;
@@ -318,7 +320,7 @@ fn finish(
 fn outcome(run: &Run, summary: &Summary, report: Option<PathBuf>, words: &Words) -> Outcome {
     let open: usize = summary.trains.iter().map(|t| t.undecided_variations).sum();
     Outcome {
-        verdict: fleet_md::verdict(run, summary),
+        verdict: sections::verdict(run, summary),
         report,
         computed: summary.trains.len(),
         failed: summary.failed,

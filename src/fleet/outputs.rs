@@ -6,11 +6,10 @@ use std::path::{Path, PathBuf};
 
 use super::parts::Run;
 use super::summary::Summary;
-use super::{FleetError, Request, fleet_md, page};
+use super::{FleetError, Request, fleet_md, page, probability, sections};
 use crate::report::files::{self, WriteError};
 
 const MARKDOWN: &str = "fleet.md";
-const FIGURE: &str = "figure-safe-load.svg";
 const PARQUET: &str = "fleet.parquet";
 const HTML: &str = "fleet.html";
 
@@ -19,7 +18,7 @@ const HTML: &str = "fleet.html";
 pub enum Format {
     /// `fleet.csv` and `errors.csv`, which are always written: the others are made from them.
     Csv,
-    /// `fleet.md` and its figure.
+    /// `fleet.md` and its figures.
     Md,
     /// `fleet.parquet`, with the columns of `fleet.csv`.
     Parquet,
@@ -50,7 +49,7 @@ impl Format {
     fn files(self) -> &'static [&'static str] {
         match self {
             Format::Csv => &[],
-            Format::Md => &[MARKDOWN, FIGURE],
+            Format::Md => &[MARKDOWN, sections::SAFE_FACTORS, probability::INFLUENCES],
             Format::Parquet => &[PARQUET],
             Format::Html => &[HTML],
         }
@@ -85,15 +84,15 @@ pub fn write(
     if formats.contains(&Format::Parquet) {
         super::parquet_file::write(&dir.join(super::join::ROWS), run, summary, &dir.join(PARQUET))?;
     }
-    let figure = fleet_md::figure(summary, FIGURE.trim_end_matches(".svg"));
+    let before = sections::before(run, summary);
     let mut report = None;
     if formats.contains(&Format::Md) {
-        let text = fleet_md::markdown(run, summary, figure.as_ref().map(|_| FIGURE));
-        let figure = figure.iter().map(|svg| (FIGURE, svg.clone()));
-        report = Some(put(dir, figure.map(Ok).chain([text.map(|text| (MARKDOWN, text))]))?);
+        let text = fleet_md::markdown(run, summary, &before);
+        let figures = before.iter().filter_map(|s| s.figure.as_ref()).map(|f| Ok((f.file, f.svg.clone())));
+        report = Some(put(dir, figures.chain([text.map(|text| (MARKDOWN, text))]))?);
     }
     if formats.contains(&Format::Html) {
-        let text = page::page(run, summary, figure.as_deref(), links);
+        let text = page::page(run, summary, &before, links);
         report = Some(put(dir, [text.map(|text| (HTML, text))].into_iter())?);
     }
     Ok(report)

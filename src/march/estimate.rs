@@ -221,6 +221,7 @@ fn finish(mut march: March, bound: Bound, errors: [Vec<[f64; 2]>; 2], predictabl
         stopped: march.stopped,
         predictable_until_s,
         history: record.history,
+        elongations: record.elongations,
         end_speed_m_s: march.state.v[0].clone(),
         energy: march.audit.map(|a| a.energy),
         events: march.events,

@@ -159,6 +159,8 @@ pub struct Outcome {
     pub predictable_until_s: Option<f64>,
     /// Forces of the couplers of the history at its instants; not a number beyond the end of the march.
     pub history: Vec<Vec<f64>>,
+    /// Elongations of these couplers at the same instants, m, from the middle of the slack.
+    pub elongations: Vec<Vec<f64>>,
     /// Speed of each vehicle at the end of the march, against the common motion.
     pub end_speed_m_s: Vec<f64>,
     /// Energy over the march, if it was to be followed.

@@ -32,6 +32,7 @@ mod result_json;
 mod section;
 mod terminal_table;
 mod train_facts;
+mod variants;
 pub(crate) mod words;
 
 use std::io;

@@ -345,3 +345,70 @@ fn a_record_s_obstacle_is_named_once() {
     let train = record("time_s,force_kn,speed_kmh\n0,0,3\n1,5,3\n2,0,3\n").expect("a third column");
     assert_eq!(codes(&train), ["column-not-read"]);
 }
+
+/// Sums may stand above the vehicles, or between groups of them.
+#[test]
+fn a_row_of_sums_above_or_between_the_vehicles_is_doubted() {
+    for (csv, row) in [
+        ("label,mass [t],length [m]\nTotal,264,47\nLok,84,19\nWagen,90,14\nWagen,90,14\n", 2),
+        ("mass [t]\n396\n120\n132\n144\n", 2),
+        ("label,mass [t]\nloco,132\ncar,90\nSubtotal,222\ncar,60\ncar,60\n", 4),
+        ("label,mass [t]\nloco,132\ncar,90\nmean,111\n", 4),
+    ] {
+        let found = table(csv).expect(csv);
+        let [only] = &found.origin.doubts[..] else { panic!("{csv} {:?}", found.origin.doubts) };
+        assert!(only.code == "total-row" && only.text.contains(&format!("(row {row} of c.csv)")), "{only}");
+    }
+    // A locomotive that weighs as much as its two cars, and a car as much as the two before it.
+    for csv in ["mass [t]\n180\n90\n90\n", "mass [t],length [m]\n132,20\n45,12\n45,12\n90,14\n60,14\n"] {
+        assert!(codes(&table(csv).expect(csv)).is_empty(), "{csv}");
+    }
+}
+
+/// A limit is read under its own name, of draft and buff alike; a name that could be of either sense alone is not.
+#[test]
+fn columns_of_limits_need_no_prefix() {
+    let read = table("label,mass [t],Proof (MN),ultimate load [kN],fatigue_MN\na,80,1.6,1900,0.7\nb,80,,,\nc,80,,,\n");
+    let train = read.expect("limits");
+    assert!(codes(&train).is_empty(), "{:?}", train.origin.doubts);
+    assert_eq!(train.extras.limits[0].in_senses(), [[Some(0.7e6), Some(1.6e6), Some(1.9e6)]; 2]);
+    assert_eq!(train.extras.limits[1].in_senses(), [[None; 3]; 2]);
+}
+
+/// Which columns a record could mean, and what its times are, where they are no numbers.
+#[test]
+fn a_record_with_two_channels_or_dates_is_refused_with_the_reason() {
+    for (csv, what) in [
+        (
+            "time_s,channel 1 [kN],channel 2 [kN]\n0,0,0\n1,5,6\n2,0,0\n",
+            "columns 2 and 3 of row 1 could each be the force; head one",
+        ),
+        (
+            "logger 7\nt1 [ms];t2 [ms];F [kN]\n0;0;0\n1;1;5\n2;2;0\n",
+            "columns 1 and 2 of row 2 could each be the time; head one",
+        ),
+        (
+            "time_s,force_kn\n2026-01-03 12:00:00.000,0\n2026-01-03 12:00:00.050,5\n",
+            "row 2: time is a date or a time of day",
+        ),
+        ("time_s,force_kn\n12:00:00.05,0\n12:00:00.10,5\n", "row 2: time is a date or a time of day"),
+        ("time_s,force_kn\n3/1/2026,0\n3/1/2026,5\n", "row 2: time is a date or a time of day"),
+    ] {
+        let error = record(csv).expect_err(csv);
+        assert_eq!((error.matches("error: ").count(), error.contains(what)), (1, true), "{error}");
+    }
+}
+
+/// Times of a record count from its start, where no force may act yet, and the report does not say that one does.
+#[test]
+fn times_of_a_record_count_from_its_start() {
+    let told = |csv: &str| {
+        let train = record(csv).expect(csv);
+        let analysis = trainsafe::analyze(&train, &trainsafe::Options::default()).expect("sound");
+        trainsafe::report::terminal(&analysis, &[])
+    };
+    for csv in ["time_s,force_kn\n0,0\n3,0\n3.05,5000\n3.1,0\n", "time_s,force_kn\n0,0\n0.05,5000\n0.1,0\n"] {
+        let told = told(csv);
+        assert!(told.contains("after the record starts") && !told.contains("sets in"), "{told}");
+    }
+}

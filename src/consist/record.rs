@@ -128,6 +128,10 @@ fn point(sheet: &Sheet, record: &Record) -> Result<[f64; 2], Problem> {
         let Some((text, _)) = sheet.cell(record, w) else {
             return Err(wrong("is empty".into(), "expected two numbers in each row".into()));
         };
+        if is_clock(&text) {
+            let help = format!("a {name} is a number of {}; times count from any start", of.choices());
+            return Err(wrong(format!("is a date or a time of day: {}", quoted(&text)), help));
+        }
         let (quantity, has_unit) = sheet.quantity(w, &text).map_err(|[found, right]| wrong(found, right))?;
         if !has_unit {
             let help = format!("head the column {name}_{}, or with another of {}", of.si(), of.choices());
@@ -135,10 +139,6 @@ fn point(sheet: &Sheet, record: &Record) -> Result<[f64; 2], Problem> {
         }
         point[w] = match units::parse(&quantity, of, false) {
             Ok(Amount::Si(value) | Amount::Share(value)) => value,
-            Err(_) if is_clock(&text) => {
-                let help = format!("a {name} is a number of {}: count from any start", of.choices());
-                return Err(wrong(format!("is a date or a time of day: {}", quoted(&text)), help));
-            }
             Err(bad) => return Err(wrong(format!("{}: {}", bad.found, quoted(&text)), bad.right)),
         };
     }

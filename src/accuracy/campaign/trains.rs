@@ -142,7 +142,7 @@ pub fn draw(seed: u64) -> Drawn {
     let held = if matches!(kind, Kind::Impact | Kind::ImpactOnLoad) { [false, false] } else { held };
     let transit: f64 = (0..n - 1).map(|i| (mass[i] / stiffness[i]).sqrt()).sum();
     let fastest = stiffness.iter().fold(0.0f64, |a, k| a.max(*k)) / mass.iter().fold(f64::INFINITY, |a, m| a.min(*m));
-    let phases = if n > LONG { 80.0 } else { 150.0 };
+    let phases = if n > LONG { 40.0 } else { 150.0 };
     let horizon = short((transit * r.between(1.0, 4.0)).min(phases / fastest.sqrt()));
     let with_load = !matches!(kind, Kind::Impact | Kind::MovingRake) && (kind == Kind::Break || r.chance(0.6));
     let uniform = if with_load { short(r.sign() * r.between(1e5, 1e6)) } else { 0.0 };
@@ -179,7 +179,7 @@ pub fn draw(seed: u64) -> Drawn {
 
 /// Vehicles beyond the first two: few, for the reference is slow; now and then a longer train.
 fn vehicles(r: &mut Random, kind: Kind) -> usize {
-    match r.chance(0.06) {
+    match r.chance(0.03) {
         // A damping ratio costs the reference the cube of the vehicles.
         true => LONG + r.one_of(if kind == Kind::Ratio { 6 } else { 20 }),
         false => r.one_of(7) + usize::from(kind == Kind::MovingRake || kind.cascades()),

@@ -300,6 +300,7 @@ fn loggers_export_in_many_ways() {
         "# logger 7\nSample rate,1000 Hz\n\ntime,force\n[ms],[kN]\n0,0\n50,1500\n100,0\n",
         "# time_s,force_kn\n0,0\n0.05,1500\n0.1,0\n",
         "force [MN],time [s]\n0,0\n1.5,0.05\n0,0.1\n",
+        "time [s];force [N]\n0;0\n0.05;1 500 000\n1e-1;0\n",
     ] {
         assert_eq!(course(csv), plain, "{csv}");
         assert_eq!(course(utf16(csv, true, true)), plain, "{csv}");

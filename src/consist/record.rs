@@ -145,11 +145,10 @@ fn point(sheet: &Sheet, record: &Record) -> Result<[f64; 2], Problem> {
     Ok(point)
 }
 
-/// Whether a text is written as a date or a time of day: two numbers or more, with `:`, `-` or `/` between.
+/// Whether a text is written as a date or a time of day: numbers with two or more of `:`, `-` and `/` between.
 fn is_clock(text: &str) -> bool {
-    let parts: Vec<&str> = text.split([':', '-', '/', ' ', 'T']).collect();
-    let number = |part: &&str| part.starts_with(|c: char| c.is_ascii_digit());
-    parts.len() > 2 && parts.iter().all(number)
+    let number = |part: &str| part.starts_with(|c: char| c.is_ascii_digit());
+    text.matches([':', '-', '/']).count() > 1 && text.split([':', '-', '/', ' ', 'T']).all(number)
 }
 
 /// The course with its start at t = 0: a record that starts at another time starts at the last row before its force leaves zero, or at its

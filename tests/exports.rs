@@ -413,3 +413,33 @@ fn times_of_a_record_count_from_its_start() {
         assert!(told.contains("after the record starts") && !told.contains("sets in"), "{told}");
     }
 }
+
+/// Efforts, brakes and resistance of a table: `a = 373.16 kN / 456 t`, and each coupler carries what is behind it.
+#[test]
+fn a_hauled_train_of_a_table_carries_what_is_behind_each_coupler() {
+    let csv = "label,mass [t],tractive_effort [kN],brake_force [kN],rolling_resistance [N/t]\n\
+               loco,196,400,,15\ncar a,130,,10,15\ncar b,130,,10,15\n";
+    let train = read(&format!("vehicles = \"c.csv\"\n{FRONT}"), &[("c.csv", csv.as_bytes())]).expect("a table");
+    let a = 373.16e3 / 456e3;
+    for (found, due) in train.initial_force_n.iter().zip([2.0, 1.0].map(|cars| cars * (130e3 * a + 11.95e3))) {
+        assert!((found - due).abs() < 1e-9 * due, "{found} {due}");
+    }
+    assert_eq!(train.initial_force_n.iter().map(|f| (f / 100.0).round() / 10.0).collect::<Vec<_>>(), [236.7, 118.3]);
+}
+
+/// A record on a logger's clock overloads what the same record from 0 does.
+#[test]
+fn a_late_record_has_the_verdict_of_the_early_one() {
+    let found = |start: i64| {
+        let rows = [(0, 0), (100, -2000), (400, -2000), (500, 0)].map(|(t, f)| format!("{},{f}\n", start + t));
+        let train = record(format!("time_ms,force_kn\n{}", rows.concat())).expect("a record");
+        let analysis = trainsafe::analyze(&train, &trainsafe::Options::default()).expect("sound");
+        let case = &analysis.scenarios[0].cases[0];
+        (case.exceeding, case.horizon_s, case.worst.clone())
+    };
+    let early = found(0);
+    assert_eq!(early.0, 9);
+    for start in [5_000_000, -700] {
+        assert_eq!(found(start), early, "{start}");
+    }
+}

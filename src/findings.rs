@@ -8,7 +8,7 @@ mod field;
 mod first_passage;
 mod general;
 mod history;
-mod limits;
+pub(crate) mod limits;
 mod map;
 mod march;
 mod safe_factor;
@@ -52,7 +52,7 @@ pub struct Options {
     pub method: Option<Method>,
     /// Only this scenario, by its name; `None` runs all.
     pub scenario: Option<String>,
-    /// Leave out couplers whose all-time bound lies under their rating.
+    /// Leave out couplers whose all-time bound lies under their rating; of no use where a limit lies under a rating.
     pub verdict_only: bool,
     /// Report the all-time bound of every coupler's force.
     pub all_time_bound: bool,
@@ -204,6 +204,9 @@ pub struct CaseFindings {
     pub no_safe_load_factor: Option<&'static str>,
     /// End of the first passage, s: the wave has run to the far end of the longest part and back once.
     pub first_passage_s: f64,
+    /// Whether the event is a record of force over time: times count from its start, which may be before its force sets in.
+    #[serde(skip)]
+    pub(crate) is_record: bool,
     /// Couplers that exceed their rating in the first passage.
     pub exceeding_first_passage: usize,
     /// The coupler with the largest utilisation in the first passage, with its forces there.
@@ -438,7 +441,7 @@ fn ask(train: &Train, options: &Options) -> Ask {
     Ask {
         tolerance: options.tolerance * largest_rating_n(train) / Scales::of(train).force_n,
         method: options.method,
-        verdict_only: options.verdict_only,
+        verdict_only: options.verdict_only && !limits::any_below_rating(train),
         all_time_bound: options.all_time_bound,
         wanted: options.wanted,
     }

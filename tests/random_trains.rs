@@ -29,9 +29,13 @@ fn bounds_and_verdicts_hold_on_a_sample() {
 /// What analyses say of trains with every kind of scenario, on a sample: nothing is further from the truth than it may be.
 #[test]
 fn analyses_hold_on_a_sample_of_every_kind() {
-    let seeds: Vec<u64> = (0..39).collect();
+    // Three of each kind, of short trains: the reference is slow without optimisation.
+    let short = |seed: &u64| campaign::trains::draw(*seed).system.mass.len() < 10;
+    let kinds = campaign::trains::Kind::ALL;
+    let of_kind = |kind: usize| (0..).map(move |n| kind as u64 + n * kinds.len() as u64).filter(short).take(3);
+    let seeds: Vec<u64> = (0..kinds.len()).flat_map(of_kind).collect();
     let (scenes, tallies) = campaign::kinds::run(&seeds);
-    assert!(campaign::trains::Kind::ALL.iter().all(|kind| scenes[kind] == 3));
+    assert!(kinds.iter().all(|kind| scenes[kind] == 3));
     let compared: usize = tallies.values().map(|t| t.compared).sum();
     assert!(compared > 1000, "{compared}");
     let wrong: Vec<_> = tallies.values().flat_map(|t| &t.wrong).collect();

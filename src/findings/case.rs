@@ -10,7 +10,7 @@ use super::{
 use crate::consist::Train;
 use crate::play::Rule;
 use crate::rod::Rod;
-use crate::scenario::{self, Part, Scales, Scenario};
+use crate::scenario::{self, Event, Part, Scales, Scenario};
 use crate::solve::memo::Memo;
 use crate::solve::{SolveError, Wanted};
 
@@ -131,6 +131,7 @@ pub(crate) fn case_findings(
     };
     Ok(CaseFindings {
         first_passage_s: passage.end_s,
+        is_record: matches!(scenario.event, Event::Shaped { shape: "record", .. }),
         exceeding_first_passage: passage.exceeding,
         worst_first_passage: passage.worst,
         kind: scenario.event.kind(),

@@ -31,12 +31,13 @@ pub fn place(c: &CouplerFindings) -> String {
     format!("coupler {} (between {} and {})", c.coupler, c.between[0], c.between[1])
 }
 
-/// What t = 0 is: "the break" or "the force sets in".
+/// What t = 0 is: "after the break" or "after the force sets in".
 pub fn since(case: &CaseFindings) -> &'static str {
     match case.kind {
         "break" => "after the break",
         "impact" => "after the vehicles meet",
         "brake" => "after the brakes are applied",
+        _ if case.is_record => "after the record starts",
         _ => "after the force sets in",
     }
 }
@@ -47,6 +48,7 @@ pub fn time_axis(case: &CaseFindings) -> &'static str {
         "break" => "time after the break",
         "impact" => "time since the vehicles met",
         "brake" => "time since the brakes were applied",
+        _ if case.is_record => "time since the record started",
         _ => "time since the force set in",
     }
 }

@@ -252,7 +252,7 @@ fn figures_of_methods_and_of_fleets_are_xml() {
     let folder = tempfile::tempdir().expect("a folder");
     fleets::write_fleet(&folder.path().join("trains"), 6, 3);
     assert!(fleets::fleet(folder.path(), &["trains", "--out", "out"]).status.success());
-    let svg = fs::read_to_string(folder.path().join("out/figure-safe-load.svg")).expect("a figure");
-    let (_, texts) = parse("safe load", &svg);
-    assert!(texts.iter().any(|t| t == "safe load factor"), "{texts:?}");
+    let svg = fs::read_to_string(folder.path().join("out/figure-safe-factors.svg")).expect("a figure");
+    let (_, texts) = parse("safe factors", &svg);
+    assert!(texts.iter().any(|t| t == "safe factor on the load"), "{texts:?}");
 }

@@ -33,9 +33,10 @@ fn analyses_hold_on_a_sample_of_every_kind() {
     let short = |seed: &u64| campaign::trains::draw(*seed).system.mass.len() < 10;
     let kinds = campaign::trains::Kind::ALL;
     let of_kind = |kind: usize| (0..).map(move |n| kind as u64 + n * kinds.len() as u64).filter(short).take(3);
-    let seeds: Vec<u64> = (0..kinds.len()).flat_map(of_kind).collect();
+    // And one whose safe speed is 0 but for the rounding of a load that is its rating.
+    let seeds: Vec<u64> = (0..kinds.len()).flat_map(of_kind).chain([307]).collect();
     let (scenes, tallies) = campaign::kinds::run(&seeds);
-    assert!(kinds.iter().all(|kind| scenes[kind] == 3));
+    assert!(kinds.iter().all(|kind| scenes[kind] >= 3));
     let compared: usize = tallies.values().map(|t| t.compared).sum();
     assert!(compared > 1000, "{compared}");
     let wrong: Vec<_> = tallies.values().flat_map(|t| &t.wrong).collect();

@@ -170,11 +170,12 @@ impl<'a> Judge<'a> {
         let found = case.safe_load_factor;
         if self.drawn.is_unbalanced() {
             let Some(factor) = found else { return self.fail(Quantity::SafeFactor, "none".to_owned()) };
-            // Just below it none exceeds, and just above one does.
+            // Just below it none exceeds, and just above one does; a rating may be the load to its rounding.
+            let least = self.rated.rating.iter().flatten().fold(f64::INFINITY, |least, r| least.min(*r));
+            let room = (self.load + case.error_bound_n) / least;
             for (factor, due) in [(factor * (1.0 - 1e-7), false), (factor * (1.0 + 1e-7), true)] {
-                let motion = kept(&with_factor(&self.drawn.system, factor));
-                let exceeds = self.excess(&motion) > 0.0;
-                let wrong = if factor == 0.0 { !exceeds } else { exceeds != due };
+                let excess = self.excess(&kept(&with_factor(&self.drawn.system, factor)));
+                let wrong = if due || factor == 0.0 { excess < -room } else { excess > room };
                 self.compare(Quantity::SafeFactor, f64::from(u8::from(wrong)), 0.5, || format!("{factor}"));
             }
             return;

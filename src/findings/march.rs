@@ -78,7 +78,7 @@ pub(super) fn solved(
     let error_n = error_n(error_bound_n, error_estimate_n);
     Ok(Solved {
         method: "march",
-        reason: reason(train).to_owned(),
+        reason: reason(train, options),
         error_bound_n,
         error_estimate_n,
         worst: worst(&couplers, 0..couplers.len(), error_n),
@@ -146,10 +146,12 @@ pub(super) fn estimate_s(
     if scenario.cascade == Rule::Keep { once } else { 2.0 * once }
 }
 
-fn reason(train: &Train) -> &'static str {
-    if train.extras.laws.is_empty() {
+fn reason(train: &Train, options: &Options) -> String {
+    let why = if train.extras.laws.is_empty() {
         "forces from outside change on several vehicles"
     } else {
         "couplers with slack or gears change their stiffness while they move"
-    }
+    };
+    let share = options.tolerance.max(TOLERANCE);
+    format!("{why}; forces are told as long as their error is under {share:e} of the largest rating")
 }

@@ -131,6 +131,7 @@ fn compared(problem: &Problem, ask: &Ask, mut march: March) -> Outcome {
         to_mark = whole.clone();
     }
     let worst = whole.iter().flatten().copied().fold(0.0, f64::max);
+    time_partings(&mut march, &others);
     finish(march, Bound::Estimated(worst), [whole, to_mark], until)
 }
 
@@ -148,6 +149,16 @@ fn error_now(march: &March, others: &[March]) -> f64 {
         return f64::INFINITY;
     }
     DIFFERENCES * apart + UNITS * U * largest
+}
+
+/// The estimates for the instants at which couplers part.
+fn time_partings(march: &mut March, others: &[March]) {
+    for p in &mut march.partings {
+        let in_other = |o: &March| o.partings.iter().find(|other| other.coupler == p.coupler).map(|other| other.time_s);
+        let apart = |o: &March| in_other(o).map_or(f64::INFINITY, |at| (at - p.time_s).abs());
+        let apart = others.iter().map(apart).fold(0.0, f64::max);
+        p.uncertainty_s = DIFFERENCES * apart + UNITS * U * p.time_s;
+    }
 }
 
 /// The estimates for every coupler's extremes.

@@ -121,6 +121,10 @@ pub struct Parting {
     pub time_s: f64,
     /// Its force just before.
     pub force_n: f64,
+    /// Energy that it gives up, J: none where its vehicles go on pushing each other.
+    pub energy_j: f64,
+    /// Estimate of the error of the instant, by the same runs as that of forces; infinite without them, or where it did not part in all.
+    pub uncertainty_s: f64,
 }
 
 /// What forces are within.

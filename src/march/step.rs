@@ -163,16 +163,18 @@ impl<'a> March<'a> {
     /// Coupler `i` parts now.
     fn part(&mut self, i: usize) {
         let force_n = self.start[i][1] + self.state.tension(i);
-        let before = self.audit.is_some().then(|| self.couplers[i].energy(self.state.elongation(i)));
-        self.couplers[i].part(&self.problem.laws[i], self.state.elongation(i));
-        if let (Some(audit), Some(before)) = (&mut self.audit, before) {
-            audit.release(before - self.couplers[i].energy(self.state.elongation(i)));
+        let q = self.state.elongation(i);
+        let before_j = self.couplers[i].energy(q);
+        self.couplers[i].part(&self.problem.laws[i], q);
+        let energy_j = before_j - self.couplers[i].energy(q);
+        if let Some(audit) = &mut self.audit {
+            audit.release(energy_j);
         }
         if let Some(c) = self.state.dashpot.get_mut(i + 1) {
             *c = 0.0;
         }
         self.set_line(i);
-        self.partings.push(Parting { coupler: i, time_s: self.t, force_n });
+        self.partings.push(Parting { coupler: i, time_s: self.t, force_n, energy_j, uncertainty_s: f64::INFINITY });
         if let Some(emergency) = &self.problem.emergency {
             let direction = if self.problem.common_speed_m_s.unwrap_or(1.0) < 0.0 { -1.0 } else { 1.0 };
             self.forces.vent(emergency, direction, i, self.t);

@@ -62,12 +62,13 @@ fn with_gears(seeds: &[u64]) -> ExitCode {
     let line = |name: &str, t: &gears::Tally| {
         let (ratio, seed) = t.worst;
         println!(
-            "{name:24} {:>6} {:>7} {:>7} {:>9.4} {ratio:>12.3e} {seed:>7} {:>10.1} {:>7} {:>12.3e} {:>6} {:>7} {:>6} {:>8}",
+            "{name:24} {:>6} {:>7} {:>7} {:>9.4} {ratio:>12.3e} {seed:>7} {:>9.1e} {:>9.1e} {:>7} {:>12.3e} {:>6} {:>7} {:>6} {:>8}",
             t.trains,
             t.peaks,
             t.missed.len(),
             100.0 * t.coverage(),
-            t.slack(),
+            t.quantile(0.5),
+            t.quantile(0.99),
             t.proven,
             t.worst_proven.0,
             t.lost,
@@ -77,7 +78,7 @@ fn with_gears(seeds: &[u64]) -> ExitCode {
         );
     };
     println!(
-        "{:24} {:>6} {:>7} {:>7} {:>9} {:>12} {:>7} {:>10} {:>7} {:>12} {:>6} {:>7} {:>6} {:>8}",
+        "{:24} {:>6} {:>7} {:>7} {:>9} {:>12} {:>7} {:>9} {:>9} {:>7} {:>12} {:>6} {:>7} {:>6} {:>8}",
         "kind",
         "trains",
         "peaks",
@@ -85,7 +86,7 @@ fn with_gears(seeds: &[u64]) -> ExitCode {
         "covered%",
         "error/est",
         "seed",
-        "est/error",
+        "median", "99 %",
         "proven",
         "error/bound",
         "ended",

@@ -141,7 +141,8 @@ pub enum Bound {
 /// What a march comes to.
 #[derive(Clone, Debug)]
 pub struct Outcome {
-    /// Of each coupler up to the horizon, or up to where the march ended; a coupler that is gone from t = 0 begins there with 0.
+    /// Of each coupler up to the horizon, or up to where the march ended; a coupler that is gone from t = 0 begins with
+    /// what its vehicles push.
     pub extremes: Vec<Extremes>,
     /// The same up to the mark.
     pub to_mark: Vec<Extremes>,

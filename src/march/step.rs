@@ -24,6 +24,8 @@ pub struct Manner {
     pub phase: f64,
     /// Seed and size of noise on every elongation and speed at every step, in units of their rounding.
     pub noise: Option<(u64, f64)>,
+    /// How many times [`PAST`] an elongation is past its guard where an event counts.
+    pub margin: f64,
 }
 
 pub struct March<'a> {
@@ -86,8 +88,6 @@ impl<'a> March<'a> {
             unbalanced,
             moving: [0, n],
         };
-        let forces: Vec<f64> =
-            start.iter().enumerate().map(|(i, s)| if problem.gone.contains(&i) { 0.0 } else { s[1] }).collect();
         let mut march = March {
             manner,
             couplers,
@@ -95,7 +95,7 @@ impl<'a> March<'a> {
             state,
             series: Series::new(n),
             forces: Forces::new(&problem.forcing, n),
-            record: Record::new(&forces, ask),
+            record: Record::new(&problem.start.iter().map(|r| r.force_n).collect::<Vec<f64>>(), ask),
             partings: Vec::new(),
             closures: Vec::new(),
             stopped: None,
@@ -117,6 +117,7 @@ impl<'a> March<'a> {
         march.audit = ask.audit.then(|| Audit::new(&march));
         for &i in &problem.gone {
             march.part(i);
+            march.record.begin(i, march.start[i][1] + march.state.tension(i));
         }
         march.shrink();
         march
@@ -137,7 +138,7 @@ impl<'a> March<'a> {
             let brakes = self.problem.emergency.iter().flat_map(|e| e.full_n.iter().copied());
             scale = force.chain(brakes).fold(0.0, f64::max) / softest;
         }
-        self.past = PAST * scale;
+        self.past = self.manner.margin * PAST * scale;
         self.nothing = [NOTHING * scale, NOTHING * scale * rate];
     }
 

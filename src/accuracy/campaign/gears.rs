@@ -38,9 +38,8 @@ pub struct Tally {
     pub other_order: Vec<u64>,
     /// Trains whose reference is not good enough.
     pub without_reference: Vec<u64>,
-    /// Sum of the logarithms of estimate over error of peaks that have an error.
-    log_slack: f64,
-    with_error: usize,
+    /// Error over what was stated, of every peak.
+    ratios: Vec<f64>,
 }
 
 impl Tally {
@@ -54,8 +53,7 @@ impl Tally {
         self.parted += other.parted;
         self.other_order.extend(&other.other_order);
         self.without_reference.extend(&other.without_reference);
-        self.log_slack += other.log_slack;
-        self.with_error += other.with_error;
+        self.ratios.extend(&other.ratios);
         for (worst, of_other) in [(&mut self.worst, other.worst), (&mut self.worst_proven, other.worst_proven)] {
             if of_other.0 > worst.0 {
                 *worst = of_other;
@@ -63,9 +61,11 @@ impl Tally {
         }
     }
 
-    /// Geometric mean of estimate over error.
-    pub fn slack(&self) -> f64 {
-        (self.log_slack / self.with_error.max(1) as f64).exp()
+    /// The ratio of error to what was stated that a share of the peaks is under.
+    pub fn quantile(&self, share: f64) -> f64 {
+        let mut sorted = self.ratios.clone();
+        sorted.sort_by(f64::total_cmp);
+        sorted.get((share * sorted.len() as f64) as usize).copied().unwrap_or(f64::NAN)
     }
 
     /// Share of the peaks whose error is covered.
@@ -126,10 +126,7 @@ fn compared(seed: u64, problem: &Problem) -> Tally {
             let error = super::super::bench::difference(found, exact[side]);
             let ratio = error / outcome.error_n[i][side];
             tally.peaks += 1;
-            if error > 0.0 {
-                tally.log_slack -= ratio.ln();
-                tally.with_error += 1;
-            }
+            tally.ratios.push(ratio);
             if ratio > 1.0 {
                 tally.missed.push((seed, i + 1, ratio));
             }

@@ -129,17 +129,13 @@ impl Clamped {
             Gear { memory: [whole.memory[0], force], ..parted }
         };
         let gears: Vec<Gear> = (0..n - 1).map(gear).collect();
-        let begins = |(i, r): (usize, &crate::law::Rest)| {
-            let force = if problem.gone.contains(&i) { 0.0 } else { r.force_n };
-            [force, -force]
-        };
         Clamped {
             between,
             inverse_mass: (0..n).map(|v| if held(v) { 0.0 } else { 1.0 / problem.mass_kg[v] }).collect(),
             steady: outside.steady.iter().map(|f: &Dd| f.hi).collect(),
             outside,
             start: State { q: gears.iter().map(|g| g.memory[0]).collect(), v: problem.speed_m_s.clone() },
-            extremes: problem.start.iter().enumerate().map(begins).collect(),
+            extremes: gears.iter().map(|g| [g.memory[1], -g.memory[1]]).collect(),
             gears,
         }
     }

@@ -138,7 +138,11 @@ impl Curves {
             };
             let curve = &self.lines[interval][side];
             let closing = through.slope - curve.slope;
-            if closing.hi <= 1e-25 * through.slope.hi { far } else { q + ahead(curve, q) / closing }
+            match closing.hi > 1e-25 * through.slope.hi {
+                true => q + ahead(curve, q) / closing,
+                // The line is the curve up to this knot, or without end.
+                false => found.map_or(far, |_| q),
+            }
         };
         let [upper, lower] = [end(0), end(1)];
         [if upper < through.q { through.q } else { upper }, if lower > through.q { through.q } else { lower }]

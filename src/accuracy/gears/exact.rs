@@ -31,7 +31,7 @@ pub type Largest = [Dd; 2];
 /// What a march in double-double numbers found.
 #[derive(Clone, Debug)]
 pub struct Found {
-    /// Of each coupler; one that is gone from t = 0 begins with 0.
+    /// Of each coupler; one that is gone from t = 0 begins with what its vehicles push.
     pub largest: Vec<Largest>,
     /// Forces at the asked instants: a row per instant.
     pub forces: Vec<Vec<Dd>>,
@@ -165,11 +165,7 @@ impl<'a> Motion<'a> {
         let couplers: Vec<Coupler> = (0..n - 1).map(|i| Coupler::new(problem, i)).collect();
         let outside = Outside::new(problem);
         let row = |v: &[f64]| v.iter().map(|v| Dd::from(*v)).collect::<Vec<Dd>>();
-        let begins = |(i, r): (usize, &crate::law::Rest)| {
-            let force = if problem.gone.contains(&i) { 0.0 } else { r.force_n };
-            [Dd::from(force), Dd::from(-force)]
-        };
-        let largest = problem.start.iter().enumerate().map(begins).collect();
+        let largest = problem.start.iter().map(|r| [Dd::from(r.force_n), Dd::from(-r.force_n)]).collect();
         let mut motion = Motion {
             times,
             phase,
@@ -188,7 +184,12 @@ impl<'a> Motion<'a> {
             problem,
         };
         motion.past = PAST * motion.scale();
-        problem.gone.iter().for_each(|&i| motion.couplers[i].part(problem, i, Dd::ZERO));
+        for &i in &problem.gone {
+            let c = &mut motion.couplers[i];
+            c.part(problem, i, Dd::ZERO);
+            let force = c.line.at(c.start);
+            motion.found.largest[i] = [force, -force];
+        }
         motion
     }
 

@@ -97,8 +97,9 @@ fn keep(march: &March) -> Kept {
 fn compared(problem: &Problem, ask: &Ask, mut march: March) -> Outcome {
     let moved: Vec<Problem> = (1..=2).map(|seed| moved(problem, seed)).collect();
     let quiet = Ask { capacity_n: ask.capacity_n.clone(), ..Ask::default() };
-    let other =
-        |(n, p)| March::new(p, &quiet, Manner { phase: OTHERS[n], noise: Some((0x9E37_79B9 + n as u64, NOISE)), margin: MARGIN });
+    let other = |(n, p)| {
+        March::new(p, &quiet, Manner { phase: OTHERS[n], noise: Some((0x9E37_79B9 + n as u64, NOISE)), margin: MARGIN })
+    };
     let mut others: Vec<March> = moved.iter().enumerate().map(other).collect();
     let (mark, horizon) = (problem.mark_s.min(problem.horizon_s), problem.horizon_s);
     let mut instants: Vec<f64> =

@@ -115,9 +115,8 @@ pub(crate) fn case_findings(
     let passage_s = first_passage::end_s(train, scenario, broken, horizon_s);
     let horizon_s = ending.map_or(horizon_s, |end| end.at_s);
     let cascade = cascade::find(train, scenario, broken, horizon_s, options)?;
-    let alone = options.wanted == Wanted::Everything && super::cases(&scenario.event).len() == 1;
-    let searched = alone && marched.is_some();
-    let load_factor_search = if searched { load_search::find(train, scenario, broken, horizon_s) } else { None };
+    let search = || load_search::find(train, scenario, broken, horizon_s, options);
+    let load_factor_search = marched.as_ref().and_then(|_| search());
     let error_n = march::error_n(error_bound_n, error_estimate_n);
     let margin_n = march::margin_n(error_bound_n, error_estimate_n);
     limits::find(train, &mut couplers, margin_n, |rated| {

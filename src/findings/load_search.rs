@@ -7,10 +7,12 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::Options;
 use crate::consist::Train;
 use crate::march::{self, Ask};
 use crate::play::Rule;
 use crate::scenario::{self, Event, Scenario};
+use crate::solve::Wanted;
 
 /// Factors of the grid: so many, so far apart.
 const GRID: usize = 8;
@@ -32,8 +34,33 @@ pub struct LoadSearch {
     pub tried: usize,
 }
 
-/// The search of a case up to a time; `None` where the event has no cause to multiply, or where it would take too long.
-pub(super) fn find(train: &Train, scenario: &Scenario, broken: Option<usize>, until_s: f64) -> Option<LoadSearch> {
+/// Estimated time of the search of a case up to a time on one core, s; `None` where none is made: of scenarios with several cases, of
+/// brakes, where only the worst coupler is wanted, and where it would take too long.
+pub(super) fn estimate_s(
+    train: &Train,
+    scenario: &Scenario,
+    broken: Option<usize>,
+    until_s: f64,
+    options: &Options,
+) -> Option<f64> {
+    let alone = super::cases(&scenario.event).len() == 1 && options.wanted == Wanted::Everything;
+    if !alone || matches!(scenario.event, Event::Brake { .. }) {
+        return None;
+    }
+    let problem = scenario::march(train, scenario, broken, [until_s; 2], Rule::Keep);
+    let all_s = (GRID + HALVINGS) as f64 * march::estimate_s(&problem, &Ask::default());
+    (all_s <= MOST_S).then_some(all_s)
+}
+
+/// The search of a case up to a time, where one is made.
+pub(super) fn find(
+    train: &Train,
+    scenario: &Scenario,
+    broken: Option<usize>,
+    until_s: f64,
+    options: &Options,
+) -> Option<LoadSearch> {
+    estimate_s(train, scenario, broken, until_s, options)?;
     let ask = Ask {
         capacity_n: train.couplers.iter().map(|c| [c.rated_draft_n, c.rated_buff_n]).collect(),
         ..Ask::default()
@@ -42,10 +69,6 @@ pub(super) fn find(train: &Train, scenario: &Scenario, broken: Option<usize>, un
         let (train, scenario) = multiplied(train, scenario, factor);
         scenario::march(&train, &scenario, broken, [until_s; 2], Rule::Keep)
     };
-    let marches = (GRID + HALVINGS) as f64;
-    if matches!(scenario.event, Event::Brake { .. }) || marches * march::estimate_s(&problem(1.0), &ask) > MOST_S {
-        return None;
-    }
     let exceeds = |factor: f64| {
         let first = march::solve(&problem(factor), &ask).first_over_s;
         first.iter().enumerate().any(|(i, first)| Some(i) != broken && first.iter().any(Option::is_some))

@@ -45,7 +45,8 @@ fn the_estimate_of_a_march_covers_its_error() {
     let tallies = campaign::gears::run(&seeds);
     assert!(campaign::gears::Kind::ALL.iter().all(|kind| tallies[kind].trains == 2));
     for (kind, tally) in &tallies {
-        assert!(tally.peaks > 50, "{kind:?}");
+        // Two trains of eight vehicles at least.
+        assert!(tally.peaks >= 28, "{kind:?}");
         assert_eq!(tally.missed, [], "{kind:?}");
         assert_eq!((&tally.other_order, &tally.without_reference), (&vec![], &vec![]), "{kind:?}");
         assert!(tally.worst_proven.0 <= 1.0, "{kind:?}");

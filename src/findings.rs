@@ -9,6 +9,7 @@ mod first_passage;
 mod general;
 mod history;
 pub(crate) mod limits;
+mod load_search;
 mod map;
 mod march;
 mod safe_factor;
@@ -26,6 +27,7 @@ pub use field::{Field, Of, field};
 pub use first_passage::FirstPassage;
 pub use history::{history, loop_of, rod_history};
 pub use limits::{LimitFindings, LimitInSense};
+pub use load_search::LoadSearch;
 pub use map::{MapFindings, MapPoint};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -202,6 +204,10 @@ pub struct CaseFindings {
     /// Why there is no such factor, where one cannot be told.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub no_safe_load_factor: Option<&'static str>,
+    /// Where such a factor cannot be told, a search for where couplers begin to exceed; `None` where one can, of scenarios with several
+    /// cases, of brakes, and where it would take too long.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub load_factor_search: Option<LoadSearch>,
     /// End of the first passage, s: the wave has run to the far end of the longest part and back once.
     pub first_passage_s: f64,
     /// Whether the event is a record of force over time: times count from its start, which may be before its force sets in.

@@ -228,10 +228,12 @@ fn figures_of_methods_and_of_fleets_are_xml() {
         peak_error_n: error_n,
         force_error_n: 2.0 * error_n,
         bound_n,
+        estimate_n: None,
     };
     let comparison = Accuracy {
         train: "<train>".to_owned(),
         scenario: "<scenario>".to_owned(),
+        is_march: false,
         broken_coupler: None,
         couplers: [1, 2],
         horizon_s: 1.0,

@@ -42,3 +42,18 @@ fn analyses_hold_on_a_sample_of_every_kind() {
     let wrong: Vec<_> = tallies.values().flat_map(|t| &t.wrong).collect();
     assert!(wrong.is_empty(), "{wrong:?}");
 }
+
+/// One in 40 of the 400 trains with slack, gears and brakes: `cargo run --release --example campaign -- --gears 400 1000`.
+#[test]
+fn the_estimate_of_a_march_covers_its_error() {
+    let seeds: Vec<u64> = (1000..1014).collect();
+    let tallies = campaign::gears::run(&seeds);
+    assert!(campaign::gears::Kind::ALL.iter().all(|kind| tallies[kind].trains == 2));
+    for (kind, tally) in &tallies {
+        // Two trains of eight vehicles at least.
+        assert!(tally.peaks >= 28, "{kind:?}");
+        assert_eq!(tally.missed, [], "{kind:?}");
+        assert_eq!((&tally.other_order, &tally.without_reference), (&vec![], &vec![]), "{kind:?}");
+        assert!(tally.worst_proven.0 <= 1.0, "{kind:?}");
+    }
+}

@@ -121,6 +121,10 @@ pub struct Parting {
     pub time_s: f64,
     /// Its force just before.
     pub force_n: f64,
+    /// Energy that it gives up, J: none where its vehicles go on pushing each other.
+    pub energy_j: f64,
+    /// Estimate of the error of the instant, by the same runs as that of forces; infinite without them, or where it did not part in all.
+    pub uncertainty_s: f64,
 }
 
 /// What forces are within.
@@ -137,7 +141,8 @@ pub enum Bound {
 /// What a march comes to.
 #[derive(Clone, Debug)]
 pub struct Outcome {
-    /// Of each coupler up to the horizon, or up to where the march ended; a coupler that is gone from t = 0 begins there with 0.
+    /// Of each coupler up to the horizon, or up to where the march ended; a coupler that is gone from t = 0 begins with
+    /// what its vehicles push.
     pub extremes: Vec<Extremes>,
     /// The same up to the mark.
     pub to_mark: Vec<Extremes>,

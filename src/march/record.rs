@@ -26,7 +26,7 @@ pub struct Taken<'a> {
 }
 
 impl Record {
-    /// With the forces at t = 0.
+    /// With the forces before t = 0.
     pub fn new(start: &[f64], ask: &Ask) -> Record {
         let at_start = |f: &f64| {
             let peak = Peak { force_n: *f, time_s: 0.0 };
@@ -46,6 +46,14 @@ impl Record {
             times: ask.times_s.clone(),
             next: 0,
         }
+    }
+
+    /// Coupler `i` parts at t = 0, and begins with the force that is left.
+    pub fn begin(&mut self, i: usize, force_n: f64) {
+        let peak = Peak { force_n, time_s: 0.0 };
+        self.extremes[i] = Extremes { draft: peak, buff: peak };
+        let [draft, buff] = self.capacity[i];
+        self.first_over_s[i] = [(force_n > draft).then_some(0.0), (-force_n > buff).then_some(0.0)];
     }
 
     /// Looks at a step; `start` are the forces at t = 0.

@@ -72,13 +72,17 @@ pub fn section(train: &Train, scenario: &ScenarioFindings, pictures: &[Picture])
     let single = if let [case] = &cases[..] { Some(case) } else { None };
     let factor = cases.iter().filter_map(|c| c.safe_load_factor).reduce(f64::min);
     let no_factor = cases.iter().find_map(|c| c.no_safe_load_factor);
+    let search = single.and_then(|c| c.load_factor_search);
     let watched = cases.iter().any(|c| c.worst.is_some());
     Section {
         heading: scenario.name.clone(),
         event: source.map(|s| words::event(train, s)).unwrap_or_default(),
         verdict: words::verdict_of(scenario, units),
         passage: words::passage(scenario, units),
-        safe_load: event.filter(|_| watched).map(|e| words::safe_load(train, e, factor, no_factor)).unwrap_or_default(),
+        safe_load: event
+            .filter(|_| watched)
+            .map(|e| words::safe_load(train, e, factor, no_factor, search))
+            .unwrap_or_default(),
         cascade: cascade::sentence(scenario),
         sequence: single.and_then(|case| sequence(case, units)),
         exceeding: single.and_then(|case| table(words::exceeding(case), |c| exceeding_row(c, case, units))),

@@ -9,7 +9,7 @@ use trainsafe::chain::{Chain, Scene};
 use trainsafe::consist::{Coupler, Extras, Origin, Vehicle};
 use trainsafe::play::Rule;
 use trainsafe::scenario::{Event, Scenario};
-use trainsafe::solve::{Ask, Method, Wanted, fronts, propagator, solve};
+use trainsafe::solve::{Ask, Method, fronts, propagator, solve};
 use trainsafe::{Options, Train, analyze};
 
 /// Figures are given to 1e-10 in force and time.
@@ -137,7 +137,7 @@ fn long_chains_near_the_airy_front() {
     for due in trend.iter().filter(|t| t.n <= 800) {
         let n = due.n as f64;
         let scene = paper_chain(due.n, 1.0, 1.0, n + 4.0 * n.cbrt());
-        let (springs, _) = fronts::peaks(&scene, Wanted::Everything);
+        let (springs, _) = fronts::peaks(&scene);
         let link = springs[0].buff.best;
         close("peak", -link.value, due.extremum.peak.0, fronts::error_bound(&scene).min(FIGURES));
         gap.push((n, airy.0 - link.value));
@@ -221,7 +221,7 @@ fn fronts_of_the_paper() {
                 if !broken {
                     scene = Scene { force: -1.0, initial: vec![0.0; due.n], duration: due.pulse, ..scene };
                 }
-                let (springs, _) = fronts::peaks(&scene, Wanted::Everything);
+                let (springs, _) = fronts::peaks(&scene);
                 let bound = fronts::error_bound(&scene);
                 for (i, (spring, due)) in springs.iter().zip(links).enumerate() {
                     // No value may pass the peak; where the peak is at the horizon it is the value.

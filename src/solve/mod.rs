@@ -3,7 +3,7 @@
 //! | method | what it does | equal chains only | work |
 //! | --- | --- | --- | --- |
 //! | [`Method::ClosedForm`] | the paper's sums over modes | yes | springs x modes x instants |
-//! | [`Method::Fronts`] | sums of travelling Bessel fronts | yes | springs behind the front x instants |
+//! | [`Method::Fronts`] | sums of travelling Bessel fronts, a force on a free end | yes | springs x passing fronts squared |
 //! | [`Method::Modal`] | sums over modes found numerically | no | the same as the closed form, and the modes |
 //! | [`Method::Propagator`] | steps that are exact in time | no | springs behind the front x steps |
 //!
@@ -137,6 +137,9 @@ pub enum SolveError {
     /// Fronts cannot end a pulse so short.
     #[error("fronts need a pulse of a fifth of sqrt(mass / stiffness) or longer: use closed-form, modal or propagator")]
     TooShort,
+    /// Fronts start at a free end.
+    #[error("fronts need the force on a free end of the train: use modal or propagator")]
+    NotAtEnd,
     /// The method would take too long or too much memory.
     #[error("the method {method} would take about {seconds:.0} s and {gigabytes:.1} GB here: {advice}")]
     TooMuch {

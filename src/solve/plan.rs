@@ -9,8 +9,11 @@ use crate::chain::Scene;
 
 /// Nanoseconds for one spring in one exact step.
 const STEP: f64 = 4.0;
-/// Nanoseconds for one spring at one instant of the travelling fronts, per front that is passing.
-const FRONT: f64 = 0.6;
+/// Nanoseconds for one spring and one front that passes it, for one spring and one pair of them, and for one spring's values from all
+/// orders of Bessel functions, per unit of the horizon.
+const FRONT: f64 = 480.0;
+const PAIR: f64 = 40.0;
+const ORDERS: f64 = 0.2;
 /// Nanoseconds to find one entry of one vibration mode by the closed form, and in double-double.
 const CLOSED_ENTRY: f64 = 20.0;
 const MODE_ENTRY: f64 = 600.0;
@@ -60,7 +63,6 @@ fn summed_frequency(scene: &Scene, omega_max: f64) -> f64 {
 fn offers(scene: &Scene, omega_max: f64) -> Vec<Offer> {
     let springs = scene.initial.len() as f64;
     let equal = closed_form::equal(&scene.chain).is_some();
-    let passing = 1.0 + scene.horizon * omega_max / 2.0 / springs;
     let look = LOOK * springs;
     let cells = (scene.horizon * summed_frequency(scene, omega_max) / 1.5).ceil() + 1.0;
     let sums = search::MODE_SUM * springs * springs * cells + look;
@@ -82,9 +84,11 @@ fn offers(scene: &Scene, omega_max: f64) -> Vec<Offer> {
         });
     }
     if fronts::fits(scene) {
+        let passing = fronts::passing(scene);
+        let orders = ORDERS * scene.horizon * omega_max / 2.0;
         offers.push(Offer {
             method: Method::Fronts,
-            nanoseconds: FRONT * springs * passing * fronts::instants(scene) + look,
+            nanoseconds: springs * (passing * (FRONT + PAIR * passing) + orders),
             bound: searched(fronts::error_bound(scene)),
             gigabytes: 0.0,
         });
@@ -107,7 +111,8 @@ pub fn choose(scene: &Scene, ask: &Ask) -> Result<Plan, SolveError> {
     let offers = offers(scene, omega_max);
     if let Some(method) = ask.method {
         let unfit = match method {
-            Method::Fronts if closed_form::equal(&scene.chain).is_some() => SolveError::TooShort,
+            Method::Fronts if closed_form::equal(&scene.chain).is_some() && fronts::at_free_end(scene) => SolveError::TooShort,
+            Method::Fronts if closed_form::equal(&scene.chain).is_some() => SolveError::NotAtEnd,
             _ => SolveError::NotEqual(method.name()),
         };
         let offer = offers.iter().find(|o| o.method == method).ok_or(unfit)?;
@@ -207,7 +212,7 @@ pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
             (found.peaks, found.work, bound + found.missed)
         }
         (Method::Fronts, _) => {
-            let (peaks, work) = fronts::peaks(scene, ask.wanted);
+            let (peaks, work) = fronts::peaks(scene);
             (peaks, work, searched(fronts::error_bound(scene)))
         }
         _ => {

@@ -131,8 +131,8 @@ pub fn rating(scene: &Scene) -> f64 {
 pub fn by(method: Method, scene: &Scene) -> Option<Found> {
     let springs = scene.initial.len() as f64;
     let (springs, bound) = match method {
-        Method::Fronts if fronts::fits(scene) && fronts::instants(scene) < MANY_TRANSITS * springs => {
-            (fronts::peaks(scene, Wanted::Everything).0, fronts::error_bound(scene))
+        Method::Fronts if fronts::fits(scene) && fronts::passing(scene) < MANY_TRANSITS => {
+            (fronts::peaks(scene).0, fronts::error_bound(scene))
         }
         Method::Propagator => {
             let omega = propagator::omega_max(scene);

@@ -55,7 +55,7 @@ impl<'a> Bench<'a> {
     /// # Errors
     /// The planner's, when it finds no method.
     pub fn ours(&mut self) -> Result<(), SolveError> {
-        let methods = [Method::ClosedForm, Method::Fronts, Method::Modal, Method::Propagator];
+        let methods = [Method::Fronts, Method::Modal, Method::Propagator];
         for method in methods.into_iter().map(Some).chain([None]) {
             let from = self.rows.len();
             for tolerance in TOLERANCES {

@@ -26,7 +26,7 @@ use std::sync::OnceLock;
 use super::rows;
 
 /// How far the table is taken to be from the truth at most.
-const DOUBT: f64 = 5e-6;
+const DOUBT: f64 = 1e-5;
 /// The same of the uniform form: this over nu^2; of Debye's form: this over psi^3; and what fits and sines are off by.
 const UNIFORM_DOUBT: f64 = 0.02;
 const DEBYE_DOUBT: f64 = 0.3;
@@ -343,7 +343,7 @@ fn airy() -> &'static [[f64; 3]] {
     static TABLE: OnceLock<Vec<[f64; 3]>> = OnceLock::new();
     TABLE.get_or_init(|| {
         // Ai(0), Ai'(0), and a third: DLMF 9.2.3, 9.2.4, 9.10.11.
-        let origin = [0.355_028_053_887_817_24, -0.258_819_403_792_806_8, 1.0 / 3.0];
+        let origin = [0.355_028_053_887_817_2, -0.258_819_403_792_806_8, 1.0 / 3.0];
         let zero = (-FIRST * NODES) as usize;
         let mut table = vec![origin; ((LAST - FIRST) * NODES) as usize + 1];
         for k in (0..zero).rev() {

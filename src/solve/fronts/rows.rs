@@ -241,10 +241,8 @@ impl Rows {
                 Some(k) => k.from,
                 None => below.map_or(1, |k| k.to),
             };
-            for l in 0..LANES {
-                if start[l] == next {
-                    recurrence.here[l] = 1e-100;
-                }
+            for (here, _) in recurrence.here.iter_mut().zip(start).filter(|(_, s)| *s == next) {
+                *here = 1e-100;
             }
             match range {
                 Some(k) => {

@@ -29,7 +29,7 @@ use super::rows;
 const DOUBT: f64 = 1e-5;
 /// The same of the uniform form: this over nu^2; of Debye's form: this over psi^3; and what fits and sines are off by.
 const UNIFORM_DOUBT: f64 = 0.02;
-const DEBYE_DOUBT: f64 = 0.3;
+const DEBYE_DOUBT: f64 = 0.4;
 const LEAST_DOUBT: f64 = 5e-7;
 /// A front counts as nothing as long as x is this many nu^(1/3) or more before nu: it is under [`UNSEEN`] there.
 pub const AHEAD: f64 = 6.5;

@@ -7,7 +7,7 @@ use trainsafe::solve::Method;
 
 fn main() {
     let mut criterion = Criterion::default().configure_from_args();
-    let methods = [Method::ClosedForm, Method::Fronts, Method::Modal, Method::Propagator];
+    let methods = [Method::Fronts, Method::Modal, Method::Propagator];
     for springs in [100, 300, 1000] {
         let scene = scenes::broken(vec![1.0; springs + 1], vec![1.0; springs]);
         scenes::every_method(&mut criterion, "equal chain", &methods, &scene);

@@ -230,7 +230,7 @@ pub struct Solver {
     #[arg(long, value_name = "SHARE", default_value = "1e-9", value_parser = share)]
     pub tolerance: f64,
     /// Compute in this way, whatever it costs [default: the cheapest within the tolerance]
-    #[arg(long, value_name = "NAME", value_parser = ["closed-form", "fronts", "modal", "propagator"])]
+    #[arg(long, value_name = "NAME", value_parser = ["fronts", "modal", "propagator"])]
     pub method: Option<String>,
 }
 

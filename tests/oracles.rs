@@ -9,7 +9,7 @@ use trainsafe::chain::{Chain, Scene};
 use trainsafe::consist::{Coupler, Extras, Origin, Vehicle};
 use trainsafe::play::Rule;
 use trainsafe::scenario::{Event, Scenario};
-use trainsafe::solve::{Ask, Method, Wanted, fronts, propagator, solve};
+use trainsafe::solve::{Ask, Method, fronts, propagator, solve};
 use trainsafe::{Options, Train, analyze};
 
 /// Figures are given to 1e-10 in force and time.
@@ -91,7 +91,7 @@ fn close(what: &str, found: f64, due: f64, tolerance: f64) {
 #[test]
 fn figure_4_first_pass() {
     let (due, all) = (paper().figure4, by_all(&paper_chain(50, 1.0, 1.0, 100.0)));
-    assert_eq!(all.len(), 4);
+    assert_eq!(all.len(), 3);
     let first_pass = &paper().trend[0];
     for found in all {
         let (name, link) = (found.method.name(), &found.springs[0].buff);
@@ -137,7 +137,7 @@ fn long_chains_near_the_airy_front() {
     for due in trend.iter().filter(|t| t.n <= 800) {
         let n = due.n as f64;
         let scene = paper_chain(due.n, 1.0, 1.0, n + 4.0 * n.cbrt());
-        let (springs, _) = fronts::peaks(&scene, Wanted::Everything);
+        let (springs, _) = fronts::peaks(&scene);
         let link = springs[0].buff.best;
         close("peak", -link.value, due.extremum.peak.0, fronts::error_bound(&scene).min(FIGURES));
         gap.push((n, airy.0 - link.value));
@@ -154,7 +154,7 @@ fn long_chains_near_the_airy_front() {
 fn all_time_bounds_of_link_1() {
     for due in paper().all_time {
         let scene = paper_chain(due.n, 1.0, 1.0, 10.0);
-        for method in [Method::ClosedForm, Method::Modal] {
+        for method in [Method::Modal] {
             // Numerical modes of longer chains take seconds in an unoptimised build.
             if method == Method::Modal && due.n > 100 {
                 continue;
@@ -221,7 +221,7 @@ fn fronts_of_the_paper() {
                 if !broken {
                     scene = Scene { force: -1.0, initial: vec![0.0; due.n], duration: due.pulse, ..scene };
                 }
-                let (springs, _) = fronts::peaks(&scene, Wanted::Everything);
+                let (springs, _) = fronts::peaks(&scene);
                 let bound = fronts::error_bound(&scene);
                 for (i, (spring, due)) in springs.iter().zip(links).enumerate() {
                     // No value may pass the peak; where the peak is at the horizon it is the value.

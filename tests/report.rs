@@ -17,7 +17,7 @@ fn analysis_of(train: &Train) -> Analysis {
     for case in cases(&mut analysis) {
         case.run_time_s = 0.0123;
         case.error_bound_n = 1e-3 * case.tolerance_n;
-        case.method = "closed-form";
+        case.method = "fronts";
         case.method_reason = "all vehicles are equal".to_owned();
         case.rod = None;
     }

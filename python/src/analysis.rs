@@ -57,7 +57,7 @@ pub fn options(tolerance: f64, method: Option<&str>) -> PyResult<Options> {
         return Err(PyValueError::new_err("tolerance is a number between 0 and 1, such as 1e-9"));
     }
     let known = |name: &str| {
-        let unknown = || format!("no method is named {name:?}; there are closed-form, fronts, modal and propagator");
+        let unknown = || format!("no method is named {name:?}; there are fronts, modal and propagator");
         Method::from_name(name).ok_or_else(|| PyValueError::new_err(unknown()))
     };
     Ok(Options { tolerance, method: method.map(known).transpose()?, ..Options::default() })

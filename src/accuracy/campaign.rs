@@ -18,8 +18,7 @@ pub use draw::{scene, with_ratings};
 pub use judge::{Fault, Verdict, judge};
 
 /// Every method, and at last the planner's choice, in the order of the table.
-pub const METHODS: [Option<Method>; 5] =
-    [Some(Method::ClosedForm), Some(Method::Fronts), Some(Method::Modal), Some(Method::Propagator), None];
+pub const METHODS: [Option<Method>; 4] = [Some(Method::Fronts), Some(Method::Modal), Some(Method::Propagator), None];
 
 /// One method on one scene.
 #[derive(Clone, Debug)]

@@ -66,7 +66,6 @@ fn series(accuracy: &Accuracy) -> Vec<(Look, Vec<&Row>)> {
 fn look(row: &Row) -> Look {
     let (color, shape, size) = match row.origin {
         Origin::Ours(method) | Origin::Planner(method) => match method {
-            Method::ClosedForm => (Color::Draft, Shape::Circle, 5.5),
             Method::Fronts => (Color::Buff, Shape::Up, 6.0),
             Method::Modal => (Color::Rod, Shape::Square, 6.0),
             Method::Propagator => (Color::Other, Shape::Diamond, 6.5),

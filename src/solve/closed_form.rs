@@ -1,4 +1,4 @@
-//! The paper's closed forms: equal masses, equal stiffnesses, any ends, force on any mass.
+//! The modes of equal chains by the paper's closed forms: equal masses, equal stiffnesses, any ends, force on any mass.
 //!
 //! With the head held, N live masses and the force on the last one, [P] eqs (10), (13), (27) and (29):
 //!

@@ -169,20 +169,29 @@ impl Local {
             if value_there < best.value - 4e-16 * best.value.abs() {
                 break;
             }
+            // Newton's steps square the distance from the top.
+            let is_there = (x - best.at).abs() < 1e-8;
             best = Point { at: x, value: value_there.max(best.value) };
+            if is_there {
+                break;
+            }
         }
         best
     }
 
     /// The first x in [a, b] at which the value passes over `level`; `None` if it never does.
     pub fn first_over(&self, a: f64, b: f64, level: f64) -> Option<f64> {
-        let [_, fourth] = self.third_and_fourth();
+        let [third, fourth] = self.third_and_fourth();
         let (mut next, mut open) = (Some(self.piece(a, b)), Vec::new());
         while let Some(p) = next.take().or_else(|| open.pop()) {
             if p.fa > level {
                 return Some(p.a);
             }
             let h = p.b - p.a;
+            // The slope is nowhere further than this from between its ends': the piece rises all along.
+            if p.fb > level && p.da.min(p.db) > 0.125 * h * h * third {
+                return Some(self.root(&p, level));
+            }
             if p.hermite_top().value + h.powi(4) / 384.0 * fourth <= level {
                 continue;
             }
@@ -199,13 +208,21 @@ impl Local {
         None
     }
 
-    /// The crossing in a tiny piece whose ends lie on both sides of the level.
+    /// The crossing in a piece whose ends lie on both sides of the level, by Newton's steps; where one leads out of what is left of
+    /// the piece, by bisection.
     fn root(&self, p: &Piece, level: f64) -> f64 {
+        let (mut a, mut b) = (p.a, p.b);
         let mut x = p.a + (p.b - p.a) * ((level - p.fa) / (p.fb - p.fa));
-        for _ in 0..3 {
+        for _ in 0..60 {
             let (value, slope) = self.value_and_slope(x);
-            let next = x - (value - level) / slope;
-            if !(next >= p.a && next <= p.b) {
+            if value > level {
+                b = x;
+            } else {
+                a = x;
+            }
+            let step = x - (value - level) / slope;
+            let next = if step >= a && step <= b { step } else { 0.5 * (a + b) };
+            if (next - x).abs() < 1e-15 {
                 break;
             }
             x = next;

@@ -2,9 +2,8 @@
 //!
 //! | method | what it does | equal chains only | work |
 //! | --- | --- | --- | --- |
-//! | [`Method::ClosedForm`] | the paper's sums over modes | yes | springs x modes x instants |
-//! | [`Method::Fronts`] | sums of travelling Bessel fronts | yes | springs behind the front x instants |
-//! | [`Method::Modal`] | sums over modes found numerically | no | the same as the closed form, and the modes |
+//! | [`Method::Fronts`] | sums of travelling Bessel fronts, a force on a free end | yes | springs x passing fronts squared |
+//! | [`Method::Modal`] | sums over modes, by the paper's formula or found numerically | no | springs x modes x instants, and the modes |
 //! | [`Method::Propagator`] | steps that are exact in time | no | springs behind the front x steps |
 //!
 //! Beyond steps of force on undamped chains: [`taylor`] follows dashpots, initial speeds, forces of any shape and couplers that
@@ -37,8 +36,6 @@ use watch::SpringPeaks;
 /// A way to compute coupler forces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Method {
-    /// The paper's sums for equal masses and stiffnesses.
-    ClosedForm,
     /// Sums of travelling Bessel fronts for equal masses and stiffnesses.
     Fronts,
     /// A sum over vibration modes, any chain.
@@ -49,7 +46,7 @@ pub enum Method {
 
 impl Method {
     /// All of them.
-    pub const ALL: [Method; 4] = [Method::ClosedForm, Method::Fronts, Method::Modal, Method::Propagator];
+    pub const ALL: [Method; 3] = [Method::Fronts, Method::Modal, Method::Propagator];
 
     /// The method of that name, if there is one.
     pub fn from_name(name: &str) -> Option<Method> {
@@ -59,7 +56,6 @@ impl Method {
     /// The name on the command line and in results.
     pub fn name(self) -> &'static str {
         match self {
-            Method::ClosedForm => "closed-form",
             Method::Fronts => "fronts",
             Method::Modal => "modal",
             Method::Propagator => "propagator",
@@ -135,8 +131,11 @@ pub enum SolveError {
     )]
     StepsOnly(&'static str),
     /// Fronts cannot end a pulse so short.
-    #[error("fronts need a pulse of a fifth of sqrt(mass / stiffness) or longer: use closed-form, modal or propagator")]
+    #[error("fronts need a pulse of a fifth of sqrt(mass / stiffness) or longer: use modal or propagator")]
     TooShort,
+    /// Fronts start at a free end.
+    #[error("fronts need the force on a free end of the train: use modal or propagator")]
+    NotAtEnd,
     /// The method would take too long or too much memory.
     #[error("the method {method} would take about {seconds:.0} s and {gigabytes:.1} GB here: {advice}")]
     TooMuch {
@@ -194,7 +193,7 @@ pub fn estimate_s(scene: &Scene, ask: &Ask) -> Result<f64, SolveError> {
 /// Nothing happens: every spring keeps its force.
 fn at_rest(scene: &Scene, ask: &Ask) -> Solution {
     Solution {
-        method: Method::ClosedForm,
+        method: Method::Propagator,
         reason: "the event brings no force: nothing changes".to_owned(),
         error_bound: 0.0,
         springs: watch::Watch::new(scene, 0.0).peaks.into_iter().map(Some).collect(),

@@ -9,13 +9,21 @@ use crate::chain::Scene;
 
 /// Nanoseconds for one spring in one exact step.
 const STEP: f64 = 4.0;
-/// Nanoseconds for one spring at one instant of the travelling fronts, per front that is passing.
-const FRONT: f64 = 0.6;
-/// Nanoseconds to find one entry of one vibration mode by the closed form, and in double-double.
-const CLOSED_ENTRY: f64 = 20.0;
+/// Nanoseconds for one spring and one front that passes it, for one spring and one pair of them, and for one spring's values from all
+/// orders of Bessel functions, per unit of the horizon.
+const FRONT: f64 = 480.0;
+const PAIR: f64 = 40.0;
+const ORDERS: f64 = 0.2;
+/// Nanoseconds to find one entry of one vibration mode by its formula, for equal chains, and in double-double.
+const EQUAL_ENTRY: f64 = 20.0;
 const MODE_ENTRY: f64 = 600.0;
 /// Nanoseconds to look into one spring's forces between instants.
 const LOOK: f64 = 3000.0;
+/// What a better bound may cost, as a multiple of the cheapest method whose bound is within 10 times the tolerance, or of 1e-8 of the
+/// force where less is asked for.
+const MOST_TIMES: f64 = 10.0;
+const NEARLY: f64 = 10.0;
+const FINE: f64 = 1e-9;
 /// The longest that a scene may take, and the memory that its modes may fill.
 const MOST_SECONDS: f64 = 3600.0;
 const MOST_GIGABYTES: f64 = 4.0;
@@ -60,7 +68,6 @@ fn summed_frequency(scene: &Scene, omega_max: f64) -> f64 {
 fn offers(scene: &Scene, omega_max: f64) -> Vec<Offer> {
     let springs = scene.initial.len() as f64;
     let equal = closed_form::equal(&scene.chain).is_some();
-    let passing = 1.0 + scene.horizon * omega_max / 2.0 / springs;
     let look = LOOK * springs;
     let cells = (scene.horizon * summed_frequency(scene, omega_max) / 1.5).ceil() + 1.0;
     let sums = search::MODE_SUM * springs * springs * cells + look;
@@ -73,27 +80,21 @@ fn offers(scene: &Scene, omega_max: f64) -> Vec<Offer> {
         bound: searched(propagator::error_bound(scene, omega_max)),
         gigabytes: 0.0,
     }];
-    if equal {
-        offers.push(Offer {
-            method: Method::ClosedForm,
-            nanoseconds: price_of_modes(scene, Method::ClosedForm) + sums,
-            bound: bound_of_sums,
-            gigabytes: memory_of_modes(16.0),
-        });
-    }
     if fronts::fits(scene) {
+        let passing = fronts::passing(scene);
+        let orders = ORDERS * scene.horizon * omega_max / 2.0;
         offers.push(Offer {
             method: Method::Fronts,
-            nanoseconds: FRONT * springs * passing * fronts::instants(scene) + look,
+            nanoseconds: springs * (passing * (FRONT + PAIR * passing) + orders),
             bound: searched(fronts::error_bound(scene)),
             gigabytes: 0.0,
         });
     }
     offers.push(Offer {
         method: Method::Modal,
-        nanoseconds: price_of_modes(scene, Method::Modal) + sums,
+        nanoseconds: price_of_modes(scene) + sums,
         bound: bound_of_sums,
-        gigabytes: memory_of_modes(64.0),
+        gigabytes: memory_of_modes(if equal { 16.0 } else { 64.0 }),
     });
     offers
 }
@@ -106,9 +107,12 @@ pub fn choose(scene: &Scene, ask: &Ask) -> Result<Plan, SolveError> {
     let omega_max = propagator::omega_max(scene);
     let offers = offers(scene, omega_max);
     if let Some(method) = ask.method {
-        let unfit = match method {
-            Method::Fronts if closed_form::equal(&scene.chain).is_some() => SolveError::TooShort,
-            _ => SolveError::NotEqual(method.name()),
+        let unfit = if closed_form::equal(&scene.chain).is_none() {
+            SolveError::NotEqual(method.name())
+        } else if fronts::at_free_end(scene) {
+            SolveError::TooShort
+        } else {
+            SolveError::NotAtEnd
         };
         let offer = offers.iter().find(|o| o.method == method).ok_or(unfit)?;
         affordable(offer, &offers)?;
@@ -117,10 +121,14 @@ pub fn choose(scene: &Scene, ask: &Ask) -> Result<Plan, SolveError> {
     }
     let cheapest =
         |of: &mut dyn Iterator<Item = &Offer>| of.min_by(|a, b| a.nanoseconds.total_cmp(&b.nanoseconds)).copied();
-    let within = cheapest(&mut offers.iter().filter(|o| o.bound <= ask.tolerance && o.gigabytes <= MOST_GIGABYTES));
-    let best = within.or_else(|| {
-        offers.iter().filter(|o| o.gigabytes <= MOST_GIGABYTES).min_by(|a, b| a.bound.total_cmp(&b.bound)).copied()
-    });
+    let fitting = || offers.iter().filter(|o| o.gigabytes <= MOST_GIGABYTES);
+    // A bound of nearly the tolerance, or of a billionth of the force, is not improved at more than so many times its price.
+    let nearly = ask.tolerance.max(FINE * scene.force.abs()) * NEARLY;
+    let usual = cheapest(&mut fitting().filter(|o| o.bound <= nearly));
+    let most = usual.map_or(f64::INFINITY, |o| MOST_TIMES * o.nanoseconds);
+    let affordable_offers = || fitting().filter(|o| o.nanoseconds <= most);
+    let within = cheapest(&mut affordable_offers().filter(|o| o.bound <= ask.tolerance));
+    let best = within.or_else(|| affordable_offers().min_by(|a, b| a.bound.total_cmp(&b.bound)).copied());
     let chosen = best.unwrap_or(offers[0]);
     affordable(&chosen, &offers)?;
     let reason = reason(&chosen, &offers, ask, within.is_some());
@@ -130,9 +138,7 @@ pub fn choose(scene: &Scene, ask: &Ask) -> Result<Plan, SolveError> {
 /// Estimated time of what was chosen, s.
 fn seconds(scene: &Scene, omega_max: f64, chosen: &Offer) -> f64 {
     let search = match chosen.method {
-        Method::ClosedForm | Method::Modal => {
-            search::most_nanoseconds(scene, [summed_frequency(scene, omega_max), omega_max])
-        }
+        Method::Modal => search::most_nanoseconds(scene, [summed_frequency(scene, omega_max), omega_max]),
         Method::Fronts | Method::Propagator => 0.0,
     };
     1e-9 * (chosen.nanoseconds + search)
@@ -158,10 +164,19 @@ fn affordable(offer: &Offer, offers: &[Offer]) -> Result<(), SolveError> {
 
 fn reason(chosen: &Offer, offers: &[Offer], ask: &Ask, within: bool) -> String {
     if !within {
-        return format!(
-            "no method's bound is within the tolerance of {:.1e}; this one's is the smallest",
-            ask.tolerance
-        );
+        let other = offers.iter().filter(|o| o.bound <= ask.tolerance).map(|o| (o.method, o.nanoseconds));
+        return match other.min_by(|a, b| a.1.total_cmp(&b.1)) {
+            Some((method, nanoseconds)) => format!(
+                "its bound is not within the tolerance of {:.1e}; that of {} would be, for {:.0} times the work",
+                ask.tolerance,
+                method.name(),
+                nanoseconds / chosen.nanoseconds
+            ),
+            None => format!(
+                "no method's bound is within the tolerance of {:.1e}; this one's is the smallest that is worth its work",
+                ask.tolerance
+            ),
+        };
     }
     let faster = |o: &&Offer| o.nanoseconds < chosen.nanoseconds;
     let mut others: Vec<String> = offers
@@ -180,9 +195,9 @@ fn reason(chosen: &Offer, offers: &[Offer], ask: &Ask, within: bool) -> String {
 
 /// Carries a plan out.
 pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
-    let by_modes = matches!(plan.method, Method::ClosedForm | Method::Modal);
-    let bounds_pay = ask.verdict_only && 1e9 * plan.seconds > price_of_modes(scene, plan.method);
-    let mut modes = (by_modes || ask.all_time_bound || bounds_pay).then(|| modes(scene, plan.method));
+    let by_modes = plan.method == Method::Modal;
+    let bounds_pay = ask.verdict_only && 1e9 * plan.seconds > price_of_modes(scene);
+    let mut modes = (by_modes || ask.all_time_bound || bounds_pay).then(|| modes(scene));
     let bounds = modes.as_ref().filter(|_| ask.all_time_bound || bounds_pay).map(|m| sums::all_time_bounds(scene, m));
     let safe = |i: usize| {
         let bound = bounds.as_ref().filter(|_| ask.verdict_only).map(|b| b[i]);
@@ -194,7 +209,7 @@ pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
     let mut reason = plan.reason.clone();
     let (peaks, work, error_bound) = match (plan.method, &mut modes) {
         _ if all_safe => (Vec::new(), Work::default(), 0.0),
-        (Method::ClosedForm | Method::Modal, Some(modes)) => {
+        (Method::Modal, Some(modes)) => {
             // A coupler that stands at its rating wants every digit of what first moves it.
             let share = if stands_at_rating(scene) { 0.0 } else { 0.1 * ask.tolerance };
             let left_out = sums::leave_out(scene, modes, share);
@@ -207,7 +222,7 @@ pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
             (found.peaks, found.work, bound + found.missed)
         }
         (Method::Fronts, _) => {
-            let (peaks, work) = fronts::peaks(scene, ask.wanted);
+            let (peaks, work) = fronts::peaks(scene);
             (peaks, work, searched(fronts::error_bound(scene)))
         }
         _ => {
@@ -233,16 +248,15 @@ fn stands_at_rating(scene: &Scene) -> bool {
 }
 
 /// Nanoseconds to find all modes, and every spring's share of them.
-fn price_of_modes(scene: &Scene, method: Method) -> f64 {
+fn price_of_modes(scene: &Scene) -> f64 {
     let springs = scene.initial.len() as f64;
-    let closed = method != Method::Modal && closed_form::equal(&scene.chain).is_some();
-    if closed { CLOSED_ENTRY * springs * springs } else { MODE_ENTRY * springs * springs }
+    let entry = if closed_form::equal(&scene.chain).is_some() { EQUAL_ENTRY } else { MODE_ENTRY };
+    entry * springs * springs
 }
 
-/// Modes by the closed form where there is one, unless the general path is asked for.
-fn modes(scene: &Scene, method: Method) -> sums::Modes {
-    let closed = if method == Method::Modal { None } else { closed_form::modes(scene) };
-    closed.unwrap_or_else(|| modal::modes(scene))
+/// Modes of a scene: by the paper's formula for equal chains.
+fn modes(scene: &Scene) -> sums::Modes {
+    closed_form::modes(scene).unwrap_or_else(|| modal::modes(scene))
 }
 
 /// Forces in one spring at given times, by the cheapest method.
@@ -250,9 +264,9 @@ pub fn history(scene: &Scene, spring: usize, times: &[f64]) -> Vec<f64> {
     let omega_max = propagator::omega_max(scene);
     let springs = scene.initial.len() as f64;
     let step = STEP * springs * propagator::steps(scene, omega_max);
-    let sums = 20.0 * springs * times.len() as f64 + price_of_modes(scene, Method::ClosedForm);
+    let sums = 20.0 * springs * times.len() as f64 + price_of_modes(scene);
     if step < sums {
         return propagator::history(scene, omega_max, spring, times);
     }
-    sums::history(scene, &modes(scene, Method::ClosedForm), spring, times)
+    sums::history(scene, &modes(scene), spring, times)
 }

@@ -131,8 +131,8 @@ pub fn rating(scene: &Scene) -> f64 {
 pub fn by(method: Method, scene: &Scene) -> Option<Found> {
     let springs = scene.initial.len() as f64;
     let (springs, bound) = match method {
-        Method::Fronts if fronts::fits(scene) && fronts::instants(scene) < MANY_TRANSITS * springs => {
-            (fronts::peaks(scene, Wanted::Everything).0, fronts::error_bound(scene))
+        Method::Fronts if fronts::fits(scene) && fronts::passing(scene) < MANY_TRANSITS => {
+            (fronts::peaks(scene).0, fronts::error_bound(scene))
         }
         Method::Propagator => {
             let omega = propagator::omega_max(scene);
@@ -142,7 +142,6 @@ pub fn by(method: Method, scene: &Scene) -> Option<Found> {
             (propagator::peaks(scene, omega, Wanted::Everything).0, propagator::error_bound(scene, omega))
         }
         Method::Modal => solved(scene, Method::Modal),
-        Method::ClosedForm if closed_form::equal(&scene.chain).is_some() => solved(scene, Method::ClosedForm),
         _ => return None,
     };
     Some(Found { method, springs, bound })
@@ -156,10 +155,7 @@ fn solved(scene: &Scene, method: Method) -> (Vec<SpringPeaks>, f64) {
 
 /// Extremes by every method that is for this scene.
 pub fn by_all(scene: &Scene) -> Vec<Found> {
-    [Method::ClosedForm, Method::Fronts, Method::Modal, Method::Propagator]
-        .into_iter()
-        .filter_map(|m| by(m, scene))
-        .collect()
+    [Method::Fronts, Method::Modal, Method::Propagator].into_iter().filter_map(|m| by(m, scene)).collect()
 }
 
 /// Forces of every spring at one time, by every method that gives histories, with the method's claim.
@@ -172,7 +168,7 @@ pub fn forces_at(scene: &Scene, time: f64) -> Vec<(Method, Vec<f64>, f64)> {
 
 /// The same by the paper's sums, where they apply.
 pub fn forces_by_closed_form(scene: &Scene, time: f64) -> Option<(Method, Vec<f64>, f64)> {
-    closed_form::modes(scene).map(|modes| forces_by(Method::ClosedForm, scene, &modes, time))
+    closed_form::modes(scene).map(|modes| forces_by(Method::Modal, scene, &modes, time))
 }
 
 fn forces_by(method: Method, scene: &Scene, modes: &Modes, time: f64) -> (Method, Vec<f64>, f64) {

@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use sha2::{Digest, Sha256};
 
-use crate::consist::{self, Files, Source, Train};
+use crate::consist::{self, Files};
+use crate::train::{Source, Train};
 use crate::error::InputError;
 use crate::fleet::key::Key;
 

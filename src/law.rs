@@ -221,7 +221,24 @@ pub struct Rest {
     pub travel_m: f64,
 }
 
+impl LawProblem {
+    /// What would be right.
+    pub(crate) fn help(&self) -> &'static str {
+        match self {
+            LawProblem::NegativeBesideSlack(_) => "give it 0 or more, or leave slack out",
+            LawProblem::Crossed { .. } => "with these two curves the force would fall while the coupler gets longer",
+            LawProblem::Stiffness(_) => "expected more than zero",
+            LawProblem::Slack(_) => "expected zero or more",
+        }
+    }
+}
+
 impl Law {
+    /// A linear spring of this stiffness, N/m.
+    pub const fn linear(stiffness_n_per_m: f64) -> Law {
+        Law::Elastic { draft_n_per_m: stiffness_n_per_m, buff_n_per_m: stiffness_n_per_m, slack_m: 0.0 }
+    }
+
     /// Whether the force is proportional to the elongation.
     pub fn is_linear(&self) -> bool {
         matches!(self, Law::Elastic { draft_n_per_m, buff_n_per_m, slack_m } if draft_n_per_m == buff_n_per_m && *slack_m == 0.0)

@@ -52,10 +52,11 @@ pub mod schema;
 #[cfg(feature = "serve")]
 pub mod serve;
 pub mod solve;
+pub mod train;
 pub mod units;
 
 /// The version of this crate.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-pub use consist::Train;
 pub use findings::{Analysis, Options, analyze};
+pub use train::Train;

@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 
 use clap::Parser;
 use trainsafe::accuracy::{self, AccuracyError};
-use trainsafe::doubts::{doubts, idle_options};
+use trainsafe::doubts::doubts;
 use trainsafe::error::{InputError, printable_path};
 use trainsafe::report::Format;
 use trainsafe::solve::Method;
@@ -99,7 +99,7 @@ fn settle(general: &cli::General) {
 fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
     let mut train = read(&args.train)?;
     if let Some(units) = args.units.as_deref().and_then(UnitSystem::from_name) {
-        train.origin.units = units;
+        train = train.with_units(units);
     }
     let options = Options {
         scenario: args.scenario.clone(),

@@ -4,9 +4,9 @@ use trainsafe::accuracy::peers::Peer;
 use trainsafe::accuracy::reference::Reference;
 use trainsafe::accuracy::{self, Options, Origin};
 use trainsafe::chain::{Chain, Scene};
-use trainsafe::consist::{self, Coupler, Extras, Train, Vehicle};
+use trainsafe::consist;
 use trainsafe::play::Rule;
-use trainsafe::scenario::{Event, Scenario};
+use trainsafe::train::{CouplerSpec, Event, Load, Scenario, Train, TrainSpec, VehicleSpec};
 use trainsafe::solve::dd::Dd;
 
 /// A held head and one vehicle whose coupler's force falls from 1 to a mean of 0.25: `F = 1 - 0.75 (1 - cos omega t)`.
@@ -187,28 +187,35 @@ fn second_order_methods_are_exact_but_for_their_frequencies() {
 
 /// Equal cars behind a held locomotive; with twelve vehicles, the longer part is that ahead of the coupler near the rear.
 fn train(vehicles: usize) -> Train {
-    let car = |v: usize| Vehicle { label: format!("car {v}"), mass_kg: 1e5, held: v == 0, length_m: None };
-    let coupler = Coupler { stiffness_n_per_m: 2e7, rated_draft_n: 1e6, rated_buff_n: 1.5e6 };
+    loaded(vehicles, 8e5)
+}
+
+/// The same with another load, N.
+fn loaded(vehicles: usize, load_n: f64) -> Train {
+    let car =
+        |v: usize| VehicleSpec { label: Some(format!("car {v}")), held: v == 0, ..VehicleSpec::new(1e5) };
+    let coupler = CouplerSpec { rated_buff_n: 1.5e6, ..CouplerSpec::linear(2e7, 1e6) };
     let scenario = |name: &str, couplers: Vec<usize>| Scenario {
         name: name.to_owned(),
         event: Event::Break { couplers },
         horizon_s: None,
         cascade: Rule::Keep,
         left_out_in_buff: Vec::new(),
-        response: trainsafe::scenario::Response::default(),
+        response: trainsafe::train::Response::default(),
     };
-    Train {
+    TrainSpec {
         name: "eleven cars".to_owned(),
         vehicles: (0..vehicles).map(car).collect(),
         couplers: vec![coupler; vehicles - 1],
-        initial_force_n: vec![8e5; vehicles - 1],
-        extras: Extras::default(),
-        origin: consist::Origin::default(),
+        load: Load::Uniform(load_n),
         scenarios: vec![
-            scenario("near the rear", vec![4, vehicles.saturating_sub(3)]),
+            scenario("near the rear", if vehicles > 5 { vec![4, vehicles - 3] } else { vec![0] }),
             scenario("the only one", vec![0]),
         ],
+        ..TrainSpec::default()
     }
+    .build()
+    .unwrap_or_else(|wrong| panic!("{wrong}"))
 }
 
 fn quick() -> Options {
@@ -319,8 +326,7 @@ fn forces_at_many_instants_are_the_references_own() {
 
 #[test]
 fn a_coupler_without_load_breaks_without_effect() {
-    let mut train = train(12);
-    train.initial_force_n.fill(0.0);
+    let train = loaded(12, 0.0);
     let error = accuracy::run(&train, None, &quick()).map(|_| ()).expect_err("nothing to compare");
     assert_eq!(error.to_string(), "near the rear: the coupler that breaks carries no force, so nothing happens");
 }

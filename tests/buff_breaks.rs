@@ -54,15 +54,15 @@ fn a_coupler_in_buff_is_refused() {
 fn couplers_in_buff_are_left_out_of_each() {
     for scenario in ["", "[[scenario]]\nkind = \"break\"\ncoupler = \"each\""] {
         let train = parse(&train(PUSHED, scenario));
-        let in_buff: Vec<usize> = (0..train.couplers.len()).filter(|&i| train.initial_force_n[i] < 0.0).collect();
-        assert!(!in_buff.is_empty() && in_buff.len() < 13, "{:?}", train.initial_force_n);
+        let in_buff: Vec<usize> = (0..train.couplers().len()).filter(|&i| train.initial_force_n()[i] < 0.0).collect();
+        assert!(!in_buff.is_empty() && in_buff.len() < 13, "{:?}", train.initial_force_n());
         let numbers: Vec<usize> = in_buff.iter().map(|i| i + 1).collect();
         assert_eq!(codes(&train), ["breaks-in-buff-left-out"]);
         let options = Options { map: true, ..Options::default() };
         let found = analyze(&train, &options).expect("sound").scenarios.remove(0);
         assert_eq!(found.name, "each coupler breaks in turn");
         assert_eq!(found.left_out_in_buff, numbers);
-        assert_eq!(found.cases.len() + numbers.len(), train.couplers.len());
+        assert_eq!(found.cases.len() + numbers.len(), train.couplers().len());
         assert!(found.cases.iter().all(|c| !numbers.contains(&c.broken_coupler.expect("a break"))));
         assert_eq!(found.map.expect("asked for").points.len(), found.cases.len());
         let checked = consist::describe(&train);

@@ -5,7 +5,7 @@ use std::fs;
 use trainsafe::Train;
 use trainsafe::consist;
 use trainsafe::doubts::{Doubt, doubts};
-use trainsafe::scenario::Event;
+use trainsafe::train::Event;
 
 const FRONT: &str = "name = \"probe\"\n[coupler]\nstiffness = \"11.1 MN/m\"\nrated_load = \"1.78 MN\"\n";
 
@@ -30,7 +30,7 @@ fn masses(bytes: impl AsRef<[u8]>) -> Vec<f64> {
 }
 
 fn codes(train: &Train) -> Vec<&'static str> {
-    train.origin.doubts.iter().map(|doubt| doubt.code).collect()
+    train.origin().doubts.iter().map(|doubt| doubt.code).collect()
 }
 
 fn record(bytes: impl AsRef<[u8]>) -> Result<Train, String> {
@@ -42,7 +42,7 @@ fn record(bytes: impl AsRef<[u8]>) -> Result<Train, String> {
 fn course(bytes: impl AsRef<[u8]>) -> (String, f64, f64, Vec<&'static str>) {
     let text = String::from_utf8_lossy(bytes.as_ref()).into_owned();
     let train = record(bytes).unwrap_or_else(|e| panic!("{text}\n{e}"));
-    match &train.scenarios[0].event {
+    match &train.scenarios()[0].event {
         Event::Shaped { force_n, duration_s, drive, .. } => {
             (format!("{drive:?}"), *force_n, *duration_s, codes(&train))
         }
@@ -65,13 +65,13 @@ fn headings_have_many_forms() {
         "label,\"mass, t\",\"rated-load, MN\",stiffness {MN/m}",
     ] {
         let train = table(format!("{header}\nloco,196,0.5,5\ncar a,130,0.5,5\ncar b,30,0.5,5\n")).expect(header);
-        let coupler = train.couplers[1];
+        let coupler = train.couplers()[1];
         assert_eq!(
-            (train.vehicles[1].mass_kg, coupler.rated_draft_n, coupler.stiffness_n_per_m),
+            (train.vehicles()[1].mass_kg, coupler.rated_draft_n, coupler.stiffness_n_per_m),
             (130e3, 5e5, 5e6),
             "{header}"
         );
-        assert_eq!((train.vehicles[1].label.as_str(), codes(&train)), ("car a", vec![]), "{header}");
+        assert_eq!((train.vehicles()[1].label.as_str(), codes(&train)), ("car a", vec![]), "{header}");
     }
 }
 
@@ -138,9 +138,9 @@ fn no_column_is_passed_over_in_silence() {
         };
         let told = match read(&format!("vehicles = \"c.csv\"\n{FRONT}"), &[("c.csv", with.as_bytes())]) {
             Ok(train) => {
-                let changed = train.vehicles != plain.vehicles || train.couplers != plain.couplers;
-                let loaded = train.extras != plain.extras;
-                changed || loaded || !train.origin.doubts.is_empty() || heading == "pos"
+                let changed = train.vehicles() != plain.vehicles || train.couplers() != plain.couplers;
+                let loaded = train.extras() != plain.extras;
+                changed || loaded || !train.origin().doubts.is_empty() || heading == "pos"
             }
             Err(_) => true,
         };
@@ -173,7 +173,7 @@ fn spreadsheets_export_in_many_ways() {
         assert_eq!(masses(utf16(comma, mark, little)), [87.5e3, 90e3, 22.1e3]);
     }
     let train = table(b"label;mass [t]\nG\xfcterwagen;87,5\nb;90\n").expect("Windows-1252");
-    assert_eq!(train.vehicles[0].label, "G\u{fc}terwagen");
+    assert_eq!(train.vehicles()[0].label, "G\u{fc}terwagen");
     // Titles, comments, metadata and blank rows above; a row of units below.
     let all = [
         "# consist 2026-01-01\n",
@@ -319,7 +319,7 @@ fn a_record_on_another_clock_is_shifted_and_says_so() {
     }
     let train = record("time_s,force_kn\n5000,800\n5000.5,0\n").expect("a force at once");
     let text = "the record p.csv starts at 5000 s: its clock at 5000 s, where it has a force at once, is taken as t = 0 of the event";
-    assert_eq!(train.origin.doubts, [Doubt::of_train("record-shifted", text)]);
+    assert_eq!(train.origin().doubts, [Doubt::of_train("record-shifted", text)]);
     // One that starts at 0 is taken as it is.
     assert_eq!(course("time_s,force_kn\n0,0\n3,0\n3.5,800\n4,0\n").2, 4.0);
 }
@@ -341,7 +341,7 @@ fn a_record_s_obstacle_is_named_once() {
     }
     // The case of a prefix counts: m is milli.
     let train = record("time_s,force_mN\n0,0\n1,5\n2,0\n").expect("millinewtons");
-    assert!(matches!(train.scenarios[0].event, Event::Shaped { force_n: 0.005, .. }), "{:?}", train.scenarios[0].event);
+    assert!(matches!(train.scenarios()[0].event, Event::Shaped { force_n: 0.005, .. }), "{:?}", train.scenarios()[0].event);
     let train = record("time_s,force_kn,speed_kmh\n0,0,3\n1,5,3\n2,0,3\n").expect("a third column");
     assert_eq!(codes(&train), ["column-not-read"]);
 }

@@ -149,6 +149,7 @@ fn text_box(element: &str, size: f64) -> (f64, f64, f64, String) {
 fn every_exceedance_of_a_long_train_has_its_mark() {
     let mut train = common::uniform("long", 241, 1e5, 1e7, 1e6, 0.9e6);
     train.scenarios = vec![common::breaks("at the tail", vec![239], Some(60.0))];
+    let train = common::built(&train);
     let analysis = analyze(&train, &Options::default()).expect("sound");
     let case = &analysis.scenarios[0].cases[0];
     let sides = |c: &trainsafe::findings::CouplerFindings| {
@@ -203,8 +204,9 @@ fn ratings_are_readable() {
 #[test]
 fn hostile_names_are_no_markup() {
     let mut train = common::uniform("</svg><script>1</script>", 6, 1e5, 1e7, 1e6, 0.9e6);
-    train.vehicles[2].label = "\"><img src=x>".to_owned();
+    train.vehicles[2].label = Some("\"><img src=x>".to_owned());
     train.scenarios = vec![common::breaks("<b>&", vec![2], None)];
+    let train = common::built(&train);
     let analysis = analyze(&train, &Options::default()).expect("sound");
     let files = report::documents(&train, &analysis, &report::Format::ALL).expect("written");
     for (name, bytes) in files.iter().filter(|(name, _)| name.ends_with(".svg")) {

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use trainsafe::consist::{self, Train};
+use trainsafe::consist;
+use trainsafe::train::Train;
 use trainsafe::{Options, analyze};
 
 fn parse(text: &str) -> Train {
@@ -50,8 +51,8 @@ fn a_held_head_pulls_what_is_behind() {
     let (heavy, light) = (80.0 * (15.0 + slope(0.02)), 20.0 * (30.0 - slope(0.01)));
     let expected = [3.0 * heavy + 2.0 * light, 2.0 * heavy + 2.0 * light, heavy + 2.0 * light, 2.0 * light, light];
     let train = parse(&text);
-    close(&train.initial_force_n, &expected);
-    assert_eq!(train.extras.steady.map(|s| s.acceleration_m_per_s2), Some(0.0));
+    close(train.initial_force_n(), &expected);
+    assert_eq!(train.extras().steady.map(|s| s.acceleration_m_per_s2), Some(0.0));
 }
 
 /// A locomotive that brakes alone is pushed by the cars.
@@ -91,7 +92,7 @@ fn a_tapered_rear_part() {
             4.4 * f64::from(n)
         );
         let train = parse(&text);
-        assert!((train.initial_force_n[0] - 1.0).abs() < 1e-14);
+        assert!((train.initial_force_n()[0] - 1.0).abs() < 1e-14);
         let analysis = analyze(&train, &Options::default()).expect("sound");
         let couplers = &analysis.scenarios[0].cases[0].couplers;
         let most = |f: &dyn Fn(&trainsafe::findings::CouplerFindings) -> Option<f64>| {

@@ -21,9 +21,9 @@ mod table;
 
 use std::time::Duration;
 
-use crate::consist::Train;
 use crate::report::WriteError;
-use crate::scenario::{self, Event, Part, Scales, Scenario};
+use crate::scenario::{self, Part, Scales};
+use crate::train::{Event, Scenario, Train};
 use crate::solve::{Method, SolveError, Work};
 use bench::Bench;
 use reference::ReferenceError;
@@ -170,7 +170,7 @@ pub enum AccuracyError {
 /// refuses.
 pub fn run(train: &Train, scenario_name: Option<&str>, options: &Options) -> Result<Accuracy, AccuracyError> {
     let chosen = choose(train, scenario_name)?;
-    let extras = &train.extras;
+    let extras = train.extras();
     let beyond = scenario::beyond_steps(&extras.dashpot_n_s_per_m, &chosen.event) || scenario::is_march(train, chosen);
     if extras.damping_ratio > 0.0 || beyond {
         return Err(AccuracyError::BeyondSteps { scenario: chosen.name.clone() });
@@ -187,7 +187,7 @@ pub fn run(train: &Train, scenario_name: Option<&str>, options: &Options) -> Res
     bench.peers();
     let first = part.first_coupler + 1;
     Ok(Accuracy {
-        train: train.name.clone(),
+        train: train.name().to_owned(),
         scenario: chosen.name.clone(),
         broken_coupler: broken.map(|b| b + 1),
         couplers: [first, first + part.scene.initial.len() - 1],
@@ -200,10 +200,10 @@ pub fn run(train: &Train, scenario_name: Option<&str>, options: &Options) -> Res
 }
 
 fn choose<'a>(train: &'a Train, scenario: Option<&str>) -> Result<&'a Scenario, AccuracyError> {
-    let found = train.scenarios.iter().find(|s| scenario.is_none_or(|name| s.name == name));
+    let found = train.scenarios().iter().find(|s| scenario.is_none_or(|name| s.name == name));
     found.ok_or_else(|| AccuracyError::UnknownScenario {
         asked: scenario.unwrap_or_default().to_owned(),
-        known: train.scenarios.iter().map(|s| format!("{:?}", s.name)).collect(),
+        known: train.scenarios().iter().map(|s| format!("{:?}", s.name)).collect(),
     })
 }
 
@@ -221,5 +221,5 @@ fn longest_part(train: &Train, scenario: &Scenario) -> Option<(Option<usize>, Pa
 }
 
 fn largest_rating(train: &Train) -> f64 {
-    train.couplers.iter().map(|c| c.rated_draft_n.max(c.rated_buff_n)).fold(0.0, f64::max)
+    train.couplers().iter().map(|c| c.rated_draft_n.max(c.rated_buff_n)).fold(0.0, f64::max)
 }

@@ -16,7 +16,7 @@ use super::Files;
 use super::heading::{Content, Wanted};
 use super::sheet::{Record, Sheet};
 use super::tree::{Read, Value};
-use crate::doubts::Doubt;
+use crate::train::Doubt;
 use crate::error::{InputError, Problem, Problems, printable_path, quoted};
 use crate::keys::Sign;
 use crate::law::{Curve, CurveProblem, Row};

@@ -7,7 +7,7 @@ mod write;
 use std::path::{Path, PathBuf};
 
 use super::{Files, table};
-use crate::doubts::Doubt;
+use crate::train::Doubt;
 use crate::error::InputError;
 
 /// A train file made from something else.

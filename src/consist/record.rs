@@ -7,7 +7,7 @@ use std::path::Path;
 
 use super::heading::{Content, Wanted};
 use super::sheet::{NoSheet, Record, Sheet};
-use crate::doubts::Doubt;
+use crate::train::Doubt;
 use crate::error::{InputError, Problem, Problems, printable_path, quoted};
 use crate::units::{self, Amount, Dimension, shown};
 

@@ -8,9 +8,9 @@ use std::sync::Arc;
 use toml::de::{DeTable, DeValue};
 
 use super::Files;
-use crate::doubts::Doubt;
 use crate::error::{InputError, Problem, Problems, is_obeyed, printable_path, quoted};
 use crate::keys::{Key, Kind, LONGEST_NAME, Shape, Sign};
+use crate::train::Doubt;
 use crate::units::{self, Amount, Dimension, UnitSystem, one_of};
 
 /// What to do about a path of Windows between double quotes.
@@ -43,6 +43,11 @@ impl Found {
     pub(crate) fn note(&self, problem: Problem) -> Reported {
         self.problems.borrow_mut().note(problem);
         Reported(())
+    }
+
+    /// The same, unless it has been noted.
+    pub(crate) fn note_once(&self, problem: Problem) -> Reported {
+        if self.problems.borrow().has(&problem) { Reported(()) } else { self.note(problem) }
     }
 
     /// Something that is probably not meant, and no error.
@@ -128,6 +133,25 @@ impl<'s> Table<'s> {
     /// The place of a key, if it is there.
     pub(crate) fn key_span(&self, key: &str) -> Option<Range<usize>> {
         self.table.get_key_value(key).map(|(k, _)| k.span())
+    }
+
+    /// The place of what a path names, such as `vehicle[3].mass`, or else of the innermost table on its way.
+    pub(crate) fn place(&self, path: &str) -> Option<Range<usize>> {
+        let mut table = self.table;
+        let mut at = None;
+        for step in path.split('.') {
+            let (name, index) = step.split_once('[').map_or((step, None), |(name, index)| (name, Some(index)));
+            let Some(value) = table.get(name) else { break };
+            let index = index.and_then(|index| index.strip_suffix(']')?.parse::<usize>().ok());
+            let item = match (value.get_ref(), index) {
+                (DeValue::Array(items), Some(index)) => items.get(index).unwrap_or(value),
+                _ => value,
+            };
+            at = Some(item.span());
+            let DeValue::Table(inner) = item.get_ref() else { break };
+            table = inner;
+        }
+        at
     }
 
     /// The value of a key that must be there.
@@ -404,17 +428,10 @@ impl<'s> Value<'s> {
         let amount = units::parse(text, dimension, share)
             .map_err(|bad| self.wrong(format!("{} {}", self.key.name, bad.found), bad.right))?;
         let (Amount::Si(value) | Amount::Share(value)) = amount;
-        let found = match sign {
-            Sign::Positive | Sign::NotNegative if value < 0.0 => "is negative",
-            Sign::Positive | Sign::NonZero if value == 0.0 => "is zero",
-            _ => return Ok(amount),
-        };
-        let right = match sign {
-            Sign::Positive => "expected more than zero",
-            Sign::NotNegative => "expected zero or more",
-            _ => "expected a force other than zero",
-        };
-        Err(self.wrong(format!("{} {found}", self.key.name), right))
+        match sign.refuses(value) {
+            Some([found, right]) => Err(self.wrong(format!("{} {found}", self.key.name), right)),
+            None => Ok(amount),
+        }
     }
 
     /// The items of a list, or the value itself as the only one.

@@ -4,9 +4,9 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{CaseFindings, Options, general};
-use crate::consist::{Extras, Train};
 use crate::play::Rule;
-use crate::scenario::{self, Scenario};
+use crate::scenario;
+use crate::train::{Scenario, Train};
 use crate::solve::SolveError;
 
 /// Damping ratios of a dashpot, c / (2 √(k m)): the range that is published for draft gears, and a value between.
@@ -54,7 +54,7 @@ pub(super) fn sweep(
 }
 
 fn has_losses(train: &Train) -> bool {
-    train.extras.damping_ratio > 0.0 || !train.extras.dashpot_n_s_per_m.is_empty()
+    train.extras().damping_ratio > 0.0 || !train.extras().dashpot_n_s_per_m.is_empty()
 }
 
 /// The case with dashpots of one ratio; `None` where that would take too long.
@@ -65,8 +65,8 @@ fn with_ratio(
     ratio: f64,
     options: &Options,
 ) -> Result<Option<DampingFindings>, SolveError> {
-    let dashpot_n_s_per_m = (0..train.couplers.len()).map(|i| ratio * critical_n_s_per_m(train, i)).collect();
-    let damped = Train { extras: Extras { dashpot_n_s_per_m, ..train.extras.clone() }, ..train.clone() };
+    let dashpot_n_s_per_m = (0..train.couplers().len()).map(|i| ratio * critical_n_s_per_m(train, i)).collect();
+    let damped = train.with_dashpots(dashpot_n_s_per_m);
     let broken = case.broken_coupler.map(|b| b - 1);
     if general::estimate_s(&damped, scenario, broken, case.horizon_s, Rule::Keep) > MOST_SECONDS {
         return Ok(None);
@@ -87,7 +87,7 @@ fn with_ratio(
 
 /// Critical damping of a coupler between its lighter vehicle and a wall, 2 √(k m), N s/m; 0 between two held vehicles.
 pub(crate) fn critical_n_s_per_m(train: &Train, coupler: usize) -> f64 {
-    let live = [coupler, coupler + 1].into_iter().map(|v| &train.vehicles[v]).filter(|v| !v.held);
+    let live = [coupler, coupler + 1].into_iter().map(|v| &train.vehicles()[v]).filter(|v| !v.held);
     let mass = live.map(|v| v.mass_kg).fold(f64::INFINITY, f64::min);
-    if mass.is_finite() { 2.0 * (train.couplers[coupler].stiffness_n_per_m * mass).sqrt() } else { 0.0 }
+    if mass.is_finite() { 2.0 * (train.couplers()[coupler].stiffness_n_per_m * mass).sqrt() } else { 0.0 }
 }

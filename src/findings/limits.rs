@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::{CouplerFindings, of_number};
-use crate::consist::{LIMITS, SENSES, Train};
+use crate::train::{LIMITS, SENSES, Train};
 use crate::solve::SolveError;
 
 /// A coupler's largest forces against its other capacities.
@@ -71,7 +71,7 @@ pub(super) fn find(
     error_bound_n: f64,
     solve: impl Fn(&Train) -> Result<Vec<CouplerFindings>, SolveError>,
 ) -> Result<(), SolveError> {
-    if train.extras.limits.is_empty() {
+    if train.extras().limits.is_empty() {
         return Ok(());
     }
     let (mut all, mut open): (Vec<Vec<LimitInSense>>, Vec<AtTheLoad>) = (Vec::new(), Vec::new());
@@ -101,7 +101,7 @@ fn largest_n(c: &CouplerFindings) -> [f64; 2] {
 /// A coupler's largest forces against each of its capacities.
 fn against(train: &Train, c: &CouplerFindings, error_bound_n: f64) -> Vec<LimitInSense> {
     let largest = largest_n(c);
-    let limits = train.extras.limits.get(c.coupler - 1).copied().unwrap_or_default();
+    let limits = train.extras().limits.get(c.coupler - 1).copied().unwrap_or_default();
     let mut entries = Vec::new();
     for (sense, capacities) in limits.in_senses().into_iter().enumerate() {
         for (limit, limit_n) in LIMITS.into_iter().zip(capacities).filter_map(|(name, n)| Some((name, n?))) {
@@ -123,7 +123,7 @@ fn settle(
     open: &mut Vec<AtTheLoad>,
     solve: &impl Fn(&Train) -> Result<Vec<CouplerFindings>, SolveError>,
 ) -> Result<(), SolveError> {
-    let mut rated = Train { couplers: train.couplers.clone(), ..train.clone() };
+    let mut rated = train.couplers().to_vec();
     let mut asked: Vec<(AtTheLoad, usize)> = Vec::new();
     let mut later = Vec::new();
     for at in open.drain(..) {
@@ -133,11 +133,11 @@ fn settle(
             later.push(at);
             continue;
         }
-        let coupler = &mut rated.couplers[couplers[at.place].coupler - 1];
+        let coupler = &mut rated[couplers[at.place].coupler - 1];
         *[&mut coupler.rated_draft_n, &mut coupler.rated_buff_n][side] = limit.limit_n;
         asked.push((at, side));
     }
-    let found = solve(&rated)?;
+    let found = solve(&train.with_couplers(rated))?;
     for (at, side) in asked {
         let number = couplers[at.place].coupler;
         all[at.place][at.entry].passed = of_number(&found, number).and_then(|c| c.exceeds_in[side]);

@@ -2,10 +2,10 @@
 
 use super::general::Solved;
 use super::{CouplerFindings, Ending, Options, Seen, coupler_findings, first_passage, largest_rating_n, worst};
-use crate::consist::Train;
 use crate::march::{self, Ask, Bound, Extremes, Outcome, Problem};
 use crate::play::Rule;
-use crate::scenario::{self, Scenario};
+use crate::scenario;
+use crate::train::{Scenario, Train};
 use crate::solve::SolveError;
 
 /// The error that forces may have, as a share of the largest rating, where less is asked for: a march that goes on until its
@@ -33,7 +33,7 @@ pub(super) fn tolerance_n(train: &Train, options: &Options) -> f64 {
 /// What is asked of a march: forces as good as the options want them, and when they pass the ratings.
 pub(super) fn ask(train: &Train, options: &Options) -> Ask {
     Ask {
-        capacity_n: train.couplers.iter().map(|c| [c.rated_draft_n, c.rated_buff_n]).collect(),
+        capacity_n: train.couplers().iter().map(|c| [c.rated_draft_n, c.rated_buff_n]).collect(),
         tolerance_n: Some(tolerance_n(train, options)),
         ..Ask::default()
     }
@@ -99,7 +99,7 @@ pub(super) fn ending(outcome: &Outcome) -> Option<Ending> {
 fn seen(train: &Train, outcome: &Outcome, i: usize, extremes: Extremes, error_n: Option<&[f64; 2]>) -> Seen {
     let factor = if matches!(outcome.bound, Bound::Estimated(_)) { MARGIN } else { 1.0 };
     let margins = error_n.map_or([f64::INFINITY; 2], |of| of.map(|n| factor * n));
-    let c = &train.couplers[i];
+    let c = &train.couplers()[i];
     let largest = [(extremes.draft.force_n, extremes.draft.time_s), (-extremes.buff.force_n, extremes.buff.time_s)];
     let ratings = [c.rated_draft_n, c.rated_buff_n];
     let exceeds = |side: usize| {
@@ -147,7 +147,7 @@ pub(super) fn estimate_s(
 }
 
 fn reason(train: &Train) -> &'static str {
-    if train.extras.laws.is_empty() {
+    if train.extras().laws.is_empty() {
         "forces from outside change on several vehicles"
     } else {
         "couplers with slack or gears change their stiffness while they move"

@@ -85,12 +85,7 @@ impl Study {
 
 /// Whether a file's text is a study rather than a train.
 pub fn is_study(text: &str) -> bool {
-    DeTable::parse(text).is_ok_and(|root| is_study_root(root.get_ref()))
-}
-
-/// The same of a text that has been parsed.
-pub(crate) fn is_study_root(root: &DeTable) -> bool {
-    ["trains", "vary"].iter().any(|key| root.contains_key(*key))
+    DeTable::parse(text).is_ok_and(|root| consist::is_study(root.get_ref()))
 }
 
 /// Reads a study file's text; `path` is what messages call it.

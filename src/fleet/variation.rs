@@ -8,7 +8,8 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 use super::base::Base;
 use super::spread::{number, shown};
 use super::study::{Draws, Input, Per, Study};
-use crate::consist::{self, Train};
+use crate::consist;
+use crate::train::Train;
 
 /// A variation of a train, with its inputs as cells of a table; or what is wrong with it.
 pub struct Varied {
@@ -124,7 +125,7 @@ fn put_in_vehicles<'i>(
         let group = tree.get("vehicle").and_then(|v| v.as_array()?.get(index)?.as_table());
         let count = group.and_then(|group| group.get("count")).and_then(toml::Value::as_integer).unwrap_or(1);
         // The reader refuses what is no number of vehicles.
-        let count = usize::try_from(count).ok().filter(|n| (1..=consist::MOST_VEHICLES).contains(n)).unwrap_or(1);
+        let count = usize::try_from(count).ok().filter(|n| (1..=crate::train::MOST_VEHICLES).contains(n)).unwrap_or(1);
         for &(k, input) in &inputs {
             puts[k] = draw(k, count);
             input.key.put(tree, puts[k][0].clone())?;

@@ -2,7 +2,7 @@
 
 use super::numbers::{digits, force, time};
 use super::words::{count, moment, sense};
-use crate::consist::LIMITS;
+use crate::train::LIMITS;
 use crate::findings::{CascadeBreak, CascadeFindings, CaseFindings, ScenarioFindings};
 use crate::units::UnitSystem;
 

@@ -2,7 +2,7 @@
 
 use super::numbers::{digits, force_in, force_unit, given_force_in};
 use super::words::count;
-use crate::consist::{LIMITS, SENSES};
+use crate::train::{LIMITS, SENSES};
 use crate::findings::{CaseFindings, CouplerFindings, LimitInSense, ScenarioFindings};
 use crate::units::{UnitSystem, one_of};
 

@@ -43,7 +43,7 @@ pub use folder::{between_writes, can_write};
 pub use result_json::json;
 pub use terminal_table::terminal;
 
-use crate::consist::Train;
+use crate::train::Train;
 use crate::findings::Analysis;
 use markdown::Pictures;
 use pictures::Shown;

@@ -4,7 +4,7 @@ use super::super::reference::Real;
 use super::super::reference::march::{March, System, long, march};
 use super::kinds::{Quantity, Tallies, kept, with_factor};
 use super::trains::{Drawn, Event, Kind, Rated, courses};
-use crate::consist::SENSES;
+use crate::train::SENSES;
 use crate::findings::{CaseFindings, CouplerFindings, MapPoint};
 
 /// One scene's comparisons.

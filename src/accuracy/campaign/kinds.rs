@@ -140,7 +140,7 @@ fn analyzed(drawn: &Drawn, rated: &super::trains::Rated, judge: &mut Judge) -> O
     let map = steps && judge.seed.is_multiple_of(3);
     match analyze(&train, &Options { all_time_bound: drawn.system.ratio == 0.0, map, ..Options::default() }) {
         Ok(mut analysis) => {
-            judge.loads(&train.initial_force_n);
+            judge.loads(train.initial_force_n());
             let mut found = analysis.scenarios.pop()?;
             let points = found.map.map_or(vec![], |m| m.points);
             let every = (points.len() / 3).max(1);

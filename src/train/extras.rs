@@ -61,14 +61,24 @@ impl Limits {
         Limits { draft_n: or(self.draft_n, other.draft_n), buff_n: or(self.buff_n, other.buff_n) }
     }
 
-    /// What is not in rising order, as a phrase: `proof in draft, 2 MN, is above ultimate, 1.8 MN`.
-    pub(crate) fn disorder(&self) -> Option<String> {
+    /// Those that are given, with their names: `draft.proof`.
+    pub(crate) fn named(&self) -> impl Iterator<Item = (String, f64)> {
+        let all = SENSES.into_iter().zip(self.in_senses());
+        let of_sense = |(sense, capacities): (&'static str, [Option<f64>; 3])| {
+            LIMITS.into_iter().zip(capacities).filter_map(move |(name, n)| Some((format!("{sense}.{name}"), n?)))
+        };
+        all.flat_map(of_sense)
+    }
+
+    /// What is not in rising order, and what would be right: `proof in draft, 2 MN, is above ultimate, 1.8 MN`.
+    pub(crate) fn disorder(&self) -> Option<[String; 2]> {
         let force = |n: f64| shown(n, Dimension::Force);
         let in_sense = |(capacities, sense): ([Option<f64>; 3], &str)| {
             let given: Vec<_> = LIMITS.iter().zip(capacities).filter_map(|(name, n)| Some((name, n?))).collect();
             let wrong = given.windows(2).find(|pair| pair[0].1 > pair[1].1)?;
             let [(lower, a), (upper, b)] = [wrong[0], wrong[1]];
-            Some(format!("{lower} in {sense}, {}, is above {upper}, {}", force(a), force(b)))
+            let right = "the order is fatigue, proof, ultimate, and none is above the next";
+            Some([format!("{lower} in {sense}, {}, is above {upper}, {}", force(a), force(b)), right.to_owned()])
         };
         self.in_senses().into_iter().zip(SENSES).find_map(in_sense)
     }

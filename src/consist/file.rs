@@ -4,8 +4,6 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::path::Path;
 
-use toml::de::DeTable;
-
 use super::keys::{BEHIND, COUPLER, TRAIN};
 use super::labels::Labels;
 use super::laws::LawKeys;
@@ -47,8 +45,9 @@ pub(super) fn train(
     let couplers = own.len() - 1;
     let bases = match each {
         Some(each) => {
-            let drawn = |text: &String| drawn_coupler(found, text, path, files);
-            each(couplers).iter().map(drawn).collect::<Read<_>>()?
+            let mut drawn = Vec::with_capacity(couplers);
+            each(couplers, &mut |tree| drawn.push(base_coupler(&Table::root(found, tree, &TRAIN), path, files)));
+            drawn.into_iter().collect::<Read<_>>()?
         }
         None => vec![base; couplers],
     };
@@ -264,13 +263,6 @@ fn together(table: &Table, law: LawKeys) -> Read<LawKeys> {
             None => table.wrong(title, help),
         }),
     }
-}
-
-/// The `[coupler]` that a study gives one coupler.
-fn drawn_coupler(found: &Found, text: &str, path: &Path, files: &Files) -> Read<Ratings> {
-    let wrong = |e: toml::de::Error| found.note(Problem::of_file(format!("not TOML: {}", e.message()), ""));
-    let root = DeTable::parse(text).map_err(wrong)?;
-    base_coupler(&Table::root(found, root.get_ref(), &TRAIN), path, files)
 }
 
 /// What a table of vehicles says of the couplers behind them.

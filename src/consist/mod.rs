@@ -97,20 +97,6 @@ pub fn parse(text: &str, path: &Path) -> Result<Train, InputError> {
 /// # Errors
 /// As for [`parse`].
 pub fn parse_with(text: &str, path: &Path, files: &Files) -> Result<Train, InputError> {
-    parse_drawn(text, path, files, None)
-}
-
-/// Texts of `[coupler]`, one for each coupler, for a train with so many couplers.
-pub(crate) type EachCoupler<'a> = &'a dyn Fn(usize) -> Vec<String>;
-
-/// The same with a `[coupler]` for each coupler, where there are any, in the place of the file's one. What a table of vehicles or
-/// a `[[coupler_override]]` says of a coupler holds over its own `[coupler]` as it does over the common one.
-pub(crate) fn parse_drawn(
-    text: &str,
-    path: &Path,
-    files: &Files,
-    each: Option<EachCoupler>,
-) -> Result<Train, InputError> {
     if text.trim().is_empty() {
         let help = "`trainsafe new` prints one to start from";
         return Err(InputError::of_file(path, "the train file is empty", help));
@@ -119,8 +105,27 @@ pub(crate) fn parse_drawn(
     if is_study(parsed.get_ref()) {
         return Err(not_train(text, path).unwrap_or_else(|| InputError::of_file(path, "this is a study", "")));
     }
+    read_tree(parsed.get_ref(), text, path, files, None)
+}
+
+/// Hands trees with a `[coupler]` over, one for each coupler of a train with so many couplers.
+pub(crate) type EachCoupler<'a> = &'a dyn Fn(usize, &mut dyn FnMut(&DeTable));
+
+/// Reads the tree of a train file, whose places are those of the text; with a `[coupler]` for each coupler, where there are any, in
+/// the place of the file's one. What a table of vehicles or a `[[coupler_override]]` says of a coupler holds over its own `[coupler]`
+/// as it does over the common one.
+///
+/// # Errors
+/// As for [`parse`].
+pub(crate) fn read_tree(
+    tree: &DeTable,
+    text: &str,
+    path: &Path,
+    files: &Files,
+    each: Option<EachCoupler>,
+) -> Result<Train, InputError> {
     let found = tree::Found::default();
-    let root = tree::Table::root(&found, parsed.get_ref(), &keys::TRAIN);
+    let root = tree::Table::root(&found, tree, &keys::TRAIN);
     let named = root.get("vehicles").filter(|value| value.as_text().is_some());
     let rows = match named.map(|value| value.text_beside(path, files, table::is_table)) {
         Some(Ok((beside, text))) => Ok(Some(table::parse(&text, &beside, path, files)?)),
@@ -134,7 +139,7 @@ pub(crate) fn parse_drawn(
             let origin = Origin { sources: files.list(), doubts, text: text.into(), ..train.origin().clone() };
             Ok(train.with_origin(origin))
         }
-        _ => Err(InputError::new(path, text, problems).with_keys(parsed.get_ref())),
+        _ => Err(InputError::new(path, text, problems).with_keys(tree)),
     }
 }
 

@@ -201,6 +201,12 @@ impl Train {
         Train { couplers, ..self.clone() }
     }
 
+    /// The same with the text of its file.
+    pub(crate) fn with_text(mut self, text: &str) -> Train {
+        self.origin.text = text.into();
+        self
+    }
+
     /// The same with where it was read from.
     pub(crate) fn with_origin(self, origin: Origin) -> Train {
         Train { origin, ..self }

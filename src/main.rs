@@ -175,7 +175,7 @@ fn accuracy(args: &cli::Accuracy) -> Result<(), Failure> {
     let train = read(path)?;
     let dir = args.out.clone().unwrap_or_else(|| named_after(path, "reports/accuracy"));
     prepare_to_write(&dir)?;
-    let options = accuracy::Options::default();
+    let options = accuracy::AccuracyOptions::default();
     let compared = accuracy::run(&train, args.scenario.as_deref(), &options).map_err(|e| complain(path, &e))?;
     accuracy::write(&compared, &dir).map_err(|e| match e {
         AccuracyError::Write(_) => output_failed(&e),

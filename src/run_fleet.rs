@@ -4,7 +4,7 @@ use std::io::{self, ErrorKind, IsTerminal};
 use std::path::{Path, PathBuf};
 
 use trainsafe::error::printable_path;
-use trainsafe::fleet::{self, Estimate, FleetError, Format, Outcome, Request};
+use trainsafe::fleet::{self, Estimate, FleetError, FleetFormat, Outcome, Request};
 
 use super::{Failure, cli, options, print, quiet, say, signals, stem, summary, tell};
 
@@ -14,7 +14,7 @@ pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
         options: options(&args.solver),
         shard: args.shard,
         resume: args.resume,
-        formats: args.format.iter().filter_map(|name| Format::from_name(name)).collect(),
+        formats: args.format.iter().filter_map(|name| FleetFormat::from_name(name)).collect(),
         reports: args.reports,
         memo_bytes: None,
         progress: if quiet() { fleet::Telling::Nothing } else { fleet::Telling::Terminal },

@@ -2,7 +2,7 @@
 
 use trainsafe::accuracy::peers::Peer;
 use trainsafe::accuracy::reference::Reference;
-use trainsafe::accuracy::{self, Options, Origin};
+use trainsafe::accuracy::{self, AccuracyOptions, RowOrigin};
 use trainsafe::chain::{Chain, Scene};
 use trainsafe::consist;
 use trainsafe::play::Rule;
@@ -218,8 +218,8 @@ fn loaded(vehicles: usize, load_n: f64) -> Train {
     .unwrap_or_else(|wrong| panic!("{wrong}"))
 }
 
-fn quick() -> Options {
-    Options { runs: 1, ..Options::default() }
+fn quick() -> AccuracyOptions {
+    AccuracyOptions { runs: 1, ..AccuracyOptions::default() }
 }
 
 #[test]
@@ -237,8 +237,8 @@ fn compares_the_longest_part_and_this_crates_bounds_hold() {
         assert!(row.run_time_s > 0.0);
         match (row.origin, row.bound_n) {
             // None of these settings comes closer: smaller, and it was not the march that was measured.
-            (Origin::Peer, None) => assert!(row.force_error_n > 1e-12 * accuracy.rating_n, "{row:?}"),
-            (Origin::Ours(_) | Origin::Planner(_), Some(bound)) => {
+            (RowOrigin::Peer, None) => assert!(row.force_error_n > 1e-12 * accuracy.rating_n, "{row:?}"),
+            (RowOrigin::Ours(_) | RowOrigin::Planner(_), Some(bound)) => {
                 // A bound of more than the tolerance that is never missed would prove nothing.
                 assert!(bound < 1e-9 * accuracy.rating_n, "{row:?}");
                 assert!(row.peak_error_n <= bound && row.force_error_n <= bound, "{row:?}");

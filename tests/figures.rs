@@ -8,7 +8,7 @@ use std::collections::HashSet;
 use std::fs;
 use std::path::Path;
 
-use trainsafe::accuracy::{Accuracy, Effort, Origin, Row};
+use trainsafe::accuracy::{Accuracy, Effort, RowOrigin, MethodRow};
 use trainsafe::solve::Method;
 use trainsafe::{Options, analyze, consist, report};
 
@@ -219,7 +219,7 @@ fn hostile_names_are_no_markup() {
 /// The figures of a comparison and of a fleet are XML too.
 #[test]
 fn figures_of_methods_and_of_fleets_are_xml() {
-    let row = |origin, method, run_time_s: f64, error_n: f64, bound_n| Row {
+    let row = |origin, method, run_time_s: f64, error_n: f64, bound_n| MethodRow {
         origin,
         method,
         setting: String::new(),
@@ -240,9 +240,9 @@ fn figures_of_methods_and_of_fleets_are_xml() {
         rating_n: 1e6,
         doubt_n: 0.0,
         rows: vec![
-            row(Origin::Ours(Method::Modal), "modal", 1e-3, 0.0, Some(1e-6)),
-            row(Origin::Planner(Method::Modal), "modal", 1e-3, 0.0, Some(1e-6)),
-            row(Origin::Peer, "Newmark <1>", 1e-2, 1e3, None),
+            row(RowOrigin::Ours(Method::Modal), "modal", 1e-3, 0.0, Some(1e-6)),
+            row(RowOrigin::Planner(Method::Modal), "modal", 1e-3, 0.0, Some(1e-6)),
+            row(RowOrigin::Peer, "Newmark <1>", 1e-2, 1e3, None),
         ],
         left_out: vec![],
     };

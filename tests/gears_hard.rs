@@ -3,12 +3,12 @@
 mod gears;
 use gears::{curve, gear, gear_a, gear_a_dash, let_go, train, wedge};
 use trainsafe::law::{Law, Rest};
-use trainsafe::march::{Ask, Outcome, Problem, estimate_s, solve};
+use trainsafe::march::{MarchOptions, MarchOutcome, Problem, estimate_s, solve};
 
 const M: f64 = 130e3;
 
-fn run(problem: &Problem) -> Outcome {
-    let out = solve(problem, &Ask { audit: true, ..Ask::default() });
+fn run(problem: &Problem) -> MarchOutcome {
+    let out = solve(problem, &MarchOptions { audit: true, ..MarchOptions::default() });
     let energy = out.energy.expect("asked for");
     let all = energy.start_j.abs() + energy.work_j.abs();
     assert!(energy.created_j <= 1e-12 * all, "{energy:?}");
@@ -112,9 +112,9 @@ fn next_to_no_train() {
 #[test]
 fn estimated_time() {
     let problem = let_go(60, M, &gear(2e8, 0.01, gear_a_dash()), &[6e5], 10.0);
-    let ask = Ask { tolerance_n: Some(1.0), ..Ask::default() };
-    assert!(estimate_s(&problem, &ask) > 2.9 * estimate_s(&problem, &Ask::default()));
-    let steps = solve(&problem, &Ask::default()).steps as f64;
-    let estimated = estimate_s(&problem, &Ask::default()) / 61.0 / 100e-9;
+    let ask = MarchOptions { tolerance_n: Some(1.0), ..MarchOptions::default() };
+    assert!(estimate_s(&problem, &ask) > 2.9 * estimate_s(&problem, &MarchOptions::default()));
+    let steps = solve(&problem, &MarchOptions::default()).steps as f64;
+    let estimated = estimate_s(&problem, &MarchOptions::default()) / 61.0 / 100e-9;
     assert!(estimated > steps && estimated < 10.0 * steps, "{estimated} steps for {steps}");
 }

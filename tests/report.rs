@@ -391,7 +391,7 @@ fn forces_of_nothing_but_zero_are_drawn() {
     let mut idle = uniform("idle", 5, 1e5, 1e7, 1e6, 0.0);
     idle.scenarios = vec![breaks("b", vec![2], None)];
     let dir = tempfile::tempdir().expect("a folder");
-    report::write(&idle, &analysis_of(&idle), dir.path(), &report::Format::ALL).expect("written");
+    report::write(&built(&idle), &analysis_of(&idle), dir.path(), &report::Format::ALL).expect("written");
     let svg = fs::read_to_string(dir.path().join("figure-1-force.svg")).expect("a figure");
     assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
     assert!(svg.contains(">0.5</text>"), "the axis has a scale");

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{breaks, uniform};
-use trainsafe::law::{Curve, Law, Row};
+use trainsafe::law::{Curve, Law, GearRow};
 use trainsafe::play::{Drive, Rule};
 use trainsafe::train::{
     Application, CouplerSpec, Event, Forcing, Limits, Load, PulledTo, Response, Scenario, TrainSpec, VehicleSpec,
@@ -186,7 +186,7 @@ fn couplers_have_laws_and_limits_that_can_be() {
         "coupler[1].limits: proof in draft, 2 MN, is above ultimate, 1.8 MN; the order is fatigue, proof, ultimate, and none \
          is above the next"
     );
-    let row = |travel_m, loading_n, unloading_n| Row { travel_m, loading_n, unloading_n };
+    let row = |travel_m, loading_n, unloading_n| GearRow { travel_m, loading_n, unloading_n };
     let curve = |first: f64| Curve::new(vec![row(0.0, 1e4, first), row(0.05, 9e5, 2e5)]).expect("a curve");
     let gear = |solid_n_per_m, slack_m, first| Law::Gear { solid_n_per_m, slack_m, draft: curve(first), buff: curve(0.0) };
     assert_eq!(

@@ -8,7 +8,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use trainsafe::findings::{self, CaseFindings, Of, ScenarioFindings, Stop};
-use trainsafe::report::{self, Format, Row};
+use trainsafe::report::{self, Format, CouplerRow};
 use trainsafe::solve::Method;
 use trainsafe::{Analysis, Options, Train};
 
@@ -76,7 +76,7 @@ impl Findings {
     /// Every coupler of every case.
     fn couplers(&self, py: Python<'_>) -> PyResult<Table> {
         py.detach(|| {
-            let rows: Vec<Row> = report::coupler_rows(&self.analysis).collect();
+            let rows: Vec<CouplerRow> = report::coupler_rows(&self.analysis).collect();
             Table::of_rows(&report::coupler_columns(&self.analysis), &rows)
         })
     }

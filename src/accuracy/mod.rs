@@ -38,7 +38,7 @@ pub const WATCHED: usize = 128;
 
 /// How much effort a comparison may take.
 #[derive(Clone, Copy, Debug)]
-pub struct Options {
+pub struct AccuracyOptions {
     /// Timed runs of each method at each setting.
     pub runs: usize,
     /// No further run is begun after this time in one row.
@@ -47,15 +47,15 @@ pub struct Options {
     pub most_accelerations: f64,
 }
 
-impl Default for Options {
+impl Default for AccuracyOptions {
     fn default() -> Self {
-        Options { runs: 5, row_time: Duration::from_secs(2), most_accelerations: 3e9 }
+        AccuracyOptions { runs: 5, row_time: Duration::from_secs(2), most_accelerations: 3e9 }
     }
 }
 
 /// Whose a method is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Origin {
+pub enum RowOrigin {
     /// One of this crate's.
     Ours(Method),
     /// One of this crate's, chosen by its planner.
@@ -66,9 +66,9 @@ pub enum Origin {
 
 /// One method at one setting.
 #[derive(Clone, Debug)]
-pub struct Row {
+pub struct MethodRow {
     /// Whose it is.
-    pub origin: Origin,
+    pub origin: RowOrigin,
     /// Its name.
     pub method: &'static str,
     /// Its setting in words.
@@ -116,7 +116,7 @@ pub struct Accuracy {
     /// The reference's own peaks could be larger by this at most, N.
     pub doubt_n: f64,
     /// From coarse to fine, method by method.
-    pub rows: Vec<Row>,
+    pub rows: Vec<MethodRow>,
     /// What was left out, and why.
     pub left_out: Vec<String>,
 }
@@ -168,7 +168,7 @@ pub enum AccuracyError {
 /// # Errors
 /// [`AccuracyError`] for an unknown scenario, one that leaves no coupler or changes no force, and a scene that the reference
 /// refuses.
-pub fn run(train: &Train, scenario_name: Option<&str>, options: &Options) -> Result<Accuracy, AccuracyError> {
+pub fn run(train: &Train, scenario_name: Option<&str>, options: &AccuracyOptions) -> Result<Accuracy, AccuracyError> {
     let chosen = choose(train, scenario_name)?;
     let extras = train.extras();
     let beyond = scenario::beyond_steps(&extras.dashpot_n_s_per_m, &chosen.event) || scenario::is_march(train, chosen);

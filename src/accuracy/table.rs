@@ -5,7 +5,7 @@ use std::path::Path;
 
 use comfy_table::{CellAlignment, Table, presets};
 
-use super::{Accuracy, AccuracyError, Effort, INSTANTS, Row, WATCHED, figure};
+use super::{Accuracy, AccuracyError, Effort, INSTANTS, MethodRow, WATCHED, figure};
 use crate::report::files::WriteError;
 use crate::report::folder;
 use crate::report::markdown::escape;
@@ -148,9 +148,9 @@ pub fn write(accuracy: &Accuracy, dir: &Path) -> Result<(), AccuracyError> {
     Ok(())
 }
 
-fn name(row: &Row) -> String {
+fn name(row: &MethodRow) -> String {
     match row.origin {
-        super::Origin::Planner(_) => format!("planner: {}", row.method),
+        super::RowOrigin::Planner(_) => format!("planner: {}", row.method),
         _ => row.method.to_owned(),
     }
 }

@@ -2,7 +2,7 @@
 
 use super::CaseFindings;
 use crate::train::Train;
-use crate::march::{self, Ask};
+use crate::march::{self, MarchOptions};
 use crate::play::Rule;
 use crate::rod::Rod;
 use crate::scenario::{self, Scales};
@@ -177,7 +177,7 @@ fn compute(
     if scenario::is_march(train, scenario) {
         let rule = if of == Of::Cascade { scenario.cascade } else { Rule::Keep };
         let problem = scenario::march(train, scenario, broken, [until_s; 2], rule);
-        let ask = Ask { history: (0..train.couplers().len()).collect(), times_s: times_s.to_vec(), ..Ask::default() };
+        let ask = MarchOptions { history: (0..train.couplers().len()).collect(), times_s: times_s.to_vec(), ..MarchOptions::default() };
         if of != Of::Rod {
             let histories = march::solve(&problem, &ask).history;
             for (i, forces_n) in histories.iter().enumerate().filter(|(i, _)| of == Of::Cascade || Some(*i) != broken) {

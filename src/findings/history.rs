@@ -2,7 +2,7 @@
 
 use crate::chain::Scene;
 use crate::train::Train;
-use crate::march::{self, Ask};
+use crate::march::{self, MarchOptions};
 use crate::play::Rule;
 use crate::rod::Rod;
 use crate::scenario::{self, Part, Scales};
@@ -17,7 +17,7 @@ pub fn history(train: &Train, scenario: usize, broken: Option<usize>, coupler: u
         let scenario = &train.scenarios()[scenario];
         let horizon_s = times_s.iter().copied().fold(0.0, f64::max);
         let problem = scenario::march(train, scenario, broken, [horizon_s; 2], Rule::Keep);
-        let ask = Ask { history: vec![coupler], times_s: times_s.to_vec(), ..Ask::default() };
+        let ask = MarchOptions { history: vec![coupler], times_s: times_s.to_vec(), ..MarchOptions::default() };
         return march::solve(&problem, &ask).history.pop().unwrap_or_default();
     }
     if scenario::beyond_steps(&train.extras().dashpot_n_s_per_m, event) {

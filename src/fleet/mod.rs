@@ -39,7 +39,7 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-pub use outputs::Format;
+pub use outputs::FleetFormat;
 pub use plan::Shard;
 pub use progress::{Count, Telling};
 
@@ -99,7 +99,7 @@ pub struct Request {
     /// Go on with the run that the folder holds.
     pub resume: bool,
     /// Files to write, besides `fleet.csv` and `errors.csv`.
-    pub formats: Vec<Format>,
+    pub formats: Vec<FleetFormat>,
     /// Trains, the worst, whose full reports are written as well.
     pub reports: usize,
     /// Bytes of memory for scenes that have been solved; `None`: 160 MiB. Results do not depend on it.
@@ -182,7 +182,7 @@ pub fn run(request: &Request, dir: &Path) -> Result<Outcome, FleetError> {
 ///
 /// # Errors
 /// [`FleetError`] where the folder holds no run, or parts are missing.
-pub fn merge(dir: &Path, formats: &[Format]) -> Result<Outcome, FleetError> {
+pub fn merge(dir: &Path, formats: &[FleetFormat]) -> Result<Outcome, FleetError> {
     outputs::can_write(formats)?;
     let none = || FleetError::Usage(format!("{} holds no run of shards to merge", printable_path(dir)));
     parts::read(dir)?.ok_or_else(none)?;
@@ -341,7 +341,7 @@ fn work(plan: &Plan, chunk: usize, progress: &Progress) -> Result<rows::Chunk, F
 fn finish(
     dir: &Path,
     run: &Run,
-    formats: &[Format],
+    formats: &[FleetFormat],
     reports: &dyn Fn(&Summary) -> Result<Reports, FleetError>,
     words: &Words,
 ) -> Result<Outcome, FleetError> {

@@ -16,7 +16,7 @@ const HTML: &str = "fleet.html";
 
 /// A kind of file that a run can write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
+pub enum FleetFormat {
     /// `fleet.csv` and `errors.csv`, which are always written: the others are made from them.
     Csv,
     /// `fleet.md` and its figure.
@@ -27,32 +27,32 @@ pub enum Format {
     Html,
 }
 
-impl Format {
+impl FleetFormat {
     /// All of them.
-    pub const ALL: [Format; 4] = [Format::Csv, Format::Md, Format::Parquet, Format::Html];
+    pub const ALL: [FleetFormat; 4] = [FleetFormat::Csv, FleetFormat::Md, FleetFormat::Parquet, FleetFormat::Html];
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
         match self {
-            Format::Csv => "csv",
-            Format::Md => "md",
-            Format::Parquet => "parquet",
-            Format::Html => "html",
+            FleetFormat::Csv => "csv",
+            FleetFormat::Md => "md",
+            FleetFormat::Parquet => "parquet",
+            FleetFormat::Html => "html",
         }
     }
 
     /// The one of that name.
-    pub fn from_name(name: &str) -> Option<Format> {
-        Format::ALL.into_iter().find(|f| f.name() == name)
+    pub fn from_name(name: &str) -> Option<FleetFormat> {
+        FleetFormat::ALL.into_iter().find(|f| f.name() == name)
     }
 
     /// Files of its own, without the tables.
     fn files(self) -> &'static [&'static str] {
         match self {
-            Format::Csv => &[],
-            Format::Md => &[MARKDOWN, FIGURE],
-            Format::Parquet => &[PARQUET],
-            Format::Html => &[HTML],
+            FleetFormat::Csv => &[],
+            FleetFormat::Md => &[MARKDOWN, FIGURE],
+            FleetFormat::Parquet => &[PARQUET],
+            FleetFormat::Html => &[HTML],
         }
     }
 }
@@ -61,8 +61,8 @@ impl Format {
 ///
 /// # Errors
 /// [`FleetError::Usage`] with how to build one that can.
-pub fn can_write(formats: &[Format]) -> Result<(), FleetError> {
-    if formats.contains(&Format::Parquet) && !cfg!(feature = "parquet") {
+pub fn can_write(formats: &[FleetFormat]) -> Result<(), FleetError> {
+    if formats.contains(&FleetFormat::Parquet) && !cfg!(feature = "parquet") {
         let why = "this trainsafe was built without Parquet: build it with `cargo install --path . --features parquet`";
         return Err(FleetError::Usage(why.to_owned()));
     }
@@ -78,21 +78,21 @@ pub fn write(
     dir: &Path,
     run: &Run,
     summary: &Summary,
-    formats: &[Format],
+    formats: &[FleetFormat],
     links: &HashMap<String, String>,
 ) -> Result<Option<PathBuf>, FleetError> {
     #[cfg(feature = "parquet")]
-    if formats.contains(&Format::Parquet) {
+    if formats.contains(&FleetFormat::Parquet) {
         super::parquet_file::write(&dir.join(super::join::ROWS), run, summary, &dir.join(PARQUET))?;
     }
     let figure = fleet_md::figure(summary, FIGURE.trim_end_matches(".svg"));
     let mut report = None;
-    if formats.contains(&Format::Md) {
+    if formats.contains(&FleetFormat::Md) {
         let text = fleet_md::markdown(run, summary, figure.as_ref().map(|_| FIGURE));
         let figure = figure.iter().map(|svg| (FIGURE, svg.clone()));
         report = Some(put(dir, figure.map(Ok).chain([text.map(|text| (MARKDOWN, text))]))?);
     }
-    if formats.contains(&Format::Html) {
+    if formats.contains(&FleetFormat::Html) {
         let text = page::page(run, summary, figure.as_deref(), links);
         report = Some(put(dir, [text.map(|text| (HTML, text))].into_iter())?);
     }
@@ -116,8 +116,8 @@ fn put(
 }
 
 /// Removes files of an earlier run that this one does not write anew.
-pub fn remove_others(dir: &Path, formats: &[Format]) {
-    for format in Format::ALL.into_iter().filter(|f| !formats.contains(f)) {
+pub fn remove_others(dir: &Path, formats: &[FleetFormat]) {
+    for format in FleetFormat::ALL.into_iter().filter(|f| !formats.contains(f)) {
         for name in format.files() {
             // Most often there is none.
             let _ = fs::remove_file(dir.join(name));

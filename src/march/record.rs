@@ -1,7 +1,7 @@
 //! What is kept of a march: extremes, first instants above capacities, forces at asked instants.
 
 use super::series::{DEGREE, Series, State};
-use super::{Ask, Extremes, Peak, roots};
+use super::{MarchOptions, Extremes, Peak, roots};
 
 #[derive(Clone, Debug)]
 pub struct Record {
@@ -25,7 +25,7 @@ pub struct Taken<'a> {
 
 impl Record {
     /// With the forces at t = 0.
-    pub fn new(start: &[f64], ask: &Ask) -> Record {
+    pub fn new(start: &[f64], ask: &MarchOptions) -> Record {
         let at_start = |f: &f64| {
             let peak = Peak { force_n: *f, time_s: 0.0 };
             Extremes { draft: peak, buff: peak }

@@ -37,7 +37,7 @@ pub(crate) mod words;
 use std::io;
 use std::path::{Path, PathBuf};
 
-pub use couplers_csv::{Cells, Column, Row, coupler_columns, coupler_rows, csv};
+pub use couplers_csv::{Cells, Column, CouplerRow, coupler_columns, coupler_rows, csv};
 pub use files::{WriteError, write_all};
 pub use folder::{between_writes, can_write};
 pub use result_json::json;

@@ -3,7 +3,7 @@
 use super::labels::numbered;
 use super::steady::steady_forces;
 use super::{Coupler, Extras, InvalidTrain, Limits, Origin, Scenario, SpecProblem, Steady, Train, Vehicle, checks};
-use crate::law::{Law, Row};
+use crate::law::{Law, GearRow};
 
 /// A train as it is given: plain data, in SI units, which may be anything. [`TrainSpec::build`] tells what is wrong with it.
 ///
@@ -245,7 +245,7 @@ fn secant_n_per_m(law: &Law, force_n: f64) -> f64 {
     match law {
         Law::Elastic { draft_n_per_m, .. } => *draft_n_per_m,
         Law::Gear { draft, slack_m, .. } => {
-            let last_n = draft.rows().last().map_or(1.0, |row: &Row| row.loading_n);
+            let last_n = draft.rows().last().map_or(1.0, |row: &GearRow| row.loading_n);
             // Near a preload only what is in series gives way, which says nothing of the gear.
             let preload_n = draft.rows().first().map_or(0.0, |row| row.loading_n);
             let force_n = if force_n > 0.0 { force_n.max(2.0 * preload_n) } else { last_n };

@@ -8,7 +8,8 @@ use super::super::reference::march::{March, System, march};
 use super::findings::Judge;
 use super::trains::{Drawn, Kind, draw};
 use crate::findings::{CaseFindings, MapPoint};
-use crate::{Options, analyze, consist};
+use crate::consist;
+use crate::findings::{Options, analyze};
 
 /// What is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -5,13 +5,13 @@ use std::path::Path;
 
 use serde_json::Value;
 use trainsafe::consist;
-use trainsafe::train::Train;
 use trainsafe::doubts;
 use trainsafe::error::InputError;
 use trainsafe::findings::{self, CaseFindings, CouplerFindings, Options};
 use trainsafe::fleet::base::Base;
 use trainsafe::fleet::{study, variation};
 use trainsafe::report;
+use trainsafe::train::Train;
 
 /// A train is analysed if that should take no longer than this, s.
 const BRIEF_S: f64 = 0.02;
@@ -260,8 +260,12 @@ const MAY_BE_NULL: [&str; 20] = [
 ];
 
 fn of_texts(train: &Train, analysis: &findings::Analysis) {
-    let named =
-        train.vehicles().iter().map(|v| &v.label).chain(train.scenarios().iter().map(|s| &s.name)).chain([train.name()]);
+    let named = train
+        .vehicles()
+        .iter()
+        .map(|v| &v.label)
+        .chain(train.scenarios().iter().map(|s| &s.name))
+        .chain([train.name()]);
     let odd_names = named.into_iter().any(|n| ["nan", "inf"].iter().any(|w| n.to_lowercase().contains(w)));
     let terminal = report::terminal(analysis, &[]);
     plain(&terminal);

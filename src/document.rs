@@ -6,9 +6,9 @@ use std::sync::Arc;
 use sha2::{Digest, Sha256};
 
 use crate::consist::{self, Files};
-use crate::train::{Source, Train};
 use crate::error::InputError;
 use crate::fleet::key::Key;
+use crate::train::{Source, Train};
 
 /// The text of a train file and of every file that has been read for it.
 #[derive(Debug)]

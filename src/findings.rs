@@ -21,14 +21,14 @@ mod stop;
 pub use cascade::{CascadeBreak, CascadeFindings};
 pub(crate) use case::case_findings;
 pub use damping::DampingFindings;
+pub(crate) use doubts_found::found;
 pub(crate) use estimate::case_estimate_s;
 pub use estimate::{estimate_s, memory_bytes};
 pub(crate) use field::larger;
 pub use field::{Field, Of, field};
 pub use first_passage::FirstPassage;
-pub(crate) use doubts_found::found;
-pub use idle_options::idle_options;
 pub use history::{history, rod_history};
+pub use idle_options::idle_options;
 pub use limits::{LimitFindings, LimitInSense};
 pub use map::{MapFindings, MapPoint};
 use rayon::prelude::*;
@@ -37,10 +37,10 @@ pub use stop::{Stop, Stopped};
 
 use crate::doubts;
 use crate::scenario::Scales;
-use crate::train::{Doubt, Event, Scenario, Source, Train};
 use crate::solve::memo::Memo;
 use crate::solve::watch::{Side, SpringPeaks};
 use crate::solve::{Ask, Method, SolveError, Wanted};
+use crate::train::{Doubt, Event, Scenario, Source, Train};
 use crate::units::UnitSystem;
 
 /// What one analysis may remember of scenes that it has solved, bytes.

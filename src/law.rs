@@ -35,6 +35,7 @@ pub struct Curve {
 
 /// What is wrong with a gear's table; rows count from 1.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum CurveProblem {
     /// Fewer than two rows.
     #[error("a gear's table has at least two rows, and this one has {0}")]
@@ -66,7 +67,7 @@ pub enum CurveProblem {
 
 impl CurveProblem {
     /// The same with another number for the row that it names.
-    pub fn renumbered(self, number: impl Fn(usize) -> usize) -> CurveProblem {
+    pub(crate) fn renumbered(self, number: impl Fn(usize) -> usize) -> CurveProblem {
         match self {
             CurveProblem::NotFinite(row) => CurveProblem::NotFinite(number(row)),
             CurveProblem::TravelFalls(row) => CurveProblem::TravelFalls(number(row)),
@@ -142,17 +143,17 @@ impl Curve {
     }
 
     /// The travel at which the gear is closed, m.
-    pub fn stroke_m(&self) -> f64 {
+    pub(crate) fn stroke_m(&self) -> f64 {
         self.rows[self.rows.len() - 1].travel_m
     }
 
     /// Work that a full stroke takes up, J: the area under the loading curve.
-    pub fn absorbed_j(&self) -> f64 {
+    pub(crate) fn absorbed_j(&self) -> f64 {
         self.area(|r| r.loading_n)
     }
 
     /// Share of the work of a full stroke that is lost to friction.
-    pub fn lost_share(&self) -> f64 {
+    pub(crate) fn lost_share(&self) -> f64 {
         1.0 - self.area(|r| r.unloading_n) / self.absorbed_j()
     }
 
@@ -188,6 +189,7 @@ pub enum Law {
 
 /// What is wrong with a law whose tables are right.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum LawProblem {
     /// A stiffness that is not positive and finite.
     #[error("a stiffness has to be positive and finite, and this one is {0} N/m")]
@@ -351,7 +353,7 @@ fn risen(w: f64, force: f64, half: f64, draft: &Curve, buff: &Curve) -> f64 {
 #[cfg(test)]
 #[allow(clippy::excessive_precision)] // Reference numbers are given with all their digits.
 mod tests {
-    use super::{Curve, CurveProblem, Law, LawProblem, GearRow};
+    use super::{Curve, CurveProblem, GearRow, Law, LawProblem};
 
     fn curve(rows: &[[f64; 3]]) -> Curve {
         let row = |r: &[f64; 3]| GearRow { travel_m: r[0] / 1e3, loading_n: r[1] * 1e3, unloading_n: r[2] * 1e3 };

@@ -1,14 +1,16 @@
 //! What happens to the train: a coupler breaks, a force strikes a vehicle, or vehicles run into it.
 
-pub mod brakes;
+pub(crate) mod brakes;
 mod marches;
 mod plays;
 
 use crate::chain::{Chain, Scene};
 use crate::train::{Event, Scenario, Train};
 
-pub use marches::{is_march, march};
-pub use plays::{beyond_steps, break_loads, initial_force_n, play, unbalanced_n};
+pub(crate) use marches::is_march;
+pub use marches::march;
+pub(crate) use plays::{beyond_steps, break_loads, unbalanced_n};
+pub use plays::{initial_force_n, play};
 
 /// A part of the train that stays together after the event, in the solvers' units.
 #[derive(Clone, Debug, PartialEq)]
@@ -108,7 +110,7 @@ pub fn last_change_s(train: &Train, scenario: &Scenario, broken: Option<usize>) 
 }
 
 /// One-way transit of a wave through the longest part that a case leaves, s.
-pub fn longest_transit_s(train: &Train, broken: Option<usize>) -> f64 {
+pub(crate) fn longest_transit_s(train: &Train, broken: Option<usize>) -> f64 {
     let scales = Scales::of(train);
     let last = train.vehicles().len() - 1;
     let transit = |from: usize, to: usize| scales.time_s * chain_of(train, from, to, &scales).transit();
@@ -129,7 +131,7 @@ pub fn horizon_s(train: &Train, scenario: &Scenario, broken: Option<usize>) -> f
 ///
 /// From the head to the tail the front part grows and the rear part shrinks, so that the longest part's transit first
 /// falls, then rises. Its smallest value is found by halving.
-pub fn shortest_horizon_s(train: &Train, scenario: &Scenario) -> f64 {
+pub(crate) fn shortest_horizon_s(train: &Train, scenario: &Scenario) -> f64 {
     let Event::Break { couplers } = &scenario.event else { return horizon_s(train, scenario, None) };
     let mut couplers = couplers.clone();
     couplers.sort_unstable();
@@ -143,7 +145,7 @@ pub fn shortest_horizon_s(train: &Train, scenario: &Scenario) -> f64 {
 }
 
 /// Longest horizon of a scenario's cases, s: that of a break nearest to an end.
-pub fn longest_horizon_s(train: &Train, scenario: &Scenario) -> f64 {
+pub(crate) fn longest_horizon_s(train: &Train, scenario: &Scenario) -> f64 {
     let Event::Break { couplers } = &scenario.event else { return horizon_s(train, scenario, None) };
     let ends = [couplers.iter().min(), couplers.iter().max()];
     ends.into_iter().map(|b| horizon_s(train, scenario, b.copied())).fold(0.0, f64::max)

@@ -6,8 +6,8 @@ use trainsafe::accuracy::{self, AccuracyOptions, RowOrigin};
 use trainsafe::chain::{Chain, Scene};
 use trainsafe::consist;
 use trainsafe::play::Rule;
-use trainsafe::train::{CouplerSpec, Event, Load, Scenario, Train, TrainSpec, VehicleSpec};
 use trainsafe::solve::dd::Dd;
+use trainsafe::train::{CouplerSpec, Event, Load, Scenario, Train, TrainSpec, VehicleSpec};
 
 /// A held head and one vehicle whose coupler's force falls from 1 to a mean of 0.25: `F = 1 - 0.75 (1 - cos omega t)`.
 fn one_live_vehicle() -> Scene {
@@ -192,8 +192,7 @@ fn train(vehicles: usize) -> Train {
 
 /// The same with another load, N.
 fn loaded(vehicles: usize, load_n: f64) -> Train {
-    let car =
-        |v: usize| VehicleSpec { label: Some(format!("car {v}")), held: v == 0, ..VehicleSpec::new(1e5) };
+    let car = |v: usize| VehicleSpec { label: Some(format!("car {v}")), held: v == 0, ..VehicleSpec::new(1e5) };
     let coupler = CouplerSpec { rated_buff_n: 1.5e6, ..CouplerSpec::linear(2e7, 1e6) };
     let scenario = |name: &str, couplers: Vec<usize>| Scenario {
         name: name.to_owned(),

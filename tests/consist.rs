@@ -70,7 +70,10 @@ fn an_ore_train() {
     let train = parse(ORE_TRAIN);
     assert_eq!(train.name(), "Ore train");
     assert_eq!((train.vehicles().len(), train.couplers().len(), train.initial_force_n().len()), (105, 104, 104));
-    assert_eq!((train.vehicles()[0].label.as_str(), train.vehicles()[104].label.as_str()), ("locomotive", "ore car 104"));
+    assert_eq!(
+        (train.vehicles()[0].label.as_str(), train.vehicles()[104].label.as_str()),
+        ("locomotive", "ore car 104")
+    );
     assert_eq!((train.vehicles()[0].mass_kg, train.vehicles()[1].mass_kg), (195e3, 160e3));
     assert_eq!((train.vehicles()[0].held, train.vehicles()[1].held), (true, false));
     assert_eq!((train.vehicles()[0].length_m, train.vehicles()[1].length_m), (None, Some(10.9)));

@@ -341,7 +341,11 @@ fn a_record_s_obstacle_is_named_once() {
     }
     // The case of a prefix counts: m is milli.
     let train = record("time_s,force_mN\n0,0\n1,5\n2,0\n").expect("millinewtons");
-    assert!(matches!(train.scenarios()[0].event, Event::Shaped { force_n: 0.005, .. }), "{:?}", train.scenarios()[0].event);
+    assert!(
+        matches!(train.scenarios()[0].event, Event::Shaped { force_n: 0.005, .. }),
+        "{:?}",
+        train.scenarios()[0].event
+    );
     let train = record("time_s,force_kn,speed_kmh\n0,0,3\n1,5,3\n2,0,3\n").expect("a third column");
     assert_eq!(codes(&train), ["column-not-read"]);
 }

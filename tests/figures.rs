@@ -8,7 +8,7 @@ use std::collections::HashSet;
 use std::fs;
 use std::path::Path;
 
-use trainsafe::accuracy::{Accuracy, Effort, RowOrigin, MethodRow};
+use trainsafe::accuracy::{Accuracy, Effort, MethodRow, RowOrigin};
 use trainsafe::solve::Method;
 use trainsafe::{Options, analyze, consist, report};
 

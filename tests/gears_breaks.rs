@@ -3,7 +3,7 @@
 mod gears;
 use gears::{gear, gear_a_dash, let_go, train};
 use trainsafe::law::{Law, Rest};
-use trainsafe::march::{MarchOptions, Bound, Emergency, Problem, solve};
+use trainsafe::march::{Bound, Emergency, MarchOptions, Problem, solve};
 use trainsafe::play::Drive;
 
 const M: f64 = 130e3;
@@ -58,7 +58,10 @@ fn parted_under_compression() {
         let start = vec![law.rest(&[-3e5]); 3];
         let steady_n = vec![-3e5, 0.0, 0.0, 3e5];
         let problem = Problem { start, steady_n, gone: vec![1], ..train(vec![M; 4], vec![law; 3], 10.0) };
-        let out = solve(&problem, &MarchOptions { history: vec![0, 1, 2], times_s: vec![5.0, 10.0], ..MarchOptions::default() });
+        let out = solve(
+            &problem,
+            &MarchOptions { history: vec![0, 1, 2], times_s: vec![5.0, 10.0], ..MarchOptions::default() },
+        );
         for values in &out.history {
             values.iter().for_each(|f| near(*f, -3e5, 1e-9));
         }
@@ -135,7 +138,8 @@ fn proven_with_constant_friction() {
     let row = |w: f64| trainsafe::law::GearRow { travel_m: w, loading_n: h * w + 5e4, unloading_n: h * w - 5e4 };
     let curve = trainsafe::law::Curve::new(vec![row(0.0), row(0.3)]).expect("a slider");
     let law = gear(2e8, 0.0, curve);
-    let out = solve(&let_go(50, M, &law, &[6e5], 20.0), &MarchOptions { tolerance_n: Some(1.0), ..MarchOptions::default() });
+    let out =
+        solve(&let_go(50, M, &law, &[6e5], 20.0), &MarchOptions { tolerance_n: Some(1.0), ..MarchOptions::default() });
     let Bound::Proven(bound) = out.bound else { panic!("{:?}", out.bound) };
     assert!(bound < 1e-2 && out.events > 500, "{bound} {}", out.events);
     // A start that is not at rest on the curve by some units: sqrt(W) of it, 1e-6 N on every coupler, is far over the rounding.

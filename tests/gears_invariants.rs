@@ -3,7 +3,7 @@
 mod gears;
 use gears::train;
 use proptest::prelude::*;
-use trainsafe::law::{Curve, Law, Rest, GearRow};
+use trainsafe::law::{Curve, GearRow, Law, Rest};
 use trainsafe::march::{MarchOptions, MarchOutcome, Problem, solve};
 use trainsafe::play::Drive;
 

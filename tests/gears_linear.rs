@@ -5,7 +5,7 @@ mod gears;
 use gears::train;
 use trainsafe::chain::{Chain, Scene};
 use trainsafe::law::Law;
-use trainsafe::march::{MarchOptions, Bound, Problem, solve};
+use trainsafe::march::{Bound, MarchOptions, Problem, solve};
 use trainsafe::play::{Drive, Play, Rule};
 use trainsafe::solve::taylor;
 

@@ -5,8 +5,8 @@
 
 mod gears;
 use gears::{gear, gear_a, gear_a_dash, let_go, train, wedge};
-use trainsafe::law::{Curve, Law, GearRow};
-use trainsafe::march::{MarchOptions, Bound, Emergency, MarchOutcome, Problem, solve};
+use trainsafe::law::{Curve, GearRow, Law};
+use trainsafe::march::{Bound, Emergency, MarchOptions, MarchOutcome, Problem, solve};
 use trainsafe::play::Drive;
 
 /// The largest force after the break in shares of the pull, negative in buff.
@@ -98,7 +98,8 @@ fn shares_of_friction() {
         let law = |slack| wedge(17.9e6, 2e8, share, slack, 1.0);
         row(&[none, mm_25], EIGHT, |n| cars(&law([0.0, 0.025][n]), &[6e5], 40.0));
     }
-    let half = gear_a().rows().iter().map(|r| GearRow { unloading_n: 0.5 * (r.loading_n + r.unloading_n), ..*r }).collect();
+    let half =
+        gear_a().rows().iter().map(|r| GearRow { unloading_n: 0.5 * (r.loading_n + r.unloading_n), ..*r }).collect();
     of_gear(&Curve::new(half).expect("a table"), slacks, [1.29763475, f64::NAN, 1.11515227]);
 }
 
@@ -202,6 +203,7 @@ fn variants_of_the_brake_wave() {
     // The published figure does not tell when the cylinders are at 30 %: here at the same share of the time.
     assert!((rear(290.0, 0.75, 4.0) - 1.736).abs() < 1e-3);
     let cut = Drive::Lines(vec![[3.0, 0.0], [5.0, -6e5], [99.0, -6e5]]);
-    let front = parts(&solve(&Problem { forcing: vec![(0, cut)], ..hauled(&law, 0.0, true) }, &MarchOptions::default()))[0];
+    let front =
+        parts(&solve(&Problem { forcing: vec![(0, cut)], ..hauled(&law, 0.0, true) }, &MarchOptions::default()))[0];
     assert!((front - 1.080).abs() < 0.51e-3);
 }

@@ -3,8 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-use trainsafe::train::Limits;
 use trainsafe::doubts::doubts;
+use trainsafe::train::Limits;
 use trainsafe::{Analysis, Options, Train, analyze, consist, report};
 
 /// No limit.

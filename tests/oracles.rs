@@ -7,8 +7,8 @@ use scenes::*;
 use serde::Deserialize;
 use trainsafe::chain::{Chain, Scene};
 use trainsafe::play::Rule;
-use trainsafe::train::{CouplerSpec, Event, Load, Scenario, TrainSpec, VehicleSpec};
 use trainsafe::solve::{Ask, Method, Wanted, fronts, propagator, solve};
+use trainsafe::train::{CouplerSpec, Event, Load, Scenario, TrainSpec, VehicleSpec};
 use trainsafe::{Options, analyze};
 
 /// Figures are given to 1e-10 in force and time.

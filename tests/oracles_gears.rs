@@ -21,7 +21,10 @@ fn spring(k: f64, slack_m: f64) -> Law {
 /// A capacity of next to nothing in both senses: the first instants at which couplers carry a force. Of what is left of an event,
 /// a stiffness times 1e-15 m, it is some ten times; the instants are late by the capacity over stiffness and speed.
 fn contacts(problem: &Problem, capacity: f64) -> MarchOutcome {
-    solve(problem, &MarchOptions { capacity_n: vec![[capacity; 2]; problem.laws.len()], audit: true, ..MarchOptions::default() })
+    solve(
+        problem,
+        &MarchOptions { capacity_n: vec![[capacity; 2]; problem.laws.len()], audit: true, ..MarchOptions::default() },
+    )
 }
 
 fn forces(problem: &Problem, times: &[f64]) -> Vec<Vec<f64>> {
@@ -54,7 +57,8 @@ fn bouncing_for_a_minute() {
     let problem = pair(spring(K, 0.025), 1.0, Rest::default(), 60.0);
     let (half, lasts) = (0.21431282468588320731, 0.18931282468588320731);
     let times: Vec<f64> = (0..280).map(|n| 0.0125 + n as f64 * half + 0.5 * lasts).collect();
-    let out = solve(&problem, &MarchOptions { history: vec![0], times_s: times, audit: true, ..MarchOptions::default() });
+    let out =
+        solve(&problem, &MarchOptions { history: vec![0], times_s: times, audit: true, ..MarchOptions::default() });
     for (n, f) in out.history[0].iter().enumerate() {
         // In the middle of a contact the force is flat.
         near(f.abs(), 1078656.5718522276727, 1e-6);

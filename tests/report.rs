@@ -428,7 +428,8 @@ fn a_failure_leaves_an_earlier_report_and_no_fragments() {
     let dir = tempfile::tempdir().expect("a folder");
     fs::write(dir.path().join("report.md"), "earlier").expect("written");
     fs::create_dir_all(dir.path().join("result.json/in the way")).expect("made");
-    let error = report::write(&built(&train), &analysis, dir.path(), &report::Format::ALL).expect_err("a folder is in the way");
+    let error =
+        report::write(&built(&train), &analysis, dir.path(), &report::Format::ALL).expect_err("a folder is in the way");
     assert_eq!(error.path, dir.path().join("result.json"));
     assert!(error.to_string().contains("a folder stands where the file must go"), "{error}");
     assert_eq!(fs::read_to_string(dir.path().join("report.md")).expect("there"), "earlier");
@@ -443,8 +444,8 @@ fn a_file_in_the_place_of_the_folder_is_an_error_that_says_so() {
     let dir = tempfile::tempdir().expect("a folder");
     let path = dir.path().join("taken");
     fs::write(&path, "").expect("written");
-    let error =
-        report::write(&built(&train), &analysis_of(&train), &path, &report::Format::ALL).expect_err("a file is in the way");
+    let error = report::write(&built(&train), &analysis_of(&train), &path, &report::Format::ALL)
+        .expect_err("a file is in the way");
     assert_eq!(error.path, path);
     assert!(error.to_string().contains("choose another folder with --out DIR"), "{error}");
 }
@@ -458,7 +459,8 @@ fn figures_of_an_earlier_report_go_and_other_files_stay() {
     for name in ours.iter().chain(&others) {
         fs::write(dir.path().join(name), "").expect("written");
     }
-    let written = report::write(&built(&train), &analysis_of(&train), dir.path(), &report::Format::ALL).expect("written");
+    let written =
+        report::write(&built(&train), &analysis_of(&train), dir.path(), &report::Format::ALL).expect("written");
     assert!(ours.iter().all(|n| !dir.path().join(n).exists()));
     assert!(others.iter().all(|n| dir.path().join(n).exists()));
     assert_eq!(written.last(), Some(&dir.path().join("report.md")));

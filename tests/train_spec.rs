@@ -3,7 +3,7 @@
 mod common;
 
 use common::{breaks, uniform};
-use trainsafe::law::{Curve, Law, GearRow};
+use trainsafe::law::{Curve, GearRow, Law};
 use trainsafe::play::{Drive, Rule};
 use trainsafe::train::{
     Application, CouplerSpec, Event, Forcing, Limits, Load, PulledTo, Response, Scenario, TrainSpec, VehicleSpec,
@@ -150,7 +150,8 @@ fn only_the_ends_can_be_held() {
         told(both),
         "vehicle[1].held: both vehicles of the train are held, so nothing in it moves; hold one of them, or none"
     );
-    let braked = |s: &mut TrainSpec| s.vehicles[0] = VehicleSpec { held: true, emergency_brake_n: 1.0, ..VehicleSpec::new(1.0) };
+    let braked =
+        |s: &mut TrainSpec| s.vehicles[0] = VehicleSpec { held: true, emergency_brake_n: 1.0, ..VehicleSpec::new(1.0) };
     assert_eq!(
         told(braked),
         "vehicle[0].emergency_brake: emergency_brake of a held vehicle; a held vehicle takes whatever force it needs to keep \
@@ -188,7 +189,8 @@ fn couplers_have_laws_and_limits_that_can_be() {
     );
     let row = |travel_m, loading_n, unloading_n| GearRow { travel_m, loading_n, unloading_n };
     let curve = |first: f64| Curve::new(vec![row(0.0, 1e4, first), row(0.05, 9e5, 2e5)]).expect("a curve");
-    let gear = |solid_n_per_m, slack_m, first| Law::Gear { solid_n_per_m, slack_m, draft: curve(first), buff: curve(0.0) };
+    let gear =
+        |solid_n_per_m, slack_m, first| Law::Gear { solid_n_per_m, slack_m, draft: curve(first), buff: curve(0.0) };
     assert_eq!(
         told(|s| s.couplers[0].law = gear(0.0, 0.0, 0.0)),
         "coupler[0].solid_stiffness: solid_stiffness is zero; expected more than zero"
@@ -257,11 +259,23 @@ fn loads_before_are_not_less_than_the_load() {
 fn scenarios_are_of_vehicles_and_couplers_that_are_there() {
     let of = |event: Event| told(|s| s.scenarios = vec![scenario(event)]);
     let right = "expected a coupler's number from 1 to 4";
-    assert_eq!(of(Event::Break { couplers: vec![] }), format!("scenario[0].coupler: the list of couplers is empty; {right}"));
-    assert_eq!(of(Event::Break { couplers: vec![4] }), format!("scenario[0].coupler: the train has no coupler 5; {right}"));
-    assert_eq!(of(Event::Break { couplers: vec![2, 2] }), "scenario[0].coupler: coupler 3 is listed twice; list it once");
+    assert_eq!(
+        of(Event::Break { couplers: vec![] }),
+        format!("scenario[0].coupler: the list of couplers is empty; {right}")
+    );
+    assert_eq!(
+        of(Event::Break { couplers: vec![4] }),
+        format!("scenario[0].coupler: the train has no coupler 5; {right}")
+    );
+    assert_eq!(
+        of(Event::Break { couplers: vec![2, 2] }),
+        "scenario[0].coupler: coupler 3 is listed twice; list it once"
+    );
     let pulse = |vehicle, force_n| Event::Pulse { vehicle, force_n, duration_s: 0.1 };
-    assert_eq!(of(pulse(5, 1.0)), "scenario[0].at: the train has no vehicle 6; expected a vehicle's number from 1 to 5");
+    assert_eq!(
+        of(pulse(5, 1.0)),
+        "scenario[0].at: the train has no vehicle 6; expected a vehicle's number from 1 to 5"
+    );
     assert_eq!(of(pulse(1, 0.0)), "scenario[0].force: force is zero; expected a force other than zero");
     let held = |s: &mut TrainSpec| {
         s.vehicles[0].held = true;
@@ -289,10 +303,7 @@ fn scenarios_are_of_vehicles_and_couplers_that_are_there() {
 #[test]
 fn scenarios_have_names_of_their_own() {
     let twice = |s: &mut TrainSpec| s.scenarios = vec![breaks("a", vec![1], None), breaks("a", vec![2], None)];
-    assert_eq!(
-        told(twice),
-        "scenario[1].name: two scenarios are named \"a\"; give each scenario a name of its own"
-    );
+    assert_eq!(told(twice), "scenario[1].name: two scenarios are named \"a\"; give each scenario a name of its own");
     let mut spec = five();
     spec.scenarios = ["", "break of coupler 2", ""].map(|name| breaks(name, vec![1], None)).to_vec();
     let train = spec.build().expect("a train");
@@ -310,7 +321,11 @@ fn braked() -> TrainSpec {
 }
 
 fn brake(build_up: Vec<[f64; 2]>) -> Event {
-    Event::Brake { from: vec![0], emergency: true, application: Application { name: None, wave_m_per_s: 250.0, build_up } }
+    Event::Brake {
+        from: vec![0],
+        emergency: true,
+        application: Application { name: None, wave_m_per_s: 250.0, build_up },
+    }
 }
 
 #[test]
@@ -333,7 +348,8 @@ fn brakes_have_what_they_need() {
     );
     assert_eq!(told(&|s| s.speed_m_per_s = None), format!("{key}: emergency needs the train's speed"));
     assert_eq!(told(&|s| s.damping_ratio = 0.1), format!("{key}: emergency in a train with a damping_ratio"));
-    let built_up = |points: Vec<[f64; 2]>| told(&|s: &mut TrainSpec| s.scenarios = vec![scenario(brake(points.clone()))]);
+    let built_up =
+        |points: Vec<[f64; 2]>| told(&|s: &mut TrainSpec| s.scenarios = vec![scenario(brake(points.clone()))]);
     for (points, message) in [
         (vec![], "build_up has fewer than two rows"),
         (vec![[0.0, 0.0], [f64::NAN, 1.0]], "build_up has a value that is not a finite number"),
@@ -381,7 +397,10 @@ fn a_file_is_told_the_same_as_the_library() {
     let of_file = |text: &str| {
         let wrong = consist::parse(text, "t.toml".as_ref()).expect_err("it is no train");
         let problems = wrong.problems().0;
-        problems.iter().map(|p| (p.key.clone(), p.message.clone(), p.place.as_ref().map(|p| p.line))).collect::<Vec<_>>()
+        problems
+            .iter()
+            .map(|p| (p.key.clone(), p.message.clone(), p.place.as_ref().map(|p| p.line)))
+            .collect::<Vec<_>>()
     };
     let one = |key: &str, message: &str, line| vec![(Some(key.to_owned()), message.to_owned(), Some(line))];
     let middle = "a vehicle in the middle of the train is held";

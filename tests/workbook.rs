@@ -7,8 +7,8 @@ use std::path::Path;
 use std::time::Instant;
 
 use trainsafe::consist;
-use trainsafe::train::Train;
 use trainsafe::error::InputError;
+use trainsafe::train::Train;
 
 fn read(vehicles: &str) -> Result<Train, InputError> {
     let coupler = "[coupler]\nstiffness = \"30 MN/m\"\nrated_load = \"1 MN\"\nrated_buff = \"110 %\"\n";

@@ -8,7 +8,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use trainsafe::findings::{self, CaseFindings, Of, ScenarioFindings, Stop};
-use trainsafe::report::{self, Format, CouplerRow};
+use trainsafe::report::{self, CouplerRow, Format};
 use trainsafe::solve::Method;
 use trainsafe::{Analysis, Options, Train};
 

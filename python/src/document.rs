@@ -9,10 +9,10 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use trainsafe::Train;
 use trainsafe::consist;
-use trainsafe::train::{Coupler, Source};
 use trainsafe::document::Document as Text;
 use trainsafe::doubts::doubts;
 use trainsafe::error::InputError;
+use trainsafe::train::{Coupler, Source};
 
 use crate::errors;
 use crate::table::{Table, whole};
@@ -77,7 +77,7 @@ impl Document {
 
     #[getter]
     fn name(&self) -> &str {
-        &self.train.name()
+        self.train.name()
     }
 
     #[getter]

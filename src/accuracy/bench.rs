@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::peers::{Marched, Peer};
 use super::reference::{Extreme, Reference, ReferenceError};
-use super::{Effort, INSTANTS, AccuracyOptions, RowOrigin, MethodRow, WATCHED};
+use super::{AccuracyOptions, Effort, INSTANTS, MethodRow, RowOrigin, WATCHED};
 use crate::chain::Scene;
 use crate::solve::dd::Dd;
 use crate::solve::watch::{Side, SpringPeaks};
@@ -39,7 +39,12 @@ impl<'a> Bench<'a> {
     ///
     /// # Errors
     /// The reference's.
-    pub fn new(scene: &'a Scene, force_n: f64, rating_n: f64, options: AccuracyOptions) -> Result<Bench<'a>, ReferenceError> {
+    pub fn new(
+        scene: &'a Scene,
+        force_n: f64,
+        rating_n: f64,
+        options: AccuracyOptions,
+    ) -> Result<Bench<'a>, ReferenceError> {
         let reference = Reference::new(scene)?;
         let extremes = reference.extremes()?;
         let springs = scene.initial.len();

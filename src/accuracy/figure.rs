@@ -2,7 +2,7 @@
 //!
 //! This crate's methods are filled marks in colours, each with a bar up to the error it claims at most; marching methods are grey.
 
-use super::{Accuracy, RowOrigin, MethodRow};
+use super::{Accuracy, MethodRow, RowOrigin};
 use crate::figures::{Axis, Color, Figure, Panel, Sample, Shape, Stroke};
 use crate::solve::Method;
 

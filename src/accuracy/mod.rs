@@ -23,8 +23,8 @@ use std::time::Duration;
 
 use crate::report::WriteError;
 use crate::scenario::{self, Part, Scales};
-use crate::train::{Event, Scenario, Train};
 use crate::solve::{Method, SolveError, Work};
+use crate::train::{Event, Scenario, Train};
 use bench::Bench;
 use reference::ReferenceError;
 

@@ -11,11 +11,11 @@
 
 use std::path::Path;
 
+use super::Files;
 use super::heading::{Content, Wanted};
 use super::keys::APPLICATION_TABLE;
 use super::sheet::{Record, Sheet};
 use super::tree::{Read, Table, Value};
-use super::Files;
 use crate::error::{InputError, Problem, Problems, printable_path, quoted};
 use crate::keys::Sign;
 use crate::train::{Application, Doubt, Forcing, Vehicle};

@@ -15,7 +15,8 @@ use super::{EachCoupler, Files, STDIN};
 use crate::error::{Problem, printable, quoted};
 use crate::law::Law;
 use crate::train::{
-    CouplerSpec, LIMITS, Limits, Load, MOST_VEHICLES, Origin, PulledTo, SENSES, SpecProblem, Train, TrainSpec, VehicleSpec, many, numbered,
+    CouplerSpec, LIMITS, Limits, Load, MOST_VEHICLES, Origin, PulledTo, SENSES, SpecProblem, Train, TrainSpec,
+    VehicleSpec, many, numbered,
 };
 use crate::units::{Amount, UnitSystem};
 

@@ -16,10 +16,10 @@ use super::Files;
 use super::heading::{Content, Wanted};
 use super::sheet::{Record, Sheet};
 use super::tree::{Read, Value};
-use crate::train::Doubt;
 use crate::error::{InputError, Problem, Problems, printable_path, quoted};
 use crate::keys::Sign;
 use crate::law::{Curve, CurveProblem, GearRow};
+use crate::train::Doubt;
 use crate::units::{self, Amount, Dimension};
 
 /// More rows than this are refused.

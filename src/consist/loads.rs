@@ -79,13 +79,7 @@ fn in_newtons(amount: Amount, weakest_n: f64) -> f64 {
     }
 }
 
-fn load(
-    root: &Table,
-    vehicles: &[VehicleSpec],
-    own: &[OwnLoad],
-    labels: &Labels,
-    weakest_n: f64,
-) -> Read<Load> {
+fn load(root: &Table, vehicles: &[VehicleSpec], own: &[OwnLoad], labels: &Labels, weakest_n: f64) -> Read<Load> {
     let table = root.get("load").map(|v| v.table()).transpose()?;
     let quantity = |key| table.as_ref().and_then(|t| t.get(key)).map(|v| v.quantity()).transpose();
     let resistance = quantity("rolling_resistance");

@@ -96,7 +96,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Train, InputError> {
 ///
 /// # Errors
 /// As for [`parse`].
-pub fn parse_with(text: &str, path: &Path, files: &Files) -> Result<Train, InputError> {
+pub(crate) fn parse_with(text: &str, path: &Path, files: &Files) -> Result<Train, InputError> {
     if text.trim().is_empty() {
         let help = "`trainsafe new` prints one to start from";
         return Err(InputError::of_file(path, "the train file is empty", help));

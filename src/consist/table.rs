@@ -17,12 +17,12 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use super::Files;
 use super::file::{Group, OwnKeys, group};
 use super::heading::{Content, Wanted, normal, only_unit};
 use super::keys::{OVERRIDE, VEHICLE};
 use super::sheet::{ABOVE, Record, Sheet};
 use super::tree::{Found, Table};
-use super::Files;
 use crate::error::{InputError, Problem, Problems, printable_path, quoted};
 use crate::keys::{Kind, Shape};
 use crate::train::{Doubt, MOST_VEHICLES, VehicleSpec, held, many};

@@ -67,8 +67,7 @@ fn no_memory(train: &Train) -> Option<Doubt> {
 
 /// Keys of brakes in a train none of whose scenarios applies any.
 fn without_brakes(train: &Train) -> Vec<Doubt> {
-    let applies =
-        |s: &crate::train::Scenario| s.response.emergency.is_some() || matches!(s.event, Event::Brake { .. });
+    let applies = |s: &crate::train::Scenario| s.response.emergency.is_some() || matches!(s.event, Event::Brake { .. });
     if train.scenarios().iter().any(applies) {
         return vec![];
     }

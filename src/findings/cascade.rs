@@ -9,8 +9,8 @@ use crate::law::Law;
 use crate::march;
 use crate::play::Rule;
 use crate::scenario::{self, Scales};
-use crate::train::{Scenario, Train};
 use crate::solve::{SolveError, taylor};
+use crate::train::{Scenario, Train};
 
 /// The course of a cascade.
 #[derive(Clone, Debug, Serialize)]

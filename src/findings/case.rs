@@ -10,9 +10,9 @@ use super::{
 use crate::play::Rule;
 use crate::rod::Rod;
 use crate::scenario::{self, Part, Scales};
-use crate::train::{Scenario, Train};
 use crate::solve::memo::Memo;
 use crate::solve::{SolveError, Wanted};
+use crate::train::{Scenario, Train};
 
 /// Why a march has no safe load factor.
 const NO_FACTOR: &str =

@@ -6,8 +6,8 @@ use serde::Serialize;
 use super::{CaseFindings, Options, general};
 use crate::play::Rule;
 use crate::scenario;
-use crate::train::{Scenario, Train};
 use crate::solve::SolveError;
+use crate::train::{Scenario, Train};
 
 /// Damping ratios of a dashpot, c / (2 √(k m)): the range that is published for draft gears, and a value between.
 const RATIOS: [f64; 3] = [0.05, 0.14, 0.26];

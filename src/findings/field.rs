@@ -1,12 +1,12 @@
 //! Force in every coupler over time: what a picture of the wave shows.
 
 use super::CaseFindings;
-use crate::train::Train;
 use crate::march::{self, MarchOptions};
 use crate::play::Rule;
 use crate::rod::Rod;
 use crate::scenario::{self, Scales};
 use crate::solve::field;
+use crate::train::Train;
 
 /// Values that are kept: a picture has no room for more, and a page would be slow with them.
 const KEPT: usize = 400_000;
@@ -177,7 +177,11 @@ fn compute(
     if scenario::is_march(train, scenario) {
         let rule = if of == Of::Cascade { scenario.cascade } else { Rule::Keep };
         let problem = scenario::march(train, scenario, broken, [until_s; 2], rule);
-        let ask = MarchOptions { history: (0..train.couplers().len()).collect(), times_s: times_s.to_vec(), ..MarchOptions::default() };
+        let ask = MarchOptions {
+            history: (0..train.couplers().len()).collect(),
+            times_s: times_s.to_vec(),
+            ..MarchOptions::default()
+        };
         if of != Of::Rod {
             let histories = march::solve(&problem, &ask).history;
             for (i, forces_n) in histories.iter().enumerate().filter(|(i, _)| of == Of::Cascade || Some(*i) != broken) {

@@ -13,8 +13,8 @@ use super::case::Case;
 use super::march::Marched;
 use super::{CouplerFindings, of_number, worst};
 use crate::scenario;
-use crate::train::{Scenario, Train};
 use crate::solve::{SolveError, Wanted};
+use crate::train::{Scenario, Train};
 
 /// One coupler's largest forces over the first passage, t = 0 included.
 #[derive(Clone, Debug, PartialEq, Serialize)]

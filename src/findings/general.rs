@@ -5,8 +5,8 @@ use super::{CouplerFindings, Options, Seen, coupler_findings, worst};
 use crate::chain::Scene;
 use crate::play::Rule;
 use crate::scenario::{self, Scales};
-use crate::train::{Event, Scenario, Train};
 use crate::solve::{Ask, Method, Solution, SolveError, damped_modes, taylor};
+use crate::train::{Event, Scenario, Train};
 
 /// What was found of every coupler.
 pub(super) struct Solved {

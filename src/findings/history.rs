@@ -1,12 +1,12 @@
 //! Forces over time, for figures.
 
 use crate::chain::Scene;
-use crate::train::Train;
 use crate::march::{self, MarchOptions};
 use crate::play::Rule;
 use crate::rod::Rod;
 use crate::scenario::{self, Part, Scales};
 use crate::solve::{self, damped_modes, taylor};
+use crate::train::Train;
 
 /// Force in one coupler at given times, N, draft positive: what a figure shows.
 ///

@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use super::{CouplerFindings, of_number};
-use crate::train::{LIMITS, SENSES, Train};
 use crate::solve::SolveError;
+use crate::train::{LIMITS, SENSES, Train};
 
 /// A coupler's largest forces against its other capacities.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -7,9 +7,9 @@ use super::case::Case;
 use super::{Options, safe_factor};
 use crate::rod::Rod;
 use crate::scenario::{self, Part};
-use crate::train::{Event, Scenario, Train};
 use crate::solve::SolveError;
 use crate::solve::memo::Memo;
+use crate::train::{Event, Scenario, Train};
 
 /// Durations in a pulse's map.
 const DURATIONS: usize = 33;

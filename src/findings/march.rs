@@ -2,11 +2,11 @@
 
 use super::general::Solved;
 use super::{CouplerFindings, Ending, Options, Seen, coupler_findings, first_passage, largest_rating_n, worst};
-use crate::march::{self, MarchOptions, Bound, Extremes, MarchOutcome, Problem};
+use crate::march::{self, Bound, Extremes, MarchOptions, MarchOutcome, Problem};
 use crate::play::Rule;
 use crate::scenario;
-use crate::train::{Scenario, Train};
 use crate::solve::SolveError;
+use crate::train::{Scenario, Train};
 
 /// The error that forces may have, as a share of the largest rating, where less is asked for: a march that goes on until its
 /// estimate passes what is asked for ends late enough for every use.

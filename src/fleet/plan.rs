@@ -9,10 +9,10 @@ use super::inputs::Inputs;
 use super::rows::{self, Chunk};
 use super::variation::Varied;
 use crate::doubts::doubts;
-use crate::train::{Doubt, Train};
 use crate::findings::{self, Options, cases};
 use crate::solve::Wanted;
 use crate::solve::memo::Memo;
+use crate::train::{Doubt, Train};
 
 /// Chunks that a run is cut into, if they keep within the limits that follow.
 const CHUNKS: u64 = 1000;

@@ -1,8 +1,8 @@
 //! Rows of `fleet.csv` and `errors.csv`.
 
-use crate::train::Doubt;
 use crate::findings::CaseFindings;
 use crate::report::cells::{number, optional, text};
+use crate::train::Doubt;
 use crate::train::{Scenario, Train};
 
 /// Columns before those of a study's inputs.

@@ -9,10 +9,10 @@ use super::key::Key;
 use super::study::{Input, Per, Study};
 use super::variation::{Reached, probe, vary};
 use crate::consist;
-use crate::train::{CouplerSpec, Doubt, Load, Origin, Source, Train, TrainSpec};
 use crate::doubts::doubts;
 use crate::error::printable_path;
 use crate::findings::{Options, cases, idle_options};
+use crate::train::{CouplerSpec, Doubt, Load, Origin, Source, Train, TrainSpec};
 
 /// What is known of a train file before the run.
 pub struct Survey {

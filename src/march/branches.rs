@@ -3,7 +3,7 @@
 //! `u` is the force at which travel w rises, `l` that at which it falls; over the elongation `q = w + F / kl` the slope of a line
 //! h over w is `h / (1 + h / kl)`. An elastic law is the case `1 / kl = 0`, u = l.
 
-use crate::law::{Curve, Law, GearRow};
+use crate::law::{Curve, GearRow, Law};
 
 /// A knot lies on the line of its neighbours if it is off by less than this share of the forces there.
 const ON_A_LINE: f64 = 1e-13;

@@ -6,8 +6,8 @@
 
 use super::proof::Proof;
 use super::step::{Manner, March, stiffest};
-use super::{MarchOptions, Bound, Extremes, MarchOutcome, Problem};
-use crate::law::{Curve, Law, GearRow};
+use super::{Bound, Extremes, MarchOptions, MarchOutcome, Problem};
+use crate::law::{Curve, GearRow, Law};
 
 /// Largest step times the largest rate: of the run that counts, and of the others.
 const PHASE: f64 = 1.0;
@@ -203,7 +203,12 @@ fn moved(problem: &Problem, seed: u64) -> Problem {
     Problem { laws: laws.collect(), ..problem.clone() }
 }
 
-fn finish(mut march: March, bound: Bound, errors: [Vec<[f64; 2]>; 2], predictable_until_s: Option<f64>) -> MarchOutcome {
+fn finish(
+    mut march: March,
+    bound: Bound,
+    errors: [Vec<[f64; 2]>; 2],
+    predictable_until_s: Option<f64>,
+) -> MarchOutcome {
     // An elongation may be twice the margin past a guard, at its largest stiffness.
     let none = |i: usize| 2.0 * march.past * stiffest(&march.problem.laws[i]);
     march.record.finish(none);

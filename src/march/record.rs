@@ -1,7 +1,7 @@
 //! What is kept of a march: extremes, first instants above capacities, forces at asked instants.
 
 use super::series::{DEGREE, Series, State};
-use super::{MarchOptions, Extremes, Peak, roots};
+use super::{Extremes, MarchOptions, Peak, roots};
 
 #[derive(Clone, Debug)]
 pub struct Record {

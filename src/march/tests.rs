@@ -3,7 +3,7 @@
 use super::mode::{Coupler, Mode};
 use super::step::{Manner, March};
 use super::{MarchOptions, Problem};
-use crate::law::{Curve, Law, Rest, GearRow};
+use crate::law::{Curve, GearRow, Law, Rest};
 use proptest::prelude::*;
 
 /// A spring h beside a slider of constant friction r, in series with kl.

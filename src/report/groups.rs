@@ -1,8 +1,8 @@
 //! The inputs repeated: vehicles and couplers in groups of neighbours that are alike.
 
 use super::numbers::{given_damping, given_force, given_gap, given_length, given_mass, given_stiffness};
-use crate::train::{LIMITS, Train};
 use crate::law::Law;
+use crate::train::{LIMITS, Train};
 use crate::units::UnitSystem;
 
 /// Rows of each table, at most.

@@ -18,10 +18,10 @@ use sha2::{Digest, Sha256};
 
 use super::markdown::{Picture, Pictures};
 use super::words;
-use crate::train::Train;
 use crate::error::harmless;
 use crate::figures::{css, escaped};
 use crate::findings::{Analysis, ScenarioFindings};
+use crate::train::Train;
 
 const STYLE: &str = concat!(include_str!("page.css"), include_str!("report.css"));
 const SCRIPT: &str = include_str!("report.js");

@@ -10,10 +10,10 @@ use super::groups::{self, Groups};
 use super::section::{Section, overview_row, section};
 use super::train_facts::train_facts;
 use super::words;
-use crate::train::Train;
 use crate::error::is_obeyed;
 use crate::findings::Analysis;
 use crate::scenario;
+use crate::train::Train;
 
 const TEMPLATE: &str = include_str!("report.md.jinja");
 

@@ -43,8 +43,8 @@ pub use folder::{between_writes, can_write};
 pub use result_json::json;
 pub use terminal_table::terminal;
 
-use crate::train::Train;
 use crate::findings::Analysis;
+use crate::train::Train;
 use markdown::Pictures;
 use pictures::Shown;
 

@@ -9,8 +9,8 @@ use super::limits;
 use super::markdown::Picture;
 use super::numbers::{brief_time, down, force, force_unit, given_force_in, percent, small_force, time};
 use super::words;
-use crate::train::Train;
 use crate::findings::{CaseFindings, CouplerFindings, ScenarioFindings};
+use crate::train::Train;
 use crate::units::UnitSystem;
 
 /// Rows of a table in the report; the CSV has the rest.

@@ -5,9 +5,9 @@ use super::numbers::{
 };
 use super::words::{count, sense};
 use crate::consist::{self, of_parts};
-use crate::train::{Train, Vehicle};
 use crate::findings::damping::critical_n_s_per_m;
 use crate::scenario;
+use crate::train::{Train, Vehicle};
 
 /// What the train is: name and value of each fact that it has.
 pub fn train_facts(train: &Train) -> Vec<[String; 2]> {
@@ -111,7 +111,11 @@ fn steady(train: &Train) -> Vec<[String; 2]> {
     };
     vec![
         ["forces on the vehicles, forward and backward".to_owned(), {
-            format!("{} and {}", given_force(train.origin().units, sum(1.0)), given_force(train.origin().units, sum(-1.0)))
+            format!(
+                "{} and {}",
+                given_force(train.origin().units, sum(1.0)),
+                given_force(train.origin().units, sum(-1.0))
+            )
         }],
         ["acceleration before the event".to_owned(), acceleration],
     ]

@@ -7,7 +7,7 @@
 use crate::train::{Application, Event, Forcing, Scenario, Train};
 
 /// Distance of each vehicle's middle from the front of the train, m; `None` where a vehicle has no length.
-pub fn middles_m(train: &Train) -> Option<Vec<f64>> {
+pub(crate) fn middles_m(train: &Train) -> Option<Vec<f64>> {
     let mut front = 0.0;
     let middle = |v: &crate::train::Vehicle| {
         let length = v.length_m?;
@@ -18,7 +18,7 @@ pub fn middles_m(train: &Train) -> Option<Vec<f64>> {
 }
 
 /// Distance of the coupler behind each vehicle but the last from the front of the train, m.
-pub fn couplers_m(train: &Train) -> Option<Vec<f64>> {
+pub(crate) fn couplers_m(train: &Train) -> Option<Vec<f64>> {
     let lengths: Option<Vec<f64>> = train.vehicles().iter().map(|v| v.length_m).collect();
     let ends = |lengths: Vec<f64>| {
         let mut front = 0.0;
@@ -33,7 +33,7 @@ pub fn couplers_m(train: &Train) -> Option<Vec<f64>> {
 
 /// Changes of the outside forces on the vehicles that a scenario brings by itself: tractive efforts, and the brakes of a brake
 /// application. Those of an emergency application that a parting sets off are not among them.
-pub fn forcings(train: &Train, scenario: &Scenario) -> Vec<Forcing> {
+pub(crate) fn forcings(train: &Train, scenario: &Scenario) -> Vec<Forcing> {
     let mut all = scenario.response.efforts.clone();
     if let (Event::Brake { from, application, .. }, Some(middles)) = (&scenario.event, middles_m(train)) {
         let full_n = &train.extras().emergency_brake_n;

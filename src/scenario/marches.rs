@@ -9,7 +9,7 @@ use crate::train::{Event, Forcing, Scenario, Train};
 
 /// Whether a scenario of a train is followed by [`crate::march`]: its couplers are not linear, or brakes or drives change after the
 /// event. All else is followed by the methods of [`crate::solve`].
-pub fn is_march(train: &Train, scenario: &Scenario) -> bool {
+pub(crate) fn is_march(train: &Train, scenario: &Scenario) -> bool {
     let response = &scenario.response;
     let driven = response.emergency.is_some() || !response.efforts.is_empty();
     !train.extras().laws.is_empty() || driven || matches!(scenario.event, Event::Brake { .. })

@@ -8,13 +8,13 @@ use crate::play::{Drive, Play, Rule};
 use crate::train::{Event, LIMITS, Limits, Scenario, Train, steady_forces};
 
 /// Whether dashpots or the event are what steps of force on a chain at rest cannot stand for.
-pub fn beyond_steps(dashpots: &[f64], event: &Event) -> bool {
+pub(crate) fn beyond_steps(dashpots: &[f64], event: &Event) -> bool {
     dashpots.iter().any(|c| *c > 0.0) || event.beyond_steps()
 }
 
 /// The loads at which coupler `i` breaks in a cascade, N, in draft and in buff, each with the key that gives it: its ultimate
 /// load where it has one in that sense, else its rating.
-pub fn break_loads(train: &Train, i: usize) -> [(f64, &'static str); 2] {
+pub(crate) fn break_loads(train: &Train, i: usize) -> [(f64, &'static str); 2] {
     let coupler = &train.couplers()[i];
     let [draft, buff] = train.extras().limits.get(i).map_or([None; 2], Limits::ultimate_n);
     let or = |ultimate: Option<f64>, rating, key| ultimate.map_or((rating, key), |n| (n, LIMITS[2]));
@@ -50,7 +50,7 @@ pub fn initial_force_n(train: &Train, event: &Event) -> Vec<f64> {
 /// It is 0 for breaks and pulses, which start from that motion, and for impacts under given forces in the couplers, whose forces
 /// from outside balance each part by itself. After other impacts the p_v go on acting on the coupled train, whose steady state F*
 /// has one acceleration: what is left over is `F(0) - F*`, and moves the vehicles unless the two parts' accelerations are equal.
-pub fn unbalanced_n(train: &Train, event: &Event) -> Vec<f64> {
+pub(crate) fn unbalanced_n(train: &Train, event: &Event) -> Vec<f64> {
     if event.joint(train.vehicles().len()).is_none() || train.extras().steady.is_none() {
         return vec![0.0; train.couplers().len()];
     }

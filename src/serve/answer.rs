@@ -10,10 +10,10 @@ use super::State;
 use super::controls::{Control, controls};
 use super::edit::{self, Change};
 use crate::consist::{self, Files};
-use crate::train::Train;
 use crate::error::{Diagnostic, InputError, printable_path};
 use crate::findings::{self, Options};
 use crate::report;
+use crate::train::Train;
 
 /// Analyses that take longer by their estimate are refused: a page waits for them.
 const MOST_SECONDS: f64 = 10.0;

@@ -11,6 +11,7 @@ use crate::units::{Dimension, shown};
 
 /// One thing that is wrong with a spec.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct SpecProblem {
     /// The key that it is about, as a train file names it: `vehicle[3].mass`, counted from 0. Of couplers there is one for each:
     /// `coupler[0].stiffness`.
@@ -25,6 +26,7 @@ pub struct SpecProblem {
 
 /// A spec that is no train: everything that is wrong with it.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct InvalidTrain {
     /// At least one.
     pub problems: Vec<SpecProblem>,
@@ -161,9 +163,9 @@ pub(super) fn numbers(spec: &TrainSpec) -> Vec<SpecProblem> {
         for (name, n) in c.limits.named() {
             all.extend(number(&within, &format!("limits.{name}"), n, Sign::Positive));
         }
-        all.extend(c.limits.disorder().map(|[message, help]| {
-            SpecProblem::new(format!("{within}.limits"), message, help)
-        }));
+        all.extend(
+            c.limits.disorder().map(|[message, help]| SpecProblem::new(format!("{within}.limits"), message, help)),
+        );
     }
     match &spec.load {
         Load::None => {}
@@ -241,7 +243,8 @@ pub(super) fn together(train: &Train, pulled_to: &PulledTo) -> Vec<SpecProblem> 
     }
     if steady.is_some() && !laws.is_empty() && train.vehicles.iter().filter(|v| v.held).count() > 1 {
         let help = "hold one end, or give the couplers' force with [load] uniform";
-        let message = "forces on the vehicles between two held ends need linear couplers, which share them by their stiffness";
+        let message =
+            "forces on the vehicles between two held ends need linear couplers, which share them by their stiffness";
         all.push(SpecProblem::new("load", message, help));
     }
     let largest_n = train.initial_force_n.iter().copied().fold(f64::NEG_INFINITY, f64::max);

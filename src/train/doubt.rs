@@ -8,6 +8,7 @@ use super::Scenario;
 
 /// Something that is probably not meant.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
 pub struct Doubt {
     /// Which kind: a stable word for programs, such as `no-load`.
     pub code: &'static str,

@@ -85,6 +85,7 @@ pub struct Forcing {
 
 /// The event at t = 0.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Event {
     /// Couplers that break, each in a case of its own, each from the intact train.
     Break {

@@ -5,6 +5,7 @@ use crate::units::{Dimension, shown};
 
 /// All of it is absent by default, and what is absent changes no result.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Extras {
     /// The forces from outside that the steady state comes from; `None` where the file gives the couplers' forces.
     pub steady: Option<Steady>,
@@ -86,6 +87,7 @@ impl Limits {
 
 /// The steady state of a hauled train.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Steady {
     /// Forces from outside on each vehicle, N, forward positive: traction, running resistance, grade, brakes.
     pub outside_n: Vec<f64>,

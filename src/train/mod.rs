@@ -19,13 +19,13 @@ use std::sync::Arc;
 use crate::law::Law;
 use crate::units::UnitSystem;
 
-pub(crate) use checks::{held, many, of_held};
 pub use checks::{InvalidTrain, SpecProblem};
+pub(crate) use checks::{held, many, of_held};
 pub use doubt::Doubt;
 pub(crate) use doubt::{count, more};
 pub use event::{Application, Event, Forcing, Response, Scenario};
-pub(crate) use labels::numbered;
 pub use extras::{Extras, LIMITS, Limits, SENSES, Steady};
+pub(crate) use labels::numbered;
 pub(crate) use scenarios::{MOST_CASES, MOST_SCENARIOS};
 pub use spec::{CouplerSpec, Load, PulledTo, TrainSpec, VehicleSpec};
 pub use steady::steady_forces;
@@ -134,7 +134,7 @@ impl Train {
 
     /// The forces that a coupler went to, one after the other, before the event, N: the pull from which it was let down, if there
     /// was one, and its load.
-    pub fn history_n(&self, coupler: usize) -> Vec<f64> {
+    pub(crate) fn history_n(&self, coupler: usize) -> Vec<f64> {
         let pulled = self.extras.pulled_to_n.get(coupler).copied();
         pulled.into_iter().chain([self.initial_force_n[coupler]]).collect()
     }
@@ -185,8 +185,8 @@ impl Train {
     }
 
     /// The same with one of its scenarios only.
-    #[must_use]
-    pub fn with_only(mut self, scenario: usize) -> Train {
+    #[cfg(feature = "serve")]
+    pub(crate) fn with_only(mut self, scenario: usize) -> Train {
         self.scenarios = vec![self.scenarios.swap_remove(scenario)];
         self
     }

@@ -169,12 +169,13 @@ impl Check<'_> {
             Event::Shaped { vehicle, force_n, duration_s, drive, .. } => {
                 let numbers = [("force", *force_n, Sign::NonZero), ("duration", *duration_s, Sign::Positive)];
                 let numbers = numbers.into_iter().filter_map(|(key, value, sign)| self.number(key, value, sign));
-                let course = match drive {
-                    Drive::Lines(points) => self.points("record", points),
-                    Drive::HalfSine { peak, duration } => self
-                        .number("force", *peak, Sign::NonZero)
-                        .or(self.number("duration", *duration, Sign::Positive)),
-                };
+                let course =
+                    match drive {
+                        Drive::Lines(points) => self.points("record", points),
+                        Drive::HalfSine { peak, duration } => self
+                            .number("force", *peak, Sign::NonZero)
+                            .or(self.number("duration", *duration, Sign::Positive)),
+                    };
                 let mut all: Vec<SpecProblem> = self.struck(*vehicle).into_iter().chain(numbers).collect();
                 if all.is_empty() {
                     all.extend(course);
@@ -221,7 +222,8 @@ impl Check<'_> {
 
     fn forcing(&self, forcing: &Forcing) -> Option<SpecProblem> {
         let held = self.train.vehicles.get(forcing.vehicle).is_some_and(|v| v.held);
-        let held = held.then(|| self.wrong("throttle", "a tractive effort of a held vehicle", "choose another vehicle"));
+        let held =
+            held.then(|| self.wrong("throttle", "a tractive effort of a held vehicle", "choose another vehicle"));
         self.vehicle(forcing.vehicle).or(held).or_else(|| self.points("throttle", &forcing.points))
     }
 
@@ -229,7 +231,8 @@ impl Check<'_> {
     fn points(&self, key: &str, points: &[[f64; 2]]) -> Option<SpecProblem> {
         let number = |p: &[f64; 2]| self.number(key, p[0], Sign::NotNegative).or(self.number(key, p[1], Sign::Any));
         let falls = points.windows(2).any(|pair| pair[1][0] < pair[0][0]);
-        let falls = falls.then(|| self.wrong(key, format!("the times of {key} fall"), "no time is less than the one before"));
+        let falls =
+            falls.then(|| self.wrong(key, format!("the times of {key} fall"), "no time is less than the one before"));
         points.iter().find_map(number).or(falls)
     }
 

@@ -3,7 +3,7 @@
 use super::labels::numbered;
 use super::steady::steady_forces;
 use super::{Coupler, Extras, InvalidTrain, Limits, Origin, Scenario, SpecProblem, Steady, Train, Vehicle, checks};
-use crate::law::{Law, GearRow};
+use crate::law::{GearRow, Law};
 
 /// A train as it is given: plain data, in SI units, which may be anything. [`TrainSpec::build`] tells what is wrong with it.
 ///
@@ -101,6 +101,7 @@ impl CouplerSpec {
 
 /// The steady state before the event, N.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub enum Load {
     /// No force.
     #[default]
@@ -117,6 +118,7 @@ pub enum Load {
 /// The largest pull in the couplers before, N, from which they were let down to the load, and not less than that: couplers with
 /// friction remember it.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub enum PulledTo {
     /// The load itself.
     #[default]

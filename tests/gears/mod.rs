@@ -1,7 +1,7 @@
 //! Trains with slack and gears for tests, and Verlet with a clamp: 20 lines that share nothing with the march.
 #![allow(dead_code)]
 
-use trainsafe::law::{Curve, Law, Rest, GearRow};
+use trainsafe::law::{Curve, GearRow, Law, Rest};
 use trainsafe::march::Problem;
 
 /// A table of travel mm, loading kN, unloading kN.

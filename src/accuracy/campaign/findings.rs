@@ -4,8 +4,8 @@ use super::super::reference::Real;
 use super::super::reference::march::{March, System, long, march};
 use super::kinds::{Quantity, Tallies, kept, with_factor};
 use super::trains::{Drawn, DrawnEvent, Kind, Rated, courses};
-use crate::train::SENSES;
 use crate::findings::{CaseFindings, CouplerFindings, MapPoint};
+use crate::train::SENSES;
 
 /// One scene's comparisons.
 pub struct Judge<'a> {
@@ -73,7 +73,8 @@ impl<'a> Judge<'a> {
 
     /// The forces before the event.
     pub fn loads(&mut self, initial_n: &[f64]) {
-        if matches!(self.drawn.event, DrawnEvent::Impact(..)) || self.drawn.system.held != [false; 2] && self.load > 0.0 {
+        if matches!(self.drawn.event, DrawnEvent::Impact(..)) || self.drawn.system.held != [false; 2] && self.load > 0.0
+        {
             return;
         }
         for (i, claimed) in initial_n.iter().enumerate() {

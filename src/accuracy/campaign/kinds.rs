@@ -7,8 +7,8 @@ use rayon::prelude::*;
 use super::super::reference::march::{March, System, march};
 use super::findings::Judge;
 use super::trains::{Drawn, Kind, draw};
-use crate::findings::{CaseFindings, MapPoint};
 use crate::consist;
+use crate::findings::{CaseFindings, MapPoint};
 use crate::findings::{Options, analyze};
 
 /// What is compared.

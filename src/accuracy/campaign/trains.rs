@@ -187,7 +187,13 @@ fn event(drawn: &mut Drawn, transit: f64) -> DrawnEvent {
                 [Kind::Rectangle, Kind::HalfSine, Kind::Triangle, Kind::Trapezoid].iter().position(|k| *k == kind);
             let shape = own.unwrap_or_else(|| if kind == Kind::Ratio { 0 } else { r.one_of(4) });
             let rise = short(duration * r.between(0.05, 0.6));
-            DrawnEvent::Pulse(shapes[shape], at, force, duration, [rise, short((duration - rise) * r.between(0.1, 0.9))])
+            DrawnEvent::Pulse(
+                shapes[shape],
+                at,
+                force,
+                duration,
+                [rise, short((duration - rise) * r.between(0.1, 0.9))],
+            )
         }
     }
 }

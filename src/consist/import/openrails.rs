@@ -18,8 +18,8 @@ use std::path::{Path, PathBuf};
 
 use super::write::toml_string;
 use super::{Draft, Files, Given, Group};
-use crate::train::Doubt;
 use crate::error::{InputError, quoted};
+use crate::train::Doubt;
 use tree::Block;
 use units::{Of, Read};
 

@@ -2,12 +2,12 @@
 
 use super::reach::{Reach, four_digits};
 use super::{HEIGHT, RATED, along, mark_size, steps};
-use crate::train::{Coupler, Train};
 use crate::figures::{Axis, Color, Figure, Panel, Point, Sample, Shape, Stroke};
 use crate::findings::ScenarioFindings;
 use crate::report::numbers::{Unit, force_unit};
 use crate::report::words;
 use crate::scenario::initial_force_n;
+use crate::train::{Coupler, Train};
 
 /// Places that a figure has room for; of more couplers several share one.
 const PLACES: usize = 800;

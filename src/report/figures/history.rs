@@ -2,12 +2,12 @@
 
 use super::reach::Reach;
 use super::{HEIGHT, RATED, ROD};
-use crate::train::Train;
 use crate::figures::{Axis, Color, Figure, Panel, Point, Sample, Stroke};
 use crate::findings::{self, CaseFindings, CouplerFindings};
 use crate::report::numbers::{force_unit, time, time_unit};
 use crate::report::words::time_axis;
 use crate::scenario;
+use crate::train::Train;
 
 /// Instants in a figure per unit of time sqrt(m / k): about eight in the period of the fastest vibration of equal vehicles.
 const PER_UNIT: f64 = 2.5;

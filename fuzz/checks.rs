@@ -263,8 +263,8 @@ fn of_texts(train: &Train, analysis: &findings::Analysis) {
     let named = train
         .vehicles()
         .iter()
-        .map(|v| &v.label)
-        .chain(train.scenarios().iter().map(|s| &s.name))
+        .map(|v| v.label.as_str())
+        .chain(train.scenarios().iter().map(|s| s.name.as_str()))
         .chain([train.name()]);
     let odd_names = named.into_iter().any(|n| ["nan", "inf"].iter().any(|w| n.to_lowercase().contains(w)));
     let terminal = report::terminal(analysis, &[]);

@@ -110,7 +110,7 @@ fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
         ..options(&args.solver)
     };
     let seconds = findings::estimate_s(&train, &options).map_err(|e| complain(&args.train, &e))?;
-    idle_options(&train, &options).iter().for_each(|note| tell(&format!("note: {note}")));
+    findings::idle_options(&train, &options).iter().for_each(|note| tell(&format!("note: {note}")));
     let known = doubts(&train);
     known.iter().for_each(|warning| tell(&format!("warning: {warning}")));
     let bytes = findings::memory_bytes(&train, &options).unwrap_or_default();

@@ -73,7 +73,7 @@ fn couplers_in_buff_are_left_out_of_each() {
     }
     // All in draft: nothing is left out.
     let draft = parse(&train("[load]\nuniform = \"0.2 MN\"", ""));
-    assert!(draft.scenarios[0].left_out_in_buff.is_empty() && codes(&draft).is_empty());
+    assert!(draft.scenarios()[0].left_out_in_buff.is_empty() && codes(&draft).is_empty());
 }
 
 /// A train all in buff has no break to compute, and says so.
@@ -99,7 +99,7 @@ fn buff_breaks_computes_them_with_a_doubt() {
     assert_eq!((case.broken_coupler, case.exceeding), (Some(5), 8), "as the linear model has it");
     let each = parse(&train(PUSHED, "[[scenario]]\nkind = \"break\"\ncoupler = \"each\"\nbuff_breaks = true"));
     assert_eq!(codes(&each), ["breaks-in-buff"]);
-    assert_eq!(analyze(&each, &Options::default()).expect("sound").scenarios[0].cases.len(), each.couplers.len());
+    assert_eq!(analyze(&each, &Options::default()).expect("sound").scenarios[0].cases.len(), each.couplers().len());
     assert_eq!(codes(&parse(&train("[load]\nuniform = \"0.2 MN\"", scenario))), ["buff-breaks-unused"]);
 }
 

@@ -104,16 +104,16 @@ to be run:
 #[test]
 fn the_template_parses_with_and_without_its_optional_keys() {
     let plain = parse(TEMPLATE);
-    assert_eq!((plain.vehicles.len(), plain.scenarios.len()), (105, 1));
+    assert_eq!((plain.vehicles().len(), plain.scenarios().len()), (105, 1));
     assert_eq!(warnings(&plain), Vec::<String>::new());
     let all = TEMPLATE.replace("\n#: ", "\n");
     let full = parse(&all);
-    assert_eq!((full.vehicles[0].held, full.vehicles[104].length_m), (true, Some(10.9)));
-    assert_eq!((full.vehicles.len(), full.scenarios.len()), (105, 3));
-    assert_eq!((full.couplers[52].rated_draft_n, full.couplers[52].rated_buff_n), (0.9e6, 1.5e6));
+    assert_eq!((full.vehicles()[0].held, full.vehicles()[104].length_m), (true, Some(10.9)));
+    assert_eq!((full.vehicles().len(), full.scenarios().len()), (105, 3));
+    assert_eq!((full.couplers()[52].rated_draft_n, full.couplers()[52].rated_buff_n), (0.9e6, 1.5e6));
     let hauled = TEMPLATE.replace("\n#+ ", "\n").replace("\nuniform", "\n#");
     let hauled = parse(&hauled);
-    assert!(hauled.extras.steady.is_some_and(|s| s.outside_n[0] > 0.0 && s.outside_n[104] < 0.0));
+    assert!(hauled.extras().steady.is_some_and(|s| s.outside_n[0] > 0.0 && s.outside_n[104] < 0.0));
     let all = all.replace("\n#+ ", "\n");
     let keys = "damping_ratio damping rise fall cascade buff_breaks vehicles speed limits tractive_effort brake_force rolling_resistance grade name stiffness rated_load rated_buff label count mass held length at uniform kind coupler horizon force \
                 duration shape";
@@ -141,11 +141,11 @@ fn every_train_in_the_folder_parses_without_a_warning() {
 #[test]
 fn the_papers_trains_are_the_papers() {
     let four = consist::read(Path::new("trains/paper-figure-4.toml")).unwrap_or_else(|e| panic!("{e}"));
-    assert_eq!(four.couplers.len(), 51);
-    assert_eq!(four.scenarios[0].event, Event::Break { couplers: vec![50] });
+    assert_eq!(four.couplers().len(), 51);
+    assert_eq!(four.scenarios()[0].event, Event::Break { couplers: vec![50] });
     let five = consist::read(Path::new("trains/paper-figure-5.toml")).unwrap_or_else(|e| panic!("{e}"));
-    assert_eq!(five.couplers.len(), 100);
-    assert_eq!(five.scenarios[0].event, Event::Pulse { vehicle: 100, force_n: -1.0, duration_s: 10.0 });
+    assert_eq!(five.couplers().len(), 100);
+    assert_eq!(five.scenarios()[0].event, Event::Pulse { vehicle: 100, force_n: -1.0, duration_s: 10.0 });
     for train in [four, five] {
         assert!(train.vehicles().iter().all(|v| v.mass_kg == 1.0));
         assert!(train.couplers().iter().all(|c| c.stiffness_n_per_m == 1.0 && c.rated_draft_n == 1.0));
@@ -290,11 +290,11 @@ fn the_same_train_in_other_units_is_the_same() {
         [load]\nuniform = \"100000 lbf\"";
     let (a, b) = (parse(metric), parse(imperial));
     let pairs = [
-        (a.couplers[1].stiffness_n_per_m, b.couplers[1].stiffness_n_per_m),
-        (a.couplers[1].rated_draft_n, b.couplers[1].rated_draft_n),
-        (a.vehicles[2].mass_kg, b.vehicles[2].mass_kg),
-        (a.vehicles[2].length_m.unwrap_or_default(), b.vehicles[2].length_m.unwrap_or_default()),
-        (a.initial_force_n[1], b.initial_force_n[1]),
+        (a.couplers()[1].stiffness_n_per_m, b.couplers()[1].stiffness_n_per_m),
+        (a.couplers()[1].rated_draft_n, b.couplers()[1].rated_draft_n),
+        (a.vehicles()[2].mass_kg, b.vehicles()[2].mass_kg),
+        (a.vehicles()[2].length_m.unwrap_or_default(), b.vehicles()[2].length_m.unwrap_or_default()),
+        (a.initial_force_n()[1], b.initial_force_n()[1]),
     ];
     for (a, b) in pairs {
         // A pound costs one rounding more than a kilogram, a pound per inch two more; the metric text one.

@@ -43,9 +43,9 @@ fn a_whole_table_becomes_the_same_train() {
     let direct = "vehicles = \"yard.csv\"\n[coupler]\nstiffness = \"30 MN/m\"\nrated_load = \"1.2 MN\"\n";
     fs::write(folder.path().join("direct.toml"), direct).expect("written");
     let direct = consist::read(&folder.path().join("direct.toml")).expect("a train");
-    assert_eq!(imported.vehicles.len(), 20);
-    assert_eq!((&imported.vehicles, &imported.couplers), (&direct.vehicles, &direct.couplers));
-    assert_eq!(imported.extras.limits, direct.extras.limits);
+    assert_eq!(imported.vehicles().len(), 20);
+    assert_eq!((imported.vehicles(), imported.couplers()), (direct.vehicles(), direct.couplers()));
+    assert_eq!(imported.extras().limits, direct.extras().limits);
     for line in ["count = 8", "mass = \"118 t\"", "# row 3, column Mass (t), and alike to row 6", "name = \"yard\""] {
         assert!(text.contains(line), "{line}\n{text}");
     }

@@ -22,7 +22,7 @@ fn vehicles(groups: &[(&str, usize)]) -> String {
 
 fn labels(groups: &[(&str, usize)]) -> Vec<String> {
     let train = read(&vehicles(groups)).expect("a train");
-    train.vehicles().into_iter().map(|v| v.label).collect()
+    train.vehicles().iter().map(|v| v.label.clone()).collect()
 }
 
 #[test]

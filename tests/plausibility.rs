@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use trainsafe::doubts::{doubts, idle_options};
+use trainsafe::doubts::doubts;
+use trainsafe::findings::idle_options;
 use trainsafe::{Options, Train, analyze, consist};
 
 fn parse(text: &str) -> Train {
@@ -147,7 +148,7 @@ fn rounding_of_a_cancellation_is_no_load() {
     }
     // A small force that is real stays: 1 N from the one vehicle that is different.
     let train = probe("", "", "[load]\ngrade = \"1.0 %\"");
-    let mut outside_n = train.extras().steady.expect("forces").outside_n;
+    let mut outside_n = train.extras().steady.clone().expect("forces").outside_n;
     outside_n[0] += 1.0;
     let (forces, _) = trainsafe::train::steady_forces(train.vehicles(), train.couplers(), &outside_n);
     assert!((forces[0] - 0.823).abs() < 1e-3, "{forces:?}");

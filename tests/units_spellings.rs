@@ -364,8 +364,11 @@ fn what_the_report_prints_is_read_again() {
     ];
     let [stiffness, rating, damping, mass, load] = names.map(fact);
     let again = parse(&file(&stiffness, &rating, &damping, &mass, &load));
-    assert_eq!((again.couplers, again.vehicles, again.extras), (train.couplers(), train.vehicles(), train.extras()));
-    assert_eq!(again.initial_force_n, train.initial_force_n());
+    assert_eq!(
+        (again.couplers(), again.vehicles(), again.extras()),
+        (train.couplers(), train.vehicles(), train.extras())
+    );
+    assert_eq!(again.initial_force_n(), train.initial_force_n());
 }
 
 /// A train in the units of a North American car builder's sheet.

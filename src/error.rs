@@ -112,11 +112,6 @@ impl Problems {
         self.kept.is_empty()
     }
 
-    /// Whether the same has been noted for the same place.
-    pub(crate) fn has(&self, problem: &Problem) -> bool {
-        self.kept.iter().any(|p| p.place == problem.place && p.title == problem.title)
-    }
-
     /// Adds those of another list, each changed by `change`.
     pub(crate) fn append(&mut self, others: Problems, change: impl Fn(Problem) -> Problem) {
         others.kept.into_iter().for_each(|problem| self.note(change(problem)));

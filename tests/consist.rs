@@ -113,7 +113,7 @@ fn the_template_parses_with_and_without_its_optional_keys() {
     assert_eq!((full.couplers()[52].rated_draft_n, full.couplers()[52].rated_buff_n), (0.9e6, 1.5e6));
     let hauled = TEMPLATE.replace("\n#+ ", "\n").replace("\nuniform", "\n#");
     let hauled = parse(&hauled);
-    assert!(hauled.extras().steady.is_some_and(|s| s.outside_n[0] > 0.0 && s.outside_n[104] < 0.0));
+    assert!(hauled.extras().steady.as_ref().is_some_and(|s| s.outside_n[0] > 0.0 && s.outside_n[104] < 0.0));
     let all = all.replace("\n#+ ", "\n");
     let keys = "damping_ratio damping rise fall cascade buff_breaks vehicles speed limits tractive_effort brake_force rolling_resistance grade name stiffness rated_load rated_buff label count mass held length at uniform kind coupler horizon force \
                 duration shape";

@@ -123,9 +123,9 @@ error: row 4, column held: a vehicle in the middle of the train is held
         ),
         (
             "mass [t]\n80\n",
-            "error: the table has 1 vehicle
+            "error: the train has one vehicle, so no coupler
 --> HERE/consist.csv
- = help: give it a row for each vehicle, at least two",
+ = help: give it a row or a [[vehicle]] for each vehicle or group alike, from the head: at least two vehicles",
         ),
     ];
     for (table, expected) in cases {

@@ -408,7 +408,7 @@ fn a_file_is_told_the_same_as_the_library() {
     let twice = "[[scenario]]\nname = \"a\"\nkind = \"break\"\ncoupler = 1\n".repeat(2);
     assert_eq!(of_file(&text("", &twice)), one("scenario[1].name", "two scenarios are named \"a\"", 16));
     let low = "[load]\nuniform = \"0.4 MN\"\npulled_to = \"0.3 MN\"\n";
-    assert_eq!(of_file(&text("", low)), one("load.pulled_to", "pulled_to is less than the load, 400 kN", 12));
+    assert_eq!(of_file(&text("", low)), one("load.pulled_to", "pulled_to is less than the load, 400 kN", 13));
 }
 
 /// What the library answered before it looked at a train: forces, with a bound, of a train that cannot be.

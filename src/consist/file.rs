@@ -1,6 +1,6 @@
 //! A train file's tables into a train.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::path::Path;
 
@@ -76,7 +76,8 @@ pub(super) fn train(
         ..TrainSpec::default()
     };
     let (train, wrong) = spec.examine();
-    let wrong = wrong.into_iter().map(|problem| placed(found, root, &overridden, problem)).last();
+    let mut places = Places { found, root, overridden, told: HashSet::new() };
+    let wrong = wrong.into_iter().map(|problem| places.note(problem)).last();
     let Some(mut train) = train else { return Err(wrong.unwrap_or_else(|| root.wrong("this is no train", ""))) };
     let labels = Labels::of(&train);
     let traction_n = &loads::tractions(&own);
@@ -84,7 +85,7 @@ pub(super) fn train(
     let scenarios = scenarios::read(root, &context)?;
     by_label.extend(labels.named.take());
     drop(labels);
-    train.take(scenarios).into_iter().for_each(|problem| drop(placed(found, root, &overridden, problem)));
+    train.take(scenarios).into_iter().for_each(|problem| drop(places.note(problem)));
     let units = match root.get("units") {
         Some(value) => UnitSystem::from_name(value.word()?).unwrap_or_default(),
         None => found.units(),
@@ -93,30 +94,45 @@ pub(super) fn train(
     Ok(train.with_origin(Origin { by_label, units, ..Origin::default() }))
 }
 
-/// Notes what is wrong with the train where the file says it, once for all couplers that have it from the same place.
-fn placed(found: &Found, root: &Table, overridden: &Overridden, problem: SpecProblem) -> Reported {
-    let SpecProblem { key, mut message, help, related } = problem;
-    let of_coupler = key.strip_prefix("coupler[").and_then(|rest| rest.split_once("]."));
-    let at = match of_coupler.and_then(|(i, keys)| Some((i.parse::<usize>().ok()?, keys))) {
-        None => root.place(&key),
-        Some((i, keys)) => {
-            let own = |(at, k): &(usize, &str)| *at == i && keys.split('.').next() == Some(*k);
-            let own = overridden.iter().find(|(at, _)| own(at)).map(|(_, span)| span.clone());
-            let tabled = || root.get("vehicles").map(|table| table.span());
-            if own.is_some() {
-                message = format!("coupler {}: {message}", i + 1);
-            } else if tabled().is_some() {
-                message = format!("the table's coupler {}: {message}", i + 1);
-            }
-            own.or_else(tabled).or_else(|| root.place(&format!("coupler.{keys}")))
+/// Where the file says what is wrong with the train.
+struct Places<'f> {
+    found: &'f Found,
+    root: &'f Table<'f>,
+    overridden: Overridden,
+    /// What has been noted, by its place: all couplers that have it from there are wrong in the same way.
+    told: HashSet<(Option<Range<usize>>, String)>,
+}
+
+impl Places<'_> {
+    /// Notes a problem at the value that it is about.
+    fn note(&mut self, problem: SpecProblem) -> Reported {
+        let SpecProblem { key, message, help, related, .. } = problem;
+        let (at, whose) = self.place(&key);
+        if !self.told.insert((at.clone(), message.clone())) {
+            return Reported::again();
         }
-    };
-    let Some(at) = at else { return found.note_once(Problem::of_file(message, help)) };
-    let problem = Problem::at(at, message, Some(help));
-    found.note_once(match related.and_then(|(key, label)| Some((root.place(&key)?, label))) {
-        Some((other, label)) => problem.and(other, label),
-        None => problem,
-    })
+        let message = whose + &message;
+        let Some(at) = at else { return self.found.note(Problem::of_file(message, help)) };
+        let problem = Problem::at(at, message, Some(help));
+        self.found.note(match related.and_then(|(key, label)| Some((self.root.place(&key)?, label))) {
+            Some((other, label)) => problem.and(other, label),
+            None => problem,
+        })
+    }
+
+    /// The place of a key, and whose it is where the place does not say so.
+    fn place(&self, key: &str) -> (Option<Range<usize>>, String) {
+        let of_coupler = key.strip_prefix("coupler[").and_then(|rest| rest.split_once("]."));
+        let Some((i, keys)) = of_coupler.and_then(|(i, keys)| Some((i.parse::<usize>().ok()?, keys))) else {
+            return (self.root.place(key), String::new());
+        };
+        let own = self.overridden.get(&(i, keys.split('.').next().unwrap_or(keys)));
+        match (own, self.root.get("vehicles")) {
+            (Some([_, value]), _) => (Some(value.clone()), format!("coupler {}: ", i + 1)),
+            (None, Some(table)) => (Some(table.span()), format!("the table's coupler {}: ", i + 1)),
+            (None, None) => (self.root.place(&format!("coupler.{keys}")), String::new()),
+        }
+    }
 }
 
 /// The couplers with their laws.
@@ -303,8 +319,8 @@ fn override_couplers(
     overridden
 }
 
-/// Where each key of each coupler was overridden.
-type Overridden = HashMap<(usize, &'static str), Range<usize>>;
+/// Where each key of each coupler was overridden: the key and its value.
+type Overridden = HashMap<(usize, &'static str), [Range<usize>; 2]>;
 
 fn apply_override(
     table: &Table,
@@ -323,8 +339,8 @@ fn apply_override(
     let (at, own) = (at?, own?);
     for i in at {
         for key in COUPLER.names() {
-            let Some(span) = table.key_span(key) else { continue };
-            if let Some(earlier) = overridden.insert((i, key), span.clone()) {
+            let (Some(span), Some(value)) = (table.key_span(key), table.get(key)) else { continue };
+            if let Some([earlier, _]) = overridden.insert((i, key), [span.clone(), value.span()]) {
                 let title = format!("coupler {} has its {key} overridden twice", i + 1);
                 return Err(table.note_because(span, title, "keep one of the two", earlier, "overridden here before"));
             }

@@ -35,6 +35,13 @@ pub(crate) struct Reported(());
 /// A value, or a problem that has been noted.
 pub(crate) type Read<T> = Result<T, Reported>;
 
+impl Reported {
+    /// Of a problem that has been noted for something else at the same place.
+    pub(super) fn again() -> Reported {
+        Reported(())
+    }
+}
+
 impl Found {
     /// The units in which most quantities are written.
     pub(crate) fn units(&self) -> UnitSystem {
@@ -45,11 +52,6 @@ impl Found {
     pub(crate) fn note(&self, problem: Problem) -> Reported {
         self.problems.borrow_mut().note(problem);
         Reported(())
-    }
-
-    /// The same, unless it has been noted.
-    pub(crate) fn note_once(&self, problem: Problem) -> Reported {
-        if self.problems.borrow().has(&problem) { Reported(()) } else { self.note(problem) }
     }
 
     /// Something that is probably not meant, and no error.

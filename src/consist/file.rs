@@ -415,7 +415,8 @@ fn spelt_out(found: &Found, root: &Table) -> Read<Vec<Group>> {
     let tables = value.tables()?;
     let groups = tables.iter().map(group).collect::<Vec<_>>().into_iter().collect::<Read<Vec<Group>>>()?;
     let vehicles: Vec<VehicleSpec> = groups.iter().map(|group| group.vehicle.clone()).collect();
-    let wrong = many(&vehicles).into_iter().map(|bad| value.wrong(bad.message, bad.help));
+    let at = |bad: &SpecProblem| root.place(&bad.key).unwrap_or(value.span());
+    let wrong = many(&vehicles).into_iter().map(|bad| found.note(Problem::at(at(&bad), bad.message, Some(bad.help))));
     wrong.last().map_or(Ok(groups), Err)
 }
 

@@ -34,8 +34,8 @@ pub(super) fn read(root: &Table, context: &Context) -> Read<Vec<Scenario>> {
     let mut scenarios = vec![];
     // One more than may be: more are refused, and need not be read for that.
     for table in tables.iter().take(MOST_SCENARIOS + 1) {
-        let scenario = scenario(table, context);
-        if let Ok(Scenario { event: Event::Break { couplers }, .. }) = &scenario {
+        let scenario = scenario(table, context).unwrap_or_else(|_| stand_in());
+        if let Event::Break { couplers } = &scenario.event {
             cases += couplers.len();
         }
         scenarios.push(scenario);
@@ -43,7 +43,14 @@ pub(super) fn read(root: &Table, context: &Context) -> Read<Vec<Scenario>> {
             break;
         }
     }
-    scenarios.into_iter().collect()
+    Ok(scenarios)
+}
+
+/// Stands in for a scenario that was wrong, so that the others are still looked at.
+fn stand_in() -> Scenario {
+    let event = Event::Break { couplers: vec![0] };
+    let (name, response) = (String::new(), Response::default());
+    Scenario { name, event, horizon_s: None, cascade: Rule::Keep, left_out_in_buff: vec![], response }
 }
 
 /// A scenario; without a name where the table gives none.

@@ -20,7 +20,7 @@ impl Train {
         let mut problems = vec![];
         self.scenarios = if scenarios.is_empty() { vec![self.each_in_turn()] } else { scenarios };
         if self.scenarios.len() > MOST_SCENARIOS {
-            let message = format!("the train has {} scenarios", self.scenarios.len());
+            let message = format!("the train has more than {MOST_SCENARIOS} scenarios");
             let help = format!("it has at most {MOST_SCENARIOS}; a list of couplers breaks each in turn");
             return vec![SpecProblem::new(format!("scenario[{MOST_SCENARIOS}]"), message, help)];
         }

@@ -405,18 +405,18 @@ pub(super) struct Group {
 
 /// The groups of the `[[vehicle]]` tables.
 fn spelt_out(found: &Found, root: &Table) -> Read<Vec<Group>> {
-    let right = "add a [[vehicle]] table for each vehicle or group alike, from the head: at least two vehicles";
     if let Some(table) = root.get("vehicles") {
         return Err(table.wrong_type("expected the name of a table: vehicles = \"consist.csv\""));
     }
-    let Some(value) = root.get("vehicle") else {
-        return Err(found.note(Problem::of_file("the train has no vehicles", right)));
-    };
-    let tables = value.tables()?;
+    let tables = root.get("vehicle").map_or(Ok(vec![]), |value| value.tables())?;
     let groups = tables.iter().map(group).collect::<Vec<_>>().into_iter().collect::<Read<Vec<Group>>>()?;
     let vehicles: Vec<VehicleSpec> = groups.iter().map(|group| group.vehicle.clone()).collect();
-    let at = |bad: &SpecProblem| root.place(&bad.key).unwrap_or(value.span());
-    let wrong = many(&vehicles).into_iter().map(|bad| found.note(Problem::at(at(&bad), bad.message, Some(bad.help))));
+    let wrong = many(&vehicles).into_iter().map(|bad| {
+        found.note(match root.place(&bad.key) {
+            Some(at) => Problem::at(at, bad.message, Some(bad.help)),
+            None => Problem::of_file(bad.message, bad.help),
+        })
+    });
     wrong.last().map_or(Ok(groups), Err)
 }
 

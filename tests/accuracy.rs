@@ -4,7 +4,6 @@ use trainsafe::accuracy::peers::Peer;
 use trainsafe::accuracy::reference::Reference;
 use trainsafe::accuracy::{self, AccuracyOptions, RowOrigin};
 use trainsafe::chain::{Chain, Scene};
-use trainsafe::consist;
 use trainsafe::play::Rule;
 use trainsafe::solve::dd::Dd;
 use trainsafe::train::{CouplerSpec, Event, Load, Scenario, Train, TrainSpec, VehicleSpec};

@@ -85,12 +85,15 @@ pub(super) fn train(
     let scenarios = scenarios::read(root, &context)?;
     by_label.extend(labels.named.take());
     drop(labels);
-    train.take(scenarios).into_iter().for_each(|problem| drop(places.note(problem)));
+    for problem in train.take(scenarios) {
+        places.note(problem);
+    }
     let units = match root.get("units") {
         Some(value) => UnitSystem::from_name(value.word()?).unwrap_or_default(),
         None => found.units(),
     };
-    (name?, load?);
+    name?;
+    load?;
     Ok(train.with_origin(Origin { by_label, units, ..Origin::default() }))
 }
 

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
-use trainsafe::fleet::{self, Shard};
+use trainsafe::fleet;
 use trainsafe::report;
 use trainsafe::units::UnitSystem;
 
@@ -18,8 +18,8 @@ Example: trainsafe new > train.toml && trainsafe analyze train.toml";
 
 const FLEET: &str = "\
 The folder gets fleet.csv, errors.csv, fleet.md and a figure, or what --format says. The run may be
-killed at any moment: --resume goes on with it. Machines that share a folder compute a share each
-with --shard, and --merge joins them.
+killed at any moment: --resume goes on with it. Any number of machines that share the folder compute
+a run together, each with the same command and --work, and --merge joins what they have done.
 
 Example: trainsafe fleet trains --out reports/yard";
 
@@ -175,35 +175,38 @@ pub struct Analyze {
 #[derive(Debug, Args)]
 pub struct Fleet {
     /// Train files, folders of them, globs in quotes, or one study file
-    #[arg(required_unless_present = "merge", value_name = "PATH")]
+    #[arg(required_unless_present = "merge", value_name = "PATH", conflicts_with = "merge")]
     pub paths: Vec<PathBuf>,
     /// Folder for the results [default: reports/<stem of the only path>, or reports/fleet]
     #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Print a line of JSON for every case to standard output; write no files
-    #[arg(long, conflicts_with_all = ["out", "resume", "shard", "merge"])]
+    #[arg(long, conflicts_with_all = ["out", "resume", "work", "merge", "couplers"])]
     pub json: bool,
     /// Files to write, separated by commas; the others are made from fleet.csv and errors.csv, which are always written
     #[arg(long, value_name = "LIST", default_value = "csv,md", value_delimiter = ',',
-          value_parser = fleet::FleetFormat::ALL.map(fleet::FleetFormat::name), conflicts_with = "json")]
+          value_parser = fleet::FleetFormat::ALL.map(fleet::FleetFormat::name), conflicts_with_all = ["json", "work"])]
     pub format: Vec<String>,
     /// Write the full reports of the N worst trains as well, in trains/ in the folder; fleet.html leads to them
-    #[arg(long, value_name = "N", default_value_t = 0, conflicts_with_all = ["json", "shard", "merge"])]
+    #[arg(long, value_name = "N", default_value_t = 0, conflicts_with_all = ["json", "work"])]
     pub reports: usize,
     /// Go on with the run in the folder: compute what is missing and nothing else
     #[arg(long, conflicts_with = "merge")]
     pub resume: bool,
-    /// Compute share I of N and leave it in the folder, beside the other shares
-    #[arg(long, value_name = "I/N", value_parser = shard, conflicts_with = "merge")]
-    pub shard: Option<Shard>,
-    /// Join the shares in the folder into the files of one run
-    #[arg(long, requires = "out")]
+    /// Write every coupler of every case too: couplers/ in the folder, a Parquet file for each chunk, as it is done
+    #[arg(long, conflicts_with = "merge")]
+    pub couplers: bool,
+    /// Take the next cases of the run in the folder that nobody has, until none is left; others may do the same
+    #[arg(long, conflicts_with_all = ["merge", "resume"])]
+    pub work: bool,
+    /// Join what workers have done in the folder into the files of one run
+    #[arg(long, requires = "out", conflicts_with_all = ["tolerance", "method"])]
     pub merge: bool,
     /// Say how many cases there are and about how long they take, and stop
     #[arg(long, conflicts_with_all = ["json", "merge"])]
     pub dry_run: bool,
     /// Exit with status 1 if some coupler exceeds, or cannot be told not to
-    #[arg(long)]
+    #[arg(long, conflicts_with = "work")]
     pub fail_on_exceed: bool,
     #[command(flatten)]
     pub solver: Solver,
@@ -223,7 +226,7 @@ pub struct Serve {
 
 #[derive(Debug, Args)]
 pub struct Solver {
-    /// The error each force may have, as a share of the largest rating
+    /// The error each force may have, as a share of the largest rating; with slack, gears or brakes at least 1e-6
     #[arg(long, value_name = "SHARE", default_value = "1e-9", value_parser = share)]
     pub tolerance: f64,
     /// Compute in this way, whatever it costs [default: the cheapest within the tolerance]
@@ -257,12 +260,4 @@ fn share(text: &str) -> Result<f64, String> {
 fn threads(text: &str) -> Result<usize, String> {
     let number = text.parse().ok().filter(|n| (1..=MOST_THREADS).contains(n));
     number.ok_or_else(|| format!("a number from 1 to {MOST_THREADS} is needed"))
-}
-
-fn shard(text: &str) -> Result<Shard, String> {
-    let numbers = text.split_once('/').and_then(|(i, n)| Some((i.parse::<usize>().ok()?, n.parse::<usize>().ok()?)));
-    match numbers {
-        Some((i, count)) if (1..=count).contains(&i) => Ok(Shard { index: i - 1, count }),
-        _ => Err("a share is needed such as 3/8, the third of eight".to_owned()),
-    }
 }

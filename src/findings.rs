@@ -2,7 +2,6 @@
 
 mod cascade;
 mod case;
-pub(crate) mod damping;
 mod date;
 mod doubts_found;
 mod estimate;
@@ -11,29 +10,32 @@ mod first_passage;
 mod general;
 mod history;
 mod idle_options;
-mod limits;
+pub(crate) mod limits;
+mod load_search;
 mod map;
 mod march;
 mod safe_factor;
 mod safe_speed;
 mod stop;
+pub(crate) mod variants;
 
 pub use cascade::{CascadeBreak, CascadeFindings};
 pub(crate) use case::case_findings;
-pub use damping::DampingFindings;
 pub(crate) use doubts_found::found;
 pub(crate) use estimate::case_estimate_s;
 pub use estimate::{estimate_s, memory_bytes};
 pub(crate) use field::larger;
 pub use field::{Field, Of, field};
 pub use first_passage::FirstPassage;
-pub use history::{history, rod_history};
+pub use history::{history, loop_of, rod_history};
 pub use idle_options::idle_options;
 pub use limits::{LimitFindings, LimitInSense};
+pub use load_search::LoadSearch;
 pub use map::{MapFindings, MapPoint};
 use rayon::prelude::*;
 use serde::Serialize;
 pub use stop::{Stop, Stopped};
+pub use variants::{Changed, DampingFindings, Variant, VariantFindings};
 
 use crate::doubts;
 use crate::scenario::Scales;
@@ -55,7 +57,7 @@ pub struct Options {
     pub method: Option<Method>,
     /// Only this scenario, by its name; `None` runs all.
     pub scenario: Option<String>,
-    /// Leave out couplers whose all-time bound lies under their rating.
+    /// Leave out couplers whose all-time bound lies under their rating; of no use where a limit lies under a rating.
     pub verdict_only: bool,
     /// Report the all-time bound of every coupler's force.
     pub all_time_bound: bool,
@@ -157,6 +159,10 @@ pub struct ScenarioFindings {
     /// The worst case with dashpots in every coupler, by damping ratio; empty for a train that has losses, and where not asked for.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub damping: Vec<DampingFindings>,
+    /// The worst case on a train with other couplers, without brakes, or let down from a larger pull; those that mean something for
+    /// the train, and none where not asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub variants: Vec<VariantFindings>,
 }
 
 /// What one event does to every coupler.
@@ -201,8 +207,15 @@ pub struct CaseFindings {
     /// Why there is no such factor, where one cannot be told.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub no_safe_load_factor: Option<&'static str>,
+    /// Where such a factor cannot be told, a search for where couplers begin to exceed; `None` where one can, of scenarios with several
+    /// cases, of brakes, and where it would take too long.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub load_factor_search: Option<LoadSearch>,
     /// End of the first passage, s: the wave has run to the far end of the longest part and back once.
     pub first_passage_s: f64,
+    /// Whether the event is a record of force over time: times count from its start, which may be before its force sets in.
+    #[serde(skip)]
+    pub(crate) is_record: bool,
     /// Couplers that exceed their rating in the first passage.
     pub exceeding_first_passage: usize,
     /// The coupler with the largest utilisation in the first passage, with its forces there.
@@ -437,7 +450,7 @@ fn ask(train: &Train, options: &Options) -> Ask {
     Ask {
         tolerance: options.tolerance * largest_rating_n(train) / Scales::of(train).force_n,
         method: options.method,
-        verdict_only: options.verdict_only,
+        verdict_only: options.verdict_only && !limits::any_below_rating(train),
         all_time_bound: options.all_time_bound,
         wanted: options.wanted,
     }
@@ -460,11 +473,15 @@ fn scenario_findings(
     options.stop.check()?;
     let map = if options.map { map::find(train, scenario, options, memo) } else { Ok(None) };
     let map = map.map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
-    let damping = if options.damping { damping::sweep(train, scenario, &cases, options) } else { Ok(Vec::new()) };
-    let damping = damping.map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
+    let solve = |source| AnalyzeError::Solve { scenario: scenario.name.clone(), source };
+    let (mut damping, mut variants) = (Vec::new(), Vec::new());
+    if options.damping {
+        damping = variants::damping(train, scenario, &cases, options).map_err(solve)?;
+        variants = variants::variants(train, scenario, &cases, options).map_err(solve)?;
+    }
     let left_out_in_buff = scenario.left_out_in_buff.iter().map(|i| i + 1).collect();
     let (name, kind) = (scenario.name.clone(), scenario.event.kind());
-    Ok(ScenarioFindings { name, kind, cases, left_out_in_buff, map, damping })
+    Ok(ScenarioFindings { name, kind, cases, left_out_in_buff, map, damping, variants })
 }
 
 /// The findings of the coupler of that number, if they are among these, which are in order from the head.

@@ -4,7 +4,7 @@ use std::io::{self, ErrorKind, IsTerminal};
 use std::path::{Path, PathBuf};
 
 use trainsafe::error::printable_path;
-use trainsafe::fleet::{self, Estimate, FleetError, FleetFormat, Outcome, Request};
+use trainsafe::fleet::{self, Estimate, FleetError, FleetFormat, Outcome, Request, Worker};
 
 use super::{Failure, cli, options, print, quiet, say, signals, stem, summary, tell};
 
@@ -12,7 +12,8 @@ pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
     let request = Request {
         paths: args.paths.clone(),
         options: options(&args.solver),
-        shard: args.shard,
+        worker: args.work.then(Worker::new),
+        couplers: args.couplers,
         resume: args.resume,
         formats: args.format.iter().filter_map(|name| FleetFormat::from_name(name)).collect(),
         reports: args.reports,
@@ -25,14 +26,15 @@ pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
             print(&told(&estimate))
         });
     }
+    let dir = args.out.clone().unwrap_or_else(|| default_dir(&args.paths));
     if !args.json {
-        let go_on = go_on(args);
+        let (go_on, worker, dir) = (go_on(args), request.worker.clone(), dir.clone());
         signals::heed(move || {
+            worker.iter().for_each(|worker| worker.leave(&dir));
             let line = if io::stderr().is_terminal() { "\n" } else { "" };
             say(&format!("{line}stopped; {go_on}"));
         });
     }
-    let dir = args.out.clone().unwrap_or_else(|| default_dir(&args.paths));
     let outcome = if args.json {
         match fleet::stream(&request, &mut io::stdout().lock()) {
             // A reader that has seen enough and closed the pipe is no failure.
@@ -40,7 +42,7 @@ pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
             other => other,
         }
     } else if args.merge {
-        fleet::merge(&dir, &request.formats)
+        fleet::merge(&request, &dir)
     } else {
         fleet::run(&request, &dir)
     };
@@ -77,7 +79,7 @@ pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
 
 /// How to go on after a run was cut short.
 fn go_on(args: &cli::Fleet) -> String {
-    let with = if args.shard.is_some() || args.merge || args.resume { "again" } else { "with --resume" };
+    let with = if args.work || args.merge || args.resume { "again" } else { "with --resume" };
     format!("cases that are done are kept: to go on, give the same command {with}")
 }
 
@@ -89,9 +91,9 @@ fn default_dir(paths: &[PathBuf]) -> PathBuf {
     Path::new("reports").join(name.unwrap_or("fleet".as_ref()))
 }
 
-fn told_of(outcome: &Outcome, dir: &Path, is_share: bool) -> String {
-    if is_share {
-        return format!("this share is done; when all are: trainsafe fleet --merge --out {}\n", printable_path(dir));
+fn told_of(outcome: &Outcome, dir: &Path, is_worker: bool) -> String {
+    if is_worker {
+        return format!("every part is done; to join them: trainsafe fleet --merge --out {}\n", printable_path(dir));
     }
     let (what, path) = match &outcome.report {
         Some(report) => ("report", report.as_path()),

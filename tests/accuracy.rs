@@ -328,3 +328,58 @@ fn a_coupler_without_load_breaks_without_effect() {
     let error = accuracy::run(&train, None, &quick()).map(|_| ()).expect_err("nothing to compare");
     assert_eq!(error.to_string(), "near the rear: the coupler that breaks carries no force, so nothing happens");
 }
+
+/// Twelve cars with friction gears and slack behind a held head; the last coupler breaks.
+fn geared(law: &str) -> Train {
+    let text = format!(
+        "[coupler]\n{law}\nrated_load = \"1.5 MN\"\n[[vehicle]]\nmass = \"130 t\"\nheld = true\n[[vehicle]]\ncount = 13\n\
+         mass = \"130 t\"\n[load]\nuniform = \"0.6 MN\"\n[[scenario]]\nname = \"s\"\nkind = \"break\"\ncoupler = 13\nhorizon = \"3 s\""
+    );
+    trainsafe::consist::parse(&text, std::path::Path::new("geared.toml")).expect("a right train")
+}
+
+/// The march is right to its estimate; clamped methods come nearer with smaller steps; those that follow another train do not.
+#[test]
+fn methods_on_a_train_with_gears() {
+    let gear = "gear = [[\"0 mm\", \"0 kN\", \"0 kN\"], [\"7 mm\", \"120 kN\", \"60 kN\"], [\"60 mm\", \"900 kN\", \"220 kN\"]]\n\
+                solid_stiffness = \"200 MN/m\"\nslack = \"25 mm\"";
+    let accuracy = accuracy::run(&geared(gear), None, &quick()).expect("a train with gears");
+    assert!(
+        accuracy.is_march && accuracy.couplers == [1, 13] && accuracy.left_out.is_empty(),
+        "{:?}",
+        accuracy.left_out
+    );
+    assert!(accuracy.doubt_n < 1e-15);
+    let error = |method: &str, setting: &str| {
+        let row = accuracy.rows.iter().find(|r| r.method == method && r.setting == setting);
+        row.unwrap_or_else(|| panic!("a row for {method}, {setting}")).peak_error_n / accuracy.rating_n
+    };
+    for row in accuracy.rows.iter().filter(|r| r.origin == RowOrigin::March) {
+        assert!(row.peak_error_n < 1e-14 * accuracy.rating_n, "{row:?}");
+        assert!(row.estimate_n.is_none_or(|n| row.peak_error_n <= n && n < 1e-9 * accuracy.rating_n), "{row:?}");
+    }
+    for method in ["Verlet with a clamp", "Runge-Kutta 4 with a clamp"] {
+        assert!(error(method, "h ω_max = 0.01") < 0.01 * error(method, "h ω_max = 1"), "{method}");
+        assert!(error(method, "h ω_max = 0.003") < 1e-5, "{method}");
+    }
+    // Without events it has no order left at the kinks: it comes nearer, and not by its tolerance.
+    let adaptive = |setting| error("Dormand-Prince 5(4) with a clamp", setting);
+    assert!(adaptive("tolerance 1e-9") < 0.1 * adaptive("tolerance 1e-3"));
+    for (method, setting) in
+        [("friction smoothed by speed", "below 0.001 m/s"), ("softened lock", "solid stiffness / 2")]
+    {
+        assert!(error(method, setting) > 1e-3, "{method}");
+    }
+    let (page, csv) = (accuracy::markdown(&accuracy), accuracy::csv(&accuracy).expect("in memory"));
+    assert!(page.contains("estimate ") && page.contains("Couplers 1 to 13 over 3.000000 s"), "{page}");
+    assert!(csv.lines().next().is_some_and(|head| head.ends_with("error_estimate_n,error_estimate_of_rating")));
+}
+
+/// A gap without friction: no method that differs by friction alone has a row.
+#[test]
+fn methods_on_a_train_with_slack_alone() {
+    let accuracy = accuracy::run(&geared("stiffness = \"20 MN/m\"\nslack = \"20 mm\""), None, &quick()).expect("slack");
+    assert!(accuracy.left_out.len() == 6 && accuracy.left_out.iter().all(|l| l.ends_with(": no coupler has friction")));
+    let ours = accuracy.rows.iter().find(|r| r.origin == RowOrigin::March).expect("a row");
+    assert!(ours.estimate_n.is_some_and(|n| ours.peak_error_n <= n), "{ours:?}");
+}

@@ -185,7 +185,7 @@ const OPTIONS: &[(&str, &str, &[&str])] = &[
 ];
 
 /// Options that choose what is written and where, how a run is gone on with, or another command altogether.
-const OTHERS: [&str; 15] = [
+const OTHERS: [&str; 16] = [
     "--color",
     "--threads",
     "--quiet",
@@ -195,7 +195,8 @@ const OTHERS: [&str; 15] = [
     "--help",
     "--reports",
     "--resume",
-    "--shard",
+    "--work",
+    "--couplers",
     "--merge",
     "--dry-run",
     "--stress",

@@ -300,6 +300,7 @@ fn loggers_export_in_many_ways() {
         "# logger 7\nSample rate,1000 Hz\n\ntime,force\n[ms],[kN]\n0,0\n50,1500\n100,0\n",
         "# time_s,force_kn\n0,0\n0.05,1500\n0.1,0\n",
         "force [MN],time [s]\n0,0\n1.5,0.05\n0,0.1\n",
+        "time [s];force [N]\n0;0\n0.05;1 500 000\n1e-1;0\n",
     ] {
         assert_eq!(course(csv), plain, "{csv}");
         assert_eq!(course(utf16(csv, true, true)), plain, "{csv}");
@@ -348,4 +349,104 @@ fn a_record_s_obstacle_is_named_once() {
     );
     let train = record("time_s,force_kn,speed_kmh\n0,0,3\n1,5,3\n2,0,3\n").expect("a third column");
     assert_eq!(codes(&train), ["column-not-read"]);
+}
+
+/// Sums may stand above the vehicles, or between groups of them.
+#[test]
+fn a_row_of_sums_above_or_between_the_vehicles_is_doubted() {
+    for (csv, row) in [
+        ("label,mass [t],length [m]\nTotal,264,47\nLok,84,19\nWagen,90,14\nWagen,90,14\n", 2),
+        ("mass [t]\n396\n120\n132\n144\n", 2),
+        ("label,mass [t]\nloco,132\ncar,90\nSubtotal,222\ncar,60\ncar,60\n", 4),
+        ("label,mass [t]\nloco,132\ncar,90\nmean,111\n", 4),
+    ] {
+        let found = table(csv).expect(csv);
+        let [only] = &found.origin().doubts[..] else { panic!("{csv} {:?}", found.origin().doubts) };
+        assert!(only.code == "total-row" && only.text.contains(&format!("(row {row} of c.csv)")), "{only}");
+    }
+    // A locomotive that weighs as much as its two cars, and a car as much as the two before it.
+    for csv in ["mass [t]\n180\n90\n90\n", "mass [t],length [m]\n132,20\n45,12\n45,12\n90,14\n60,14\n"] {
+        assert!(codes(&table(csv).expect(csv)).is_empty(), "{csv}");
+    }
+}
+
+/// A limit is read under its own name, of draft and buff alike; a name that could be of either sense alone is not.
+#[test]
+fn columns_of_limits_need_no_prefix() {
+    let read = table("label,mass [t],Proof (MN),ultimate load [kN],fatigue_MN\na,80,1.6,1900,0.7\nb,80,,,\nc,80,,,\n");
+    let train = read.expect("limits");
+    assert!(codes(&train).is_empty(), "{:?}", train.origin().doubts);
+    assert_eq!(train.extras().limits[0].in_senses(), [[Some(0.7e6), Some(1.6e6), Some(1.9e6)]; 2]);
+    assert_eq!(train.extras().limits[1].in_senses(), [[None; 3]; 2]);
+}
+
+/// Which columns a record could mean, and what its times are, where they are no numbers.
+#[test]
+fn a_record_with_two_channels_or_dates_is_refused_with_the_reason() {
+    for (csv, what) in [
+        (
+            "time_s,channel 1 [kN],channel 2 [kN]\n0,0,0\n1,5,6\n2,0,0\n",
+            "columns 2 and 3 of row 1 could each be the force; head one",
+        ),
+        (
+            "logger 7\nt1 [ms];t2 [ms];F [kN]\n0;0;0\n1;1;5\n2;2;0\n",
+            "columns 1 and 2 of row 2 could each be the time; head one",
+        ),
+        (
+            "time_s,force_kn\n2026-01-03 12:00:00.000,0\n2026-01-03 12:00:00.050,5\n",
+            "row 2: time is a date or a time of day",
+        ),
+        ("time_s,force_kn\n12:00:00.05,0\n12:00:00.10,5\n", "row 2: time is a date or a time of day"),
+        ("time_s,force_kn\n3/1/2026,0\n3/1/2026,5\n", "row 2: time is a date or a time of day"),
+    ] {
+        let error = record(csv).expect_err(csv);
+        assert_eq!((error.matches("error: ").count(), error.contains(what)), (1, true), "{error}");
+    }
+}
+
+/// Times of a record count from its start, where no force may act yet, and the report does not say that one does.
+#[test]
+fn times_of_a_record_count_from_its_start() {
+    let told = |csv: &str| {
+        let train = record(csv).expect(csv);
+        let analysis = trainsafe::analyze(&train, &trainsafe::Options::default()).expect("sound");
+        trainsafe::report::terminal(&analysis, &[])
+    };
+    for csv in ["time_s,force_kn\n0,0\n3,0\n3.05,5000\n3.1,0\n", "time_s,force_kn\n0,0\n0.05,5000\n0.1,0\n"] {
+        let told = told(csv);
+        assert!(told.contains("after the record starts") && !told.contains("sets in"), "{told}");
+    }
+}
+
+/// Efforts, brakes and resistance of a table: `a = 373.16 kN / 456 t`, and each coupler carries what is behind it.
+#[test]
+fn a_hauled_train_of_a_table_carries_what_is_behind_each_coupler() {
+    let csv = "label,mass [t],tractive_effort [kN],brake_force [kN],rolling_resistance [N/t]\n\
+               loco,196,400,,15\ncar a,130,,10,15\ncar b,130,,10,15\n";
+    let train = read(&format!("vehicles = \"c.csv\"\n{FRONT}"), &[("c.csv", csv.as_bytes())]).expect("a table");
+    let a = 373.16e3 / 456e3;
+    for (found, due) in train.initial_force_n().iter().zip([2.0, 1.0].map(|cars| cars * (130e3 * a + 11.95e3))) {
+        assert!((found - due).abs() < 1e-9 * due, "{found} {due}");
+    }
+    assert_eq!(train.initial_force_n().iter().map(|f| (f / 100.0).round() / 10.0).collect::<Vec<_>>(), [236.7, 118.3]);
+}
+
+/// A record on a logger's clock overloads what the same record from 0 does.
+#[test]
+fn a_late_record_has_the_verdict_of_the_early_one() {
+    let found = |start: i64| {
+        let rows = [(0, 0), (100, -5000), (400, -5000), (500, 0)].map(|(t, f)| format!("{},{f}\n", start + t));
+        let train = record(format!("time_ms,force_kn\n{}", rows.concat())).expect("a record");
+        let analysis = trainsafe::analyze(&train, &trainsafe::Options::default()).expect("sound");
+        let case = &analysis.scenarios[0].cases[0];
+        (case.exceeding, case.horizon_s, case.worst.as_ref().expect("couplers").peak_force_n)
+    };
+    let early = found(0);
+    assert_eq!(early.0, 9);
+    for start in [5_000_000, -700] {
+        let late = found(start);
+        // Times after the shift are those of the clock to its last place.
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-9 * b.abs();
+        assert!(late.0 == 9 && near(late.1, early.1) && near(late.2, early.2), "{start}: {late:?}, early {early:?}");
+    }
 }

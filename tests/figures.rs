@@ -230,10 +230,12 @@ fn figures_of_methods_and_of_fleets_are_xml() {
         peak_error_n: error_n,
         force_error_n: 2.0 * error_n,
         bound_n,
+        estimate_n: None,
     };
     let comparison = Accuracy {
         train: "<train>".to_owned(),
         scenario: "<scenario>".to_owned(),
+        is_march: false,
         broken_coupler: None,
         couplers: [1, 2],
         horizon_s: 1.0,
@@ -254,7 +256,7 @@ fn figures_of_methods_and_of_fleets_are_xml() {
     let folder = tempfile::tempdir().expect("a folder");
     fleets::write_fleet(&folder.path().join("trains"), 6, 3);
     assert!(fleets::fleet(folder.path(), &["trains", "--out", "out"]).status.success());
-    let svg = fs::read_to_string(folder.path().join("out/figure-safe-load.svg")).expect("a figure");
-    let (_, texts) = parse("safe load", &svg);
-    assert!(texts.iter().any(|t| t == "safe load factor"), "{texts:?}");
+    let svg = fs::read_to_string(folder.path().join("out/figure-safe-factors.svg")).expect("a figure");
+    let (_, texts) = parse("safe factors", &svg);
+    assert!(texts.iter().any(|t| t == "safe factor on the load"), "{texts:?}");
 }

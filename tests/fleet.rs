@@ -8,9 +8,9 @@ use std::path::Path;
 use std::process::Stdio;
 use std::time::Instant;
 
-use fleets::{complaint, fleet, parts, results, rows, trainsafe, write_fleet};
+use fleets::{complaint, fleet, parts, results, rows, trainsafe, unfinished, write_fleet};
 use tempfile::TempDir;
-use trainsafe::fleet::{Request, Shard};
+use trainsafe::fleet::Request;
 use trainsafe::{Options, analyze, consist};
 
 fn folder() -> TempDir {
@@ -95,38 +95,10 @@ fn one_thread_and_two_write_the_same_bytes() {
 }
 
 #[test]
-fn shards_merge_to_the_bytes_of_one_run() {
-    let folder = folder();
-    write_fleet(&folder.path().join("trains"), 25, 4);
-    let whole = undisturbed(folder.path());
-    for shard in ["3/3", "1/3"] {
-        let output = fleet(folder.path(), &["trains", "--out", "parts", "--shard", shard]);
-        assert!(output.status.success(), "{}", complaint(&output));
-    }
-    let early = fleet(folder.path(), &["--merge", "--out", "parts"]);
-    assert_eq!(early.status.code(), Some(2));
-    assert!(complaint(&early).contains("parts of the run are missing"), "{}", complaint(&early));
-    assert!(fleet(folder.path(), &["trains", "--out", "parts", "--shard", "2/3"]).status.success());
-    assert!(fleet(folder.path(), &["--merge", "--out", "parts"]).status.success());
-    assert_eq!(whole, results(&folder.path().join("parts")));
-    // A shard that is asked for again finds nothing to do.
-    assert!(fleet(folder.path(), &["trains", "--out", "parts", "--shard", "2/3"]).status.success());
-    assert_eq!(whole, results(&folder.path().join("parts")));
-}
-
-#[test]
-fn shards_share_the_chunks() {
-    let shards = [0, 1, 2].map(|index| Shard { index, count: 3 });
-    for chunk in 0..100 {
-        assert_eq!(shards.iter().filter(|s| s.has(chunk)).count(), 1, "{chunk}");
-    }
-}
-
-#[test]
 fn what_is_done_is_not_done_again() {
     let folder = folder();
     write_fleet(&folder.path().join("trains"), 25, 4);
-    assert!(fleet(folder.path(), &["trains", "--out", "out", "--shard", "1/3"]).status.success());
+    unfinished(folder.path(), &["trains"], "out", |part| part % 3 == 0);
     let out = folder.path().join("out");
     let mut marked = 0;
     for part in parts(&out) {
@@ -254,7 +226,7 @@ fn a_run_goes_on_only_with_what_it_began_with() {
     let folder = folder();
     let trains = folder.path().join("trains");
     write_fleet(&trains, 6, 4);
-    assert!(fleet(folder.path(), &["trains", "--out", "out", "--shard", "1/2"]).status.success());
+    unfinished(folder.path(), &["trains"], "out", |part| part % 2 == 0);
     let again = fleet(folder.path(), &["trains", "--out", "out"]);
     assert_eq!(again.status.code(), Some(2));
     assert!(complaint(&again).contains("holds a run that is not finished"), "{}", complaint(&again));

@@ -82,7 +82,7 @@ fn doubts_stand_in_rows_reports_and_on_standard_error() {
 }
 
 #[test]
-fn rows_of_json_and_joined_shards_have_them_too() {
+fn rows_of_json_and_joined_parts_have_them_too() {
     let folder = folder();
     let output = fleet(folder.path(), &["a.toml", "d.toml", "--json"]);
     let lines = String::from_utf8_lossy(&output.stdout).into_owned();
@@ -90,10 +90,8 @@ fn rows_of_json_and_joined_shards_have_them_too() {
         lines.lines().map(|l| serde_json::from_str::<serde_json::Value>(l).expect("JSON")["doubts"].clone()).collect();
     assert!(doubts[..11].iter().all(|d| d == "no-load") && doubts[11..].iter().all(serde_json::Value::is_null));
     assert!(complaint(&output).contains("[no-load] (11 of 11 cases)"), "{}", complaint(&output));
-    for shard in ["1/2", "2/2"] {
-        let output = fleet(folder.path(), &["*.toml", "--out", "parts", "--shard", shard]);
-        assert!(output.status.success() && complaint(&output).contains("warning: "), "{}", complaint(&output));
-    }
+    let output = fleet(folder.path(), &["*.toml", "--out", "parts", "--work"]);
+    assert!(output.status.success() && complaint(&output).contains("warning: "), "{}", complaint(&output));
     let output = fleet(folder.path(), &["--merge", "--out", "parts"]);
     assert!(String::from_utf8_lossy(&output.stdout).starts_with(SENTENCE));
     let line = "warning: a.toml: no-load, which `trainsafe analyze` explains (11 of 11 cases)\n";

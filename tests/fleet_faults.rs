@@ -119,7 +119,7 @@ fn a_signal_stops_a_run_at_once_and_says_how_to_go_on() {
 fn a_folder_has_one_run_at_a_time() {
     let folder = folder();
     let mut first = started(folder.path(), "out");
-    for second in [&["trains", "--out", "out", "--resume"][..], &["trains", "--out", "out", "--shard", "1/2"]] {
+    for second in [&["trains", "--out", "out", "--resume"][..], &["trains", "--out", "out", "--work"]] {
         let output = fleet(folder.path(), second);
         assert_eq!(output.status.code(), Some(2));
         let expected =
@@ -130,7 +130,7 @@ fn a_folder_has_one_run_at_a_time() {
     // Its death, whatever the cause, lets others in.
     first.kill().expect("it can be killed");
     first.wait().expect("it is dead");
-    let next = fleet(folder.path(), &["trains", "--out", "out", "--shard", "1/100"]);
+    let next = fleet(folder.path(), &["trains", "--out", "out", "--work"]);
     assert!(next.status.success(), "{}", complaint(&next));
 }
 

@@ -120,3 +120,36 @@ fn the_date_is_that_of_the_environment() {
         assert!(complaint(&output).ends_with(&message), "{}", complaint(&output));
     }
 }
+
+/// Factors on the load, on the force of a pulse and on the speed of an impact are in columns and panels of their own, and safe trains
+/// have their margin.
+#[test]
+fn safe_factors_of_different_causes_are_told_apart() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let safe = LONG.replace("0.8 MN", "8 MN").replace("-3 MN", "-0.1 MN");
+    let impact = "[[scenario]]\nkind = \"impact\"\nvehicles = 2\nat = \"tail\"\nspeed = \"0.1 m/s\"\n";
+    fs::write(folder.path().join("safe.toml"), safe.clone() + impact).expect("a train");
+    let output = fleet(folder.path(), &["safe.toml", "--out", "out", "--format", "csv,md,html"]);
+    assert_eq!(output.status.code(), Some(0), "{}", complaint(&output));
+    let rows = rows(&folder.path().join("out/fleet.csv"));
+    let number =
+        |row: &std::collections::HashMap<String, String>, column: &str| row[column].parse::<f64>().expect("a number");
+    let report = fs::read_to_string(folder.path().join("out/fleet.md")).expect("a report");
+    let line = |start: &str| report.lines().find(|l| l.starts_with(start)).unwrap_or_default().to_owned();
+    let cells = |line: String| line.split('|').map(|c| c.trim().to_owned()).collect::<Vec<_>>();
+    let (head, train) = (cells(line("| train | file | largest")), cells(line("| safe")));
+    let cell = |name: &str| {
+        let at = head.iter().position(|h| h == name).unwrap_or_else(|| panic!("{name}: {head:?}"));
+        train[at].parse::<f64>().expect("a number")
+    };
+    let most = rows.iter().map(|r| number(r, "utilisation")).fold(0.0, f64::max);
+    assert!(most < 1.0 && (cell("margin, %") - 100.0 * (1.0 - most)).abs() < 0.1, "{train:?}");
+    for (kind, cause) in [("break", "load"), ("pulse", "force of the pulse"), ("impact", "speed of the impact")] {
+        let of_kind = rows.iter().filter(|r| r["kind"] == kind);
+        let least = of_kind.map(|r| number(r, "safe_load_factor")).fold(f64::INFINITY, f64::min);
+        let told = cell(&format!("safe factor on the {cause}"));
+        assert!(told <= least && told > 0.99 * least, "{kind}: {told} for {least}");
+        let figure = fs::read_to_string(folder.path().join("out/figure-safe-factors.svg")).expect("a figure");
+        assert!(figure.contains(&format!("safe factor on the {cause}")));
+    }
+}

@@ -171,3 +171,28 @@ fn parted_heads_do_not_pull() {
     assert!(parted.end_speed_m_s[0] > parted.end_speed_m_s[1] + 0.1, "they part: {:?}", parted.end_speed_m_s);
     assert!(parted.energy.is_some_and(|e| e.created_j < 1e-9), "{:?}", parted.energy);
 }
+
+/// What a parting gives up, and how well its instant is known: a spring all that it holds, a gear what it would have given back, and
+/// nothing where the vehicles go on pushing each other.
+#[test]
+fn energy_and_instant_of_a_parting() {
+    let limit = 4e5;
+    let part = |law: Law, speed: f64, break_at_n: [f64; 2]| {
+        let speed_m_s = vec![speed, 0.0];
+        let problem = Problem { speed_m_s, break_at_n: vec![break_at_n], ..train(vec![M; 2], vec![law], 0.5) };
+        solve(&problem, &MarchOptions { tolerance_n: Some(1.0), ..MarchOptions::default() }).partings[0]
+    };
+    let elastic = part(spring(0.0), 1.0, [limit, f64::INFINITY]);
+    let at = (limit / (K * M / 2.0).sqrt()).asin() / (2.0 * K / M).sqrt();
+    near(elastic.energy_j, limit * limit / 2.0 / K, 1e-9);
+    assert!((elastic.time_s - at).abs() <= elastic.uncertainty_s && elastic.uncertainty_s < 1e-12, "{elastic:?}");
+    // Under the unloading curve up to the travel at the breaking load, and in what is in series.
+    let gear = part(gear(2e8, 0.0, gear_a_dash()), 1.0, [limit, f64::INFINITY]);
+    let travel = 7e-3 + 31e-3 * (limit - 120e3) / 560e3;
+    let back = 60e3 + 112e3 * (travel - 7e-3) / 31e-3;
+    let given = 0.5 * 60e3 * 7e-3 + 0.5 * (60e3 + back) * (travel - 7e-3) + limit * limit / 2.0 / 2e8;
+    near(gear.energy_j, given, 1e-8);
+    assert!(gear.uncertainty_s < 1e-12);
+    let pushing = part(spring(0.0), -1.0, [f64::INFINITY, limit]);
+    assert_eq!((pushing.energy_j, pushing.force_n < 0.0), (0.0, true));
+}

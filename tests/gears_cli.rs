@@ -207,6 +207,20 @@ fn parted_pieces_meet_again() {
     assert!(closure["time_s"].as_f64().is_some_and(|t| t > 0.0 && t < 40.0));
 }
 
+/// A throttle schedule on a logger's clock changes nothing for a long time, and is told.
+#[test]
+fn a_throttle_schedule_that_starts_late_is_told() {
+    let train = hauled(GEARS, "emergency = \"UIC P\"\n");
+    for (start, late) in [("0", false), ("59", false), ("61", true), ("5000", true)] {
+        let throttle = format!("time [s],force [kN]\n{start},600\n{start}.5,0\n");
+        let files = [("train.toml", &*format!("{train}throttle = \"throttle.csv\"\n")), ("throttle.csv", &*throttle)];
+        let said = text(folder(&files).path(), &["check", "train.toml"]);
+        let expected =
+            format!("warning: the schedule throttle.csv starts at {start} s, and tractive efforts stay as they are");
+        assert_eq!(said.contains(&expected), late, "{said}");
+    }
+}
+
 /// What brakes bring to a stand ends the report, and is told.
 #[test]
 fn a_vehicle_that_stops_ends_the_report() {

@@ -118,3 +118,29 @@ fn estimated_time() {
     let estimated = estimate_s(&problem, &MarchOptions::default()) / 61.0 / 100e-9;
     assert!(estimated > steps && estimated < 10.0 * steps, "{estimated} steps for {steps}");
 }
+
+/// A force on the middle vehicle of a train at rest moves both neighbours from the first step on: mirror images, and in a linear train
+/// what the closed form of three vehicles says, `F = P / 3 (1 - cos(omega t))`, omega = sqrt(3 k / m), on either side.
+#[test]
+fn a_force_on_the_middle_of_a_train() {
+    let k = 17.9e6;
+    let law = Law::Elastic { draft_n_per_m: k, buff_n_per_m: k, slack_m: 0.0 };
+    let push = 1e5;
+    let forcing = vec![(1, trainsafe::play::Drive::rectangle(push, 9.0))];
+    let problem = Problem { forcing, ..train(vec![M; 3], vec![law.clone(); 2], 1.0) };
+    let times_s: Vec<f64> = (1..=20).map(|n| 0.05 * f64::from(n)).collect();
+    let out =
+        solve(&problem, &MarchOptions { history: vec![0, 1], times_s: times_s.clone(), ..MarchOptions::default() });
+    for (n, t) in times_s.iter().enumerate() {
+        let want = push / 3.0 * (1.0 - ((3.0 * k / M).sqrt() * t).cos());
+        assert!((out.history[0][n] + want).abs() < 1e-9 && (out.history[1][n] - want).abs() < 1e-9, "{t}");
+    }
+    let forcing = vec![(20, trainsafe::play::Drive::Lines(vec![[0.0, 0.0], [0.2, push], [0.4, 0.0]]))];
+    let problem = Problem { forcing, ..train(vec![M; 41], vec![gear(2e8, 0.0, gear_a_dash()); 40], 3.0) };
+    let out = run(&problem);
+    for i in 0..20 {
+        let (ahead, behind) = (out.extremes[i], out.extremes[39 - i]);
+        assert!((ahead.buff.force_n + behind.draft.force_n).abs() < 1e-6, "{i}: {ahead:?} {behind:?}");
+        assert!((ahead.draft.force_n + behind.buff.force_n).abs() < 1e-6, "{i}: {ahead:?} {behind:?}");
+    }
+}

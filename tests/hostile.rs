@@ -235,6 +235,7 @@ fn names_are_text_in_the_accuracy_page() {
     let accuracy = trainsafe::accuracy::Accuracy {
         train: NAMES[8].to_owned(),
         scenario: NAMES[8].to_owned(),
+        is_march: false,
         broken_coupler: None,
         couplers: [1, 2],
         horizon_s: 1.0,

@@ -27,7 +27,7 @@ mod with_the_feature {
     use parquet::file::reader::{FileReader, SerializedFileReader};
     use parquet::record::Field;
 
-    use super::fleets::{results, trainsafe};
+    use super::fleets::{results, trainsafe, unfinished};
     use super::*;
 
     /// A cell as the CSV has it.
@@ -132,7 +132,7 @@ mod with_the_feature {
     }
 
     #[test]
-    fn shards_and_a_run_that_resumes_write_the_same_bytes() {
+    fn workers_and_a_run_that_resumes_write_the_same_bytes() {
         let folder = tempfile::tempdir().expect("a folder");
         write_fleet(&folder.path().join("trains"), 25, 4);
         let run = |arguments: &[&str]| {
@@ -140,9 +140,9 @@ mod with_the_feature {
             assert!(output.status.success(), "{}", complaint(&output));
         };
         run(&["trains", "--out", "whole"]);
-        run(&["trains", "--out", "parts", "--shard", "2/2"]);
-        run(&["trains", "--out", "resumed", "--shard", "1/2"]);
-        run(&["trains", "--out", "parts", "--shard", "1/2"]);
+        unfinished(folder.path(), &["trains"], "parts", |part| part % 2 == 0);
+        unfinished(folder.path(), &["trains"], "resumed", |part| part % 2 == 1);
+        assert!(fleet(folder.path(), &["trains", "--out", "parts", "--work"]).status.success());
         run(&["--merge", "--out", "parts"]);
         let mut one_thread = trainsafe(folder.path());
         one_thread.env("RAYON_NUM_THREADS", "1").args(["fleet", "trains", "--out", "resumed", "--resume"]);

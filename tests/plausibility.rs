@@ -54,6 +54,11 @@ fn implausible_numbers_are_doubted() {
         ("length = \"16 m\"", "length = \"60 mm\"", &["stretch"]),
         ("120 t", "120 kg", &["mass"]),
         ("120 t", "4.9 t", &["mass"]),
+        ("1.2 MN", "1.2 mN", &["load-over-rating", "rating"]),
+        ("1.2 MN", "1.200 kN", &["load-over-rating", "rating"]),
+        ("1.2 MN", "1200 MN", &["rating"]),
+        ("1.2 MN", "10 MN", &[]),
+        ("1.2 MN\"", "1.2 MN\"\nrated_buff = \"12 MN\"", &["rating"]),
         ("120 t", "401 t", &["mass"]),
         ("120 t", "5 t", &[]),
         ("196 t", "900 t", &[]),
@@ -179,6 +184,34 @@ fn idle_options_are_told() {
     let options = |scenario: &str| Options { scenario: Some(scenario.to_owned()), ..all.clone() };
     assert!(idle(&two, &options(name)).is_empty());
     assert_eq!(idle(&two, &options("impact at the tail")).len(), 4);
+}
+
+/// A coupler whose force over all time stays under its rating may pass a lower limit: it is not left out, and that is told.
+#[test]
+fn the_verdict_alone_does_not_hide_limits_under_the_ratings() {
+    let only = Options { verdict_only: true, all_time_bound: true, ..Options::default() };
+    let found = |limits: &str| {
+        let train = with("rated_load = \"1.2 MN\"", &format!("rated_load = \"9 MN\"\n{limits}"));
+        let case = analyze(&train, &only).expect("sound").scenarios.remove(0).cases.remove(0);
+        (case, idle_options(&train, &only))
+    };
+    for limits in [
+        "limits = { fatigue = \"0.5 MN\" }",
+        "limits.draft = { proof = \"0.6 MN\" }",
+        "limits = { fatigue = \"0.5 MN\", ultimate = \"12 MN\" }",
+    ] {
+        let (case, told) = found(limits);
+        assert_eq!((case.left_out, case.couplers.len()), (0, 59), "{limits}");
+        // The load passes each of them.
+        assert!(case.couplers.iter().all(|c| c.limits.as_ref().is_some_and(|l| l.passed.len() == 1)), "{limits}");
+        let [only] = &told[..] else { panic!("{told:?}") };
+        assert!(only.starts_with("break of coupler 5: --verdict-only leaves out no coupler"), "{only}");
+    }
+    // Limits over the ratings are passed by none that stays under its rating.
+    for limits in ["limits = { ultimate = \"12 MN\" }", "limits.buff = { fatigue = \"9 MN\" }", ""] {
+        let (case, told) = found(limits);
+        assert_eq!((case.left_out, told), (59, vec![]), "{limits}");
+    }
 }
 
 /// The trains that come with the program have no doubt but one, which its file explains.

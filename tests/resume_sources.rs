@@ -1,4 +1,4 @@
-//! A run goes on, and shards are joined, only if every file is what it was: train files, tables, records, and what only a study names.
+//! A run goes on, and workers take part, only if every file is what it was: train files, tables, records, and what only a study names.
 
 #[path = "common/fleets.rs"]
 mod fleets;
@@ -6,7 +6,7 @@ mod fleets;
 use std::fs;
 use std::path::Path;
 
-use fleets::{complaint, fleet, rows};
+use fleets::{complaint, fleet, rows, unfinished};
 use tempfile::TempDir;
 
 const HEAD: &str = "[coupler]\nstiffness = \"11.1 MN/m\"\nrated_load = \"1.2 MN\"\n";
@@ -29,7 +29,8 @@ fn folder(files: &[(&str, &str)]) -> TempDir {
 const REFUSED: &str = "holds a run of other train files, another study, other options or another version of trainsafe: put back what \
                        it was, or choose another folder with --out DIR\n";
 
-/// Changes a file after a run and after the first of two shards: neither goes on until it is put back.
+/// Changes a file after a run and in the midst of one: neither goes on until it is put back. A worker, which reads files only as it comes
+/// to them, then names the file.
 fn goes_on_only_without(folder: &Path, given: &str, changed: &str, text: &str) {
     let run = |more: &[&str]| fleet(folder, &[&[given, "--out"], more].concat());
     let done = |output: std::process::Output| assert!(output.status.success(), "{}", complaint(&output));
@@ -41,15 +42,17 @@ fn goes_on_only_without(folder: &Path, given: &str, changed: &str, text: &str) {
         );
     };
     done(run(&["whole"]));
-    done(run(&["parts", "--shard", "1/2"]));
+    unfinished(folder, &[given], "parts", |part| part != 0);
     let before = fs::read_to_string(folder.join(changed)).expect("a file");
     fs::write(folder.join(changed), text).expect("a file");
     refused(run(&["whole", "--resume"]), "whole");
-    refused(run(&["parts", "--shard", "2/2"]), "parts");
+    let worker = run(&["parts", "--work"]);
+    let expected = format!("error: {changed} has changed since the run started: what is done belongs to the old one\n");
+    assert_eq!((worker.status.code(), complaint(&worker)), (Some(2), expected));
     refused(run(&["parts", "--resume"]), "parts");
     fs::write(folder.join(changed), before).expect("a file");
     done(run(&["whole", "--resume"]));
-    done(run(&["parts", "--shard", "2/2"]));
+    done(run(&["parts", "--work"]));
     done(fleet(folder, &["--merge", "--out", "parts"]));
     let [whole, parts] = ["whole", "parts"].map(|dir| fs::read(folder.join(dir).join("fleet.csv")).expect("rows"));
     assert_eq!(whole, parts);
@@ -103,9 +106,7 @@ fn files_that_only_a_study_names_are_noticed() {
 fn a_run_of_an_earlier_version_is_refused() {
     let train = format!("{HEAD}{CARS}[load]\nuniform = \"0.5 MN\"\n");
     let folder = folder(&[("train.toml", &train)]);
-    for shard in ["1/2", "2/2"] {
-        assert!(fleet(folder.path(), &["train.toml", "--out", "out", "--shard", shard]).status.success());
-    }
+    assert!(fleet(folder.path(), &["train.toml", "--out", "out", "--work"]).status.success());
     let path = folder.path().join("out/fleet-run.json");
     let text = fs::read_to_string(&path).expect("a description");
     let mut old: serde_json::Value = serde_json::from_str(&text).expect("JSON");

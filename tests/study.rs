@@ -114,8 +114,8 @@ fn independent_draws_find_the_probability_and_its_interval() {
         let report = fs::read_to_string(folder.path().join("out/fleet.md")).expect("a report");
         let line = report.lines().find(|line| line.starts_with("| one car")).expect("the train's line");
         let cells: Vec<&str> = line.split('|').map(str::trim).collect();
-        assert_eq!(cells[3], k.to_string(), "{line}");
-        let (low, high) = cells[5].split_once(" to ").expect("an interval");
+        assert_eq!(cells[4], k.to_string(), "{line}");
+        let (low, high) = cells[3].split_once(" to ").expect("an interval");
         let [low, high] = [low, high].map(|x| x.parse::<f64>().expect("a number"));
         assert!(low * f64::from(n) < k as f64 && (k as f64) < high * f64::from(n) && high - low < 0.1, "{line}");
         missed += usize::from(!(low < p && p < high));

@@ -196,7 +196,11 @@ fn every_case_of_an_incomplete_train_is_run() {
     let folder = folder(&[("train.toml", &whole.replace("\"1.2 MN\"", "\"TBD\"")), ("study.toml", &weibull)]);
     let output = fleet(folder.path(), &["study.toml", "--out", "out"]);
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(text.contains("Probability of an exceedance: 1.000 (20 of 20 draws)."), "{text}{}", complaint(&output));
+    assert!(
+        text.contains("Probability of an exceedance: 1.000 (20 of 20 draws; 95 % confidence: 0.8316 to 1.000)."),
+        "{text}{}",
+        complaint(&output)
+    );
 }
 
 /// The couplers that `"each"` breaks carry draft, so that the sign of the load decides how many there are.

@@ -98,7 +98,7 @@ impl<'a> Bench<'a> {
             row.setting = format!("tolerance {loosest:e} to {tolerance:e}");
             return;
         }
-        let (run_time_s, runs) = self.time(|| drop(self.solution(method, tolerance)));
+        let (run_time_s, runs) = timed(&self.options, || drop(self.solution(method, tolerance)));
         let row = self.our_row(method.is_none(), tolerance, solution, run_time_s, runs);
         self.rows.push(row);
     }
@@ -128,6 +128,7 @@ impl<'a> Bench<'a> {
             peak_error_n: peak * self.force_n,
             force_error_n: force * self.force_n,
             bound_n: Some(solution.error_bound * self.force_n),
+            estimate_n: None,
         }
     }
 
@@ -147,7 +148,7 @@ impl<'a> Bench<'a> {
                     continue;
                 }
             };
-            let (run_time_s, runs) = self.time(|| drop(peer.march(self.scene, &[])));
+            let (run_time_s, runs) = timed(&self.options, || drop(peer.march(self.scene, &[])));
             let row = self.peer_row(peer, &marched, run_time_s, runs);
             self.rows.push(row);
         }
@@ -172,24 +173,25 @@ impl<'a> Bench<'a> {
             peak_error_n: peak * self.force_n,
             force_error_n: force * self.force_n,
             bound_n: None,
+            estimate_n: None,
         }
-    }
-
-    /// Median run time, s, and the number of runs.
-    fn time(&self, run: impl Fn()) -> (f64, usize) {
-        let begin = Instant::now();
-        let mut seconds = Vec::with_capacity(self.options.runs);
-        while seconds.is_empty() || seconds.len() < self.options.runs && begin.elapsed() < self.options.row_time {
-            let start = Instant::now();
-            run();
-            seconds.push(start.elapsed().as_secs_f64());
-        }
-        seconds.sort_by(f64::total_cmp);
-        (seconds[seconds.len() / 2], seconds.len())
     }
 }
 
+/// Median run time, s, and the number of runs.
+pub fn timed(options: &AccuracyOptions, run: impl Fn()) -> (f64, usize) {
+    let begin = Instant::now();
+    let mut seconds = Vec::with_capacity(options.runs);
+    while seconds.is_empty() || seconds.len() < options.runs && begin.elapsed() < options.row_time {
+        let start = Instant::now();
+        run();
+        seconds.push(start.elapsed().as_secs_f64());
+    }
+    seconds.sort_by(f64::total_cmp);
+    (seconds[seconds.len() / 2], seconds.len())
+}
+
 /// What cannot be subtracted is as wrong as can be.
-fn difference(found: f64, exact: Dd) -> f64 {
+pub fn difference(found: f64, exact: Dd) -> f64 {
     if found.is_finite() { (Dd::from(found) - exact).abs().hi } else { f64::INFINITY }
 }

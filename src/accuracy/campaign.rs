@@ -2,6 +2,7 @@
 
 mod draw;
 mod findings;
+pub mod gears;
 mod judge;
 pub mod kinds;
 pub mod row;

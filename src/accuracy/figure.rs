@@ -1,6 +1,7 @@
 //! Error against run time as a log-log figure.
 //!
-//! This crate's methods are filled marks in colours, each with a bar up to the error it claims at most; marching methods are grey.
+//! This crate's methods are filled marks in colours, each with a bar up to the error it claims at most, or estimates; marching methods are
+//! grey, but for those that follow another train.
 
 use super::{Accuracy, MethodRow, RowOrigin};
 use crate::figures::{Axis, Color, Figure, Panel, Sample, Shape, Stroke};
@@ -44,7 +45,8 @@ pub fn figure(accuracy: &Accuracy) -> String {
     for (look, _) in series(accuracy) {
         figure.explain(&look.name, Sample::Mark(look.shape, look.color));
     }
-    figure.explain("up to the claimed bound", Sample::Line(Stroke::solid(Color::Ink, 1.2)));
+    let claimed = if accuracy.is_march { "up to the claimed bound or estimate" } else { "up to the claimed bound" };
+    figure.explain(claimed, Sample::Line(Stroke::solid(Color::Ink, 1.2)));
     figure.explain("no error to be seen in an f64", Sample::Line(UNSEEN));
     figure.svg()
 }
@@ -69,7 +71,12 @@ fn look(row: &MethodRow) -> Look {
             Method::Modal => (Color::Rod, Shape::Square, 6.0),
             Method::Propagator => (Color::Other, Shape::Diamond, 6.5),
         },
+        RowOrigin::March => (Color::Draft, Shape::Circle, 5.5),
         RowOrigin::Peer => match row.method {
+            "Verlet with a clamp" => (Color::Quiet, Shape::Circle, 4.0),
+            "Runge-Kutta 4 with a clamp" => (Color::Quiet, Shape::Down, 5.0),
+            "friction smoothed by speed" => (Color::Buff, Shape::Up, 5.0),
+            "softened lock" => (Color::Other, Shape::Diamond, 5.5),
             "Newmark" => (Color::Quiet, Shape::Square, 4.5),
             "Störmer-Verlet" => (Color::Quiet, Shape::Circle, 4.0),
             "Runge-Kutta 4" => (Color::Quiet, Shape::Down, 5.0),
@@ -90,7 +97,7 @@ fn draw(panel: &mut Panel, accuracy: &Accuracy, error_n: Measure, x: (f64, f64))
         let points: Vec<(f64, f64)> = rows.iter().map(|row| place(accuracy, row, error_n(row))).collect();
         panel.line(&points, Stroke::solid(look.color, 1.2));
         for (row, point) in rows.iter().zip(&points) {
-            let bound = row.bound_n.map(|b| place(accuracy, row, b).1);
+            let bound = row.bound_n.or(row.estimate_n).map(|b| place(accuracy, row, b).1);
             if let Some(bound) = bound.filter(|b| *b > point.1) {
                 panel.bar(point.0, point.1, bound, look.color);
             }

@@ -9,11 +9,15 @@
 //!   over the horizon, for this crate's at the instants of the extremes that it reports; of all couplers, or of
 //!   [`WATCHED`] spread over a longer part.
 //!
+//! Trains with slack, gears or brakes, which the march follows from event to event, are compared as a whole, with the methods that
+//! simulators use for them (module [`gears`]); forces at instants are compared for all methods alike.
+//!
 //! Run times are medians and cover the extremes of all couplers, from the scene to the result.
 
 mod bench;
 pub mod campaign;
 mod figure;
+pub mod gears;
 pub mod peers;
 pub mod reference;
 pub mod stress;
@@ -21,6 +25,7 @@ mod table;
 
 use std::time::Duration;
 
+use crate::play::Rule;
 use crate::report::WriteError;
 use crate::scenario::{self, Part, Scales};
 use crate::solve::{Method, SolveError, Work};
@@ -36,6 +41,9 @@ pub const INSTANTS: usize = 64;
 /// Couplers whose forces at instants are compared, at most.
 pub const WATCHED: usize = 128;
 
+/// A march ends where its estimate passes this share of the largest rating, as in an analysis.
+const MARCH_TOLERANCE: f64 = 1e-6;
+
 /// How much effort a comparison may take.
 #[derive(Clone, Copy, Debug)]
 pub struct AccuracyOptions {
@@ -45,11 +53,13 @@ pub struct AccuracyOptions {
     pub row_time: Duration,
     /// A march that would compute more accelerations than this is left out.
     pub most_accelerations: f64,
+    /// The same of a march that looks forces up in a gear's curves, which costs ten times as much.
+    pub most_look_ups: f64,
 }
 
 impl Default for AccuracyOptions {
     fn default() -> Self {
-        AccuracyOptions { runs: 5, row_time: Duration::from_secs(2), most_accelerations: 3e9 }
+        AccuracyOptions { runs: 5, row_time: Duration::from_secs(2), most_accelerations: 3e9, most_look_ups: 3e8 }
     }
 }
 
@@ -60,6 +70,8 @@ pub enum RowOrigin {
     Ours(Method),
     /// One of this crate's, chosen by its planner.
     Planner(Method),
+    /// This crate's march from event to event.
+    March,
     /// A marching method.
     Peer,
 }
@@ -87,6 +99,8 @@ pub struct MethodRow {
     pub force_error_n: f64,
     /// What the method says its error is at most, N; `None` from a method that does not say.
     pub bound_n: Option<f64>,
+    /// What it estimates its error to be, N; an estimate and no bound.
+    pub estimate_n: Option<f64>,
 }
 
 /// Counted work, each in the method's own coin.
@@ -96,6 +110,13 @@ pub enum Effort {
     Accelerations(u64),
     /// This crate's counts.
     Counted(Work),
+    /// Steps of the march, and the events that ended them.
+    Steps {
+        /// Steps.
+        steps: u64,
+        /// Events.
+        events: u64,
+    },
 }
 
 /// A comparison.
@@ -105,7 +126,9 @@ pub struct Accuracy {
     pub train: String,
     /// The scenario's name.
     pub scenario: String,
-    /// The coupler that breaks, counted from 1; `None` for a pulse.
+    /// Followed by the march from event to event: all couplers, up to where forces can be predicted or a vehicle stops.
+    pub is_march: bool,
+    /// The coupler that breaks, counted from 1; `None` for another event.
     pub broken_coupler: Option<usize>,
     /// First and last coupler of the part, counted from 1.
     pub couplers: [usize; 2],
@@ -113,7 +136,7 @@ pub struct Accuracy {
     pub horizon_s: f64,
     /// The largest rating in the train, N: what errors are given as shares of.
     pub rating_n: f64,
-    /// The reference's own peaks could be larger by this at most, N.
+    /// The reference's own peaks could be larger by this at most, N; of a march, the largest difference of two references.
     pub doubt_n: f64,
     /// From coarse to fine, method by method.
     pub rows: Vec<MethodRow>,
@@ -146,7 +169,8 @@ pub enum AccuracyError {
     },
     /// The methods compared are not made for the train or the event.
     #[error(
-        "{scenario}: the comparison is of methods for breaks and rectangular pulses of trains of linear couplers without damping and brakes"
+        "{scenario}: the comparison is of methods for breaks and rectangular pulses of trains of linear couplers without damping, and for \
+         trains with slack, gears or brakes"
     )]
     BeyondSteps {
         /// The scenario's name.
@@ -158,6 +182,9 @@ pub enum AccuracyError {
     /// There is no reference for the scene.
     #[error(transparent)]
     Reference(#[from] ReferenceError),
+    /// The reference would take too long.
+    #[error(transparent)]
+    TooManySteps(#[from] gears::exact::TooManySteps),
     /// The results could not be written.
     #[error(transparent)]
     Write(#[from] WriteError),
@@ -170,9 +197,11 @@ pub enum AccuracyError {
 /// refuses.
 pub fn run(train: &Train, scenario_name: Option<&str>, options: &AccuracyOptions) -> Result<Accuracy, AccuracyError> {
     let chosen = choose(train, scenario_name)?;
+    if scenario::is_march(train, chosen) {
+        return marches(train, chosen, options);
+    }
     let extras = train.extras();
-    let beyond = scenario::beyond_steps(&extras.dashpot_n_s_per_m, &chosen.event) || scenario::is_march(train, chosen);
-    if extras.damping_ratio > 0.0 || beyond {
+    if extras.damping_ratio > 0.0 || scenario::beyond_steps(&extras.dashpot_n_s_per_m, &chosen.event) {
         return Err(AccuracyError::BeyondSteps { scenario: chosen.name.clone() });
     }
     let Some((broken, part)) = longest_part(train, chosen) else {
@@ -189,11 +218,43 @@ pub fn run(train: &Train, scenario_name: Option<&str>, options: &AccuracyOptions
     Ok(Accuracy {
         train: train.name().to_owned(),
         scenario: chosen.name.clone(),
+        is_march: false,
         broken_coupler: broken.map(|b| b + 1),
         couplers: [first, first + part.scene.initial.len() - 1],
         horizon_s: part.scene.horizon * scales.time_s,
         rating_n: largest_rating(train),
         doubt_n: bench.extremes.iter().flatten().map(|e| e.doubt).fold(0.0, f64::max) * scales.force_n,
+        rows: bench.rows,
+        left_out: bench.left_out,
+    })
+}
+
+/// The comparison of a train that is marched from event to event: nothing breaks later.
+fn marches(train: &Train, chosen: &Scenario, options: &AccuracyOptions) -> Result<Accuracy, AccuracyError> {
+    let last = train.couplers().len();
+    let broken = match &chosen.event {
+        // The longest part of all cases, the first of equals.
+        Event::Break { couplers } => couplers.iter().copied().reduce(|a, b| {
+            let part = |b: usize| b.max(last - 1 - b);
+            if part(b) > part(a) { b } else { a }
+        }),
+        _ => None,
+    };
+    let horizon_s = scenario::horizon_s(train, chosen, broken);
+    let problem = scenario::march(train, chosen, broken, [horizon_s; 2], Rule::Keep);
+    let rating_n = largest_rating(train);
+    let mut bench = gears::bench::Bench::new(problem, MARCH_TOLERANCE * rating_n, *options)?;
+    bench.ours();
+    bench.peers();
+    Ok(Accuracy {
+        train: train.name().to_owned(),
+        scenario: chosen.name.clone(),
+        is_march: true,
+        broken_coupler: broken.map(|b| b + 1),
+        couplers: [1, last],
+        horizon_s: bench.problem.horizon_s,
+        rating_n,
+        doubt_n: bench.reference.doubt_n,
         rows: bench.rows,
         left_out: bench.left_out,
     })

@@ -1,6 +1,7 @@
 //! Extreme trains: does the answer hold, and what does it cost, where a solver is most likely to fail?
 
 mod cases;
+pub mod gears;
 
 use std::time::Instant;
 
@@ -39,9 +40,11 @@ pub struct StressRow {
     pub note: String,
 }
 
-/// Runs every extreme case through the planner's choice and holds it against the reference.
+/// Runs every extreme case through the planner's choice, or the march, and holds it against the reference.
 pub fn stress() -> Vec<StressRow> {
-    cases().iter().map(run).collect()
+    let of_chains = cases();
+    let of_gears = gears::cases();
+    of_chains.iter().map(run).chain(of_gears.iter().map(gears::run)).collect()
 }
 
 /// Runs one case.

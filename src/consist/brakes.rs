@@ -19,7 +19,7 @@ use super::tree::{Read, Table, Value};
 use crate::error::{InputError, Problem, Problems, printable_path, quoted};
 use crate::keys::Sign;
 use crate::train::{Application, Doubt, Forcing, Vehicle};
-use crate::units::{self, Amount, Dimension, one_of};
+use crate::units::{self, Amount, Dimension, one_of, shown};
 
 /// Names of applications.
 pub(super) const PRESETS: [&str; 3] = ["AAR", "UIC G", "UIC P"];
@@ -102,6 +102,9 @@ fn cut_power(table: &Table) -> Read<[f64; 2]> {
     Ok([after, over.unwrap_or(0.0)])
 }
 
+/// A schedule that starts later than this after the event, s, is probably on another clock.
+const LATE_S: f64 = 60.0;
+
 /// The columns of a throttle schedule.
 const COLUMNS: [&str; 4] = ["time", "share", "force", "vehicle"];
 
@@ -152,7 +155,17 @@ fn schedule(
     let not_read = |column: &String| {
         Doubt::of_train("column-not-read", format!("the column {} of {name} is not read", quoted(column)))
     };
-    Ok((courses, sheet.unread.iter().map(not_read).collect()))
+    let mut doubts: Vec<Doubt> = sheet.unread.iter().map(not_read).collect();
+    let start_s = courses.iter().filter_map(|c| Some(c.points.first()?[0])).fold(f64::INFINITY, f64::min);
+    if start_s > LATE_S {
+        let start = shown(start_s, Dimension::Time);
+        let text = format!(
+            "the schedule {name} starts at {start}, and tractive efforts stay as they are until then: its times count from the \
+             event, not from a logger's clock"
+        );
+        doubts.push(Doubt::of_train("throttle-starts-late", text));
+    }
+    Ok((courses, doubts))
 }
 
 /// Adds a row of the schedule to the courses of the vehicles that it is of.

@@ -5,8 +5,8 @@
 
 use std::path::Path;
 
-use super::heading::{Content, Wanted};
-use super::sheet::{NoSheet, Record, Sheet};
+use super::heading::{Content, Wanted, only_unit};
+use super::sheet::{ABOVE, NoSheet, Record, Sheet};
 use crate::error::{InputError, Problem, Problems, printable_path, quoted};
 use crate::train::Doubt;
 use crate::units::{self, Amount, Dimension, shown};
@@ -53,7 +53,8 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<Course, InputError> {
         Err(Some(problems)) => return Err(InputError::new(path, text, problems)),
         // Nothing is shown of a file that is no record: a train file may come from anyone, and name any file.
         Err(None) => {
-            let what = super::kinds::of_text(text).map_or(String::new(), |what| format!(": it is {what}"));
+            let what = super::kinds::of_text(text).map(|what| format!("it is {what}")).or_else(|| several(text));
+            let what = what.map_or(String::new(), |what| format!(": {what}"));
             return Err(of_file(format!("the record has no columns of time and force with units{what}"), header));
         }
     };
@@ -74,6 +75,22 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<Course, InputError> {
     let (points, shift) = shifted(points, &name);
     doubts.extend(shift);
     Ok(Course { points, doubts })
+}
+
+/// What can be told of a text in which several columns could be the time or the force, in words that show nothing of it.
+fn several(text: &str) -> Option<String> {
+    text.lines().take(ABOVE).enumerate().find_map(|(row, line)| {
+        let fitting = |of: Dimension| {
+            let content = Content::Quantity { of, share: false };
+            let is_of = |(i, cell): (usize, &str)| only_unit(cell.trim().trim_matches('"'), content).map(|_| i + 1);
+            line.split([',', ';', '\t']).enumerate().filter_map(is_of).collect::<Vec<_>>()
+        };
+        let found = COLUMNS.map(|(name, of)| (name, fitting(of)));
+        let open = found.iter().find(|(_, columns)| columns.len() > 1)?;
+        let which = open.1.iter().map(ToString::to_string).collect::<Vec<_>>().join(" and ");
+        let all = found.iter().all(|(_, columns)| !columns.is_empty());
+        all.then(|| format!("columns {which} of row {} could each be the {}; head one of them so", row + 1, open.0))
+    })
 }
 
 fn not_read(column: &str, name: &str) -> Doubt {
@@ -111,6 +128,10 @@ fn point(sheet: &Sheet, record: &Record) -> Result<[f64; 2], Problem> {
         let Some((text, _)) = sheet.cell(record, w) else {
             return Err(wrong("is empty".into(), "expected two numbers in each row".into()));
         };
+        if is_clock(&text) {
+            let help = format!("a {name} is a number of {}; times count from any start", of.choices());
+            return Err(wrong(format!("is a date or a time of day: {}", quoted(&text)), help));
+        }
         let (quantity, has_unit) = sheet.quantity(w, &text).map_err(|[found, right]| wrong(found, right))?;
         if !has_unit {
             let help = format!("head the column {name}_{}, or with another of {}", of.si(), of.choices());
@@ -122,6 +143,12 @@ fn point(sheet: &Sheet, record: &Record) -> Result<[f64; 2], Problem> {
         };
     }
     Ok(point)
+}
+
+/// Whether a text is written as a date or a time of day: numbers with two or more of `:`, `-` and `/` between.
+fn is_clock(text: &str) -> bool {
+    let number = |part: &str| part.starts_with(|c: char| c.is_ascii_digit());
+    text.matches([':', '-', '/']).count() > 1 && text.split([':', '-', '/', ' ', 'T']).all(number)
 }
 
 /// The course with its start at t = 0: a record that starts at another time starts at the last row before its force leaves zero, or at its

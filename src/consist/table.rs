@@ -80,17 +80,29 @@ const SYNONYMS: [(&str, &[&str]); 13] = [
     ("tractive_effort", &["traction", "tractive_force"]),
     ("brake_force", &["braking_force"]),
     ("grade", &["gradient"]),
-    ("limits_fatigue", &["fatigue_load", "fatigue_limit"]),
-    ("limits_proof", &["proof_load"]),
-    ("limits_ultimate", &["ultimate_load"]),
+    ("limits_fatigue", &["fatigue", "fatigue_load", "fatigue_limit"]),
+    ("limits_proof", &["proof", "proof_load", "proof_limit"]),
+    ("limits_ultimate", &["ultimate", "ultimate_load", "ultimate_limit"]),
 ];
 
 /// What numbers the rows.
 const PLACES: [&str; 10] = ["pos", "position", "#", "no", "number", "nr", "place", "index", "sequence", "order"];
 
 /// Words that stand before sums below a table.
-const SUMS: [&str; 10] =
-    ["total", "totals", "grand total", "sum", "summe", "gesamt", "somme", "average", "mean", "subtotal"];
+const SUMS: [&str; 12] = [
+    "total",
+    "totals",
+    "grand total",
+    "sum",
+    "summe",
+    "gesamt",
+    "somme",
+    "average",
+    "mean",
+    "subtotal",
+    "sub-total",
+    "zwischensumme",
+];
 
 /// Every column that is read, from the keys of the train file; a key of a table within a table is `limits.fatigue`.
 fn slots() -> Vec<Slot> {
@@ -494,30 +506,14 @@ impl<'t> Reader<'t> {
 
     /// What is probably not meant: a row of sums, and a coupler behind the last vehicle.
     fn doubtful(&mut self, records: &[Record], rows: &Rows) {
-        let (Some((last, others)), Some(record)) = (rows.groups.split_last(), records.last()) else { return };
-        let near = |sum: f64, value: f64| (sum - value).abs() <= 1e-3 * value;
-        let sum = |of: fn(&VehicleSpec) -> f64| others.iter().map(|group| of(&group.vehicle)).sum::<f64>();
-        let sums = [sum(|g| g.mass_kg), sum(|g| g.mass_kg * g.count as f64)];
-        let lengths = match last.vehicle.length_m {
-            Some(length) => {
-                near(sum(|g| g.length_m.unwrap_or(0.0) * g.count as f64), length)
-                    || near(sum(|g| g.length_m.unwrap_or(0.0)), length)
-            }
-            None => true,
-        };
-        let is_sum = others.len() > 1 && sums.iter().any(|sum| near(*sum, last.vehicle.mass_kg)) && lengths;
-        let word = last.vehicle.label.as_deref().unwrap_or_default().trim_end_matches(':').to_lowercase();
-        let row = record.row;
-        if is_sum || SUMS.contains(&word.as_str()) {
-            let why = if is_sum {
-                "the mass of the last row is the sum of the others"
-            } else {
-                "the last row is labelled as a sum"
-            };
+        let (Some(last), Some(record)) = (rows.groups.last(), records.last()) else { return };
+        if let Some((at, why)) = sums(&rows.groups) {
+            let row = records[at].row;
             let text =
                 format!("{why} (row {row} of {}), and it is computed as a vehicle: delete it if it is none", self.name);
             self.doubts.push(Doubt::of_train("total-row", text));
         }
+        let row = record.row;
         let behind = rows.behind.len().checked_sub(2).map(|at| (&rows.behind[at], &rows.behind[at + 1]));
         if behind.is_some_and(|(before, last)| last.gives_anything() && before != last) && last.vehicle.count == 1 {
             let text = format!(
@@ -537,6 +533,37 @@ impl<'t> Reader<'t> {
         let title = self.place_of(record, slot) + &title;
         self.problems.note(Problem::at(self.sheet.place(record, slot), title, Some(help)));
     }
+}
+
+/// A row that is probably the sum of the others and no vehicle, and why: the last or the first one by its mass, any by its label.
+fn sums(groups: &[Group]) -> Option<(usize, &'static str)> {
+    let groups: Vec<&VehicleSpec> = groups.iter().map(|group| &group.vehicle).collect();
+    let near = |sum: f64, value: f64| (sum - value).abs() <= 1e-3 * value;
+    let is_sum = |at: usize| {
+        let sum = |of: &dyn Fn(&VehicleSpec) -> f64| {
+            groups.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, g)| of(g)).sum::<f64>()
+        };
+        let lengths = groups[at].length_m.is_none_or(|length| {
+            near(sum(&|g| g.length_m.unwrap_or(0.0) * g.count as f64), length)
+                || near(sum(&|g| g.length_m.unwrap_or(0.0)), length)
+        });
+        let masses = [sum(&|g| g.mass_kg), sum(&|g| g.mass_kg * g.count as f64)];
+        lengths && masses.iter().any(|sum| near(*sum, groups[at].mass_kg))
+    };
+    let says_so = |group: &&VehicleSpec| {
+        let label = group.label.as_deref().unwrap_or_default().trim_end_matches(':').to_lowercase();
+        SUMS.contains(&label.as_str())
+    };
+    let last = groups.len().checked_sub(1)?;
+    if last > 1 && is_sum(last) {
+        return Some((last, "the mass of the last row is the sum of the others"));
+    }
+    // A locomotive may weigh as much as two wagons.
+    if last > 2 && is_sum(0) {
+        return Some((0, "the mass of the first row is the sum of the others"));
+    }
+    let labelled = groups.iter().rposition(says_so)?;
+    Some((labelled, if labelled == last { "the last row is labelled as a sum" } else { "a row is labelled as a sum" }))
 }
 
 /// A number as TOML writes it: a whole one without decimals, and without leading zeros.

@@ -8,6 +8,9 @@ const LIGHT_KG: f64 = 5e3;
 const HEAVY_KG: f64 = 400e3;
 /// Stiffness of a connection, N/m.
 const SOFT_N_PER_M: f64 = 1e6;
+/// Capacity of a coupler, N: 50 kN and 10 MN.
+const WEAK_N: f64 = 50e3;
+const STRONG_N: f64 = 10e6;
 /// How far a connection is stretched or compressed by the load, m.
 const STRETCH_M: f64 = 0.5;
 /// Largest mass and stiffness of a model in units of its own.
@@ -20,7 +23,8 @@ pub(crate) const STEEP: f64 = 0.1;
 
 /// Every doubt about the size of a train's numbers, one a kind.
 pub(super) fn of_train(train: &Train) -> Vec<Doubt> {
-    let sizes = if in_own_units(train) { [None, None, None] } else { [masses(train), soft(train), stretch(train)] };
+    let sizes = || [masses(train), soft(train), ratings(train), stretch(train)];
+    let sizes = if in_own_units(train) { Default::default() } else { sizes() };
     sizes.into_iter().chain([counted_in_label(train), acceleration(train), modal_damping(train)]).flatten().collect()
 }
 
@@ -53,6 +57,20 @@ fn soft(train: &Train) -> Option<Doubt> {
         shown(train.couplers()[first].stiffness_n_per_m, Dimension::Stiffness)
     );
     Some(Doubt::of_train("soft-coupler", text))
+}
+
+fn ratings(train: &Train) -> Option<Doubt> {
+    let both = |i: usize| [train.couplers()[i].rated_draft_n, train.couplers()[i].rated_buff_n];
+    let odd = |i: usize| both(i).into_iter().find(|n| !(WEAK_N..=STRONG_N).contains(n));
+    let mut all = (0..train.couplers().len()).filter_map(|i| Some((i, odd(i)?)));
+    let (first, rating_n) = all.next()?;
+    let text = format!(
+        "coupler {}{} is rated {}, under 50 kN or over 10 MN; check the number and its unit",
+        first + 1,
+        more(all.count(), "coupler"),
+        shown(rating_n, Dimension::Force)
+    );
+    Some(Doubt::of_train("rating", text))
 }
 
 fn stretch(train: &Train) -> Option<Doubt> {

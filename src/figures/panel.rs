@@ -52,6 +52,11 @@ impl Axis {
         Axis { label: label.to_owned(), range: (names.len() as f64 + 0.5, 0.5), log: false, ticks }
     }
 
+    /// Of so many rows, downward from 1, that are named within the frame.
+    pub fn rows(count: usize) -> Axis {
+        Axis { label: String::new(), range: (count as f64 + 0.5, 0.5), log: false, ticks: Vec::new() }
+    }
+
     /// In equal ratios.
     pub fn log(label: &str, range: (f64, f64)) -> Axis {
         Axis { label: label.to_owned(), range, log: true, ticks: log_ticks(range, 8) }
@@ -209,6 +214,12 @@ impl Panel {
     /// How many pixels a stretch of the horizontal axis has.
     pub fn width_of(&self, x: (f64, f64)) -> f64 {
         (self.x.at(x.1) - self.x.at(x.0)).abs()
+    }
+
+    /// A text that begins or ends at a point.
+    pub fn write(&mut self, at: Point, anchor: &str, content: &str) {
+        let (x, y) = self.place(at);
+        self.above += &text((x, y + 5.0), anchor, content);
     }
 
     /// A label beside a point, on the side where it covers least.

@@ -5,7 +5,6 @@ use std::collections::BTreeSet;
 use serde::Serialize;
 
 use super::{GapClosure, Options};
-use crate::law::Law;
 use crate::march;
 use crate::play::Rule;
 use crate::scenario::{self, Scales};
@@ -59,7 +58,7 @@ impl CascadeFindings {
 pub struct CascadeBreak {
     /// When, s after the event; 0 if the load alone is over its rating.
     pub time_s: f64,
-    /// Its exact instant is no further away than this, s; infinite where nothing is proven.
+    /// Its exact instant is no further away than this, s; of a march an estimate, like that of its forces.
     pub time_uncertainty_s: f64,
     /// Counted from 1.
     pub coupler: usize,
@@ -71,7 +70,8 @@ pub struct CascadeBreak {
     pub breaks_at: &'static str,
     /// Others break at the same instant, as near as can be told.
     pub together: bool,
-    /// Elastic energy that it gives up, J, not negative; no number for a gear.
+    /// Elastic energy that it gives up, J, not negative; of a gear what it would have given back. Of a march none in buff, where the
+    /// vehicles go on pushing each other.
     pub energy_j: f64,
 }
 
@@ -159,17 +159,13 @@ fn marched(
     let loads = |i: usize| scenario::break_loads(train, i);
     let one = |p: &march::Parting| CascadeBreak {
         time_s: p.time_s,
-        time_uncertainty_s: f64::INFINITY,
+        time_uncertainty_s: p.uncertainty_s,
         coupler: p.coupler + 1,
         between: [train.vehicles()[p.coupler].label.clone(), train.vehicles()[p.coupler + 1].label.clone()],
         force_n: p.force_n,
         breaks_at: loads(p.coupler)[usize::from(p.force_n < 0.0)].1,
         together: outcome.partings.iter().any(|other| other != p && other.time_s == p.time_s),
-        energy_j: match &problem.laws[p.coupler] {
-            Law::Elastic { draft_n_per_m, .. } if p.force_n > 0.0 => 0.5 * p.force_n * p.force_n / draft_n_per_m,
-            Law::Elastic { buff_n_per_m, .. } => 0.5 * p.force_n * p.force_n / buff_n_per_m,
-            Law::Gear { .. } => f64::NAN,
-        },
+        energy_j: p.energy_j,
     };
     let breaks: Vec<CascadeBreak> = outcome.partings.iter().filter(|p| Some(p.coupler) != broken).map(one).collect();
     let gone = |i: usize| Some(i) == broken || breaks.iter().any(|b| b.coupler == i + 1);

@@ -5,18 +5,17 @@ use std::time::Instant;
 use super::general::{self, Solved};
 use super::{
     CaseFindings, GapClosure, Options, RodFindings, Seen, ask, cascade, coupler_findings, first_passage,
-    largest_rating_n, limits, march, safe_factor, safe_speed, worst,
+    largest_rating_n, limits, load_search, march, safe_factor, safe_speed, worst,
 };
 use crate::play::Rule;
 use crate::rod::Rod;
 use crate::scenario::{self, Part, Scales};
 use crate::solve::memo::Memo;
 use crate::solve::{SolveError, Wanted};
-use crate::train::{Scenario, Train};
+use crate::train::{Event, Scenario, Train};
 
 /// Why a march has no safe load factor.
-const NO_FACTOR: &str =
-    "with slack, friction or brakes forces do not grow in proportion to their cause: vary it in a study";
+const NO_FACTOR: &str = "with slack, friction or brakes forces do not grow in proportion to their cause";
 
 /// What is to be solved.
 pub(super) struct Case<'a> {
@@ -116,6 +115,8 @@ pub(crate) fn case_findings(
     let passage_s = first_passage::end_s(train, scenario, broken, horizon_s);
     let horizon_s = ending.map_or(horizon_s, |end| end.at_s);
     let cascade = cascade::find(train, scenario, broken, horizon_s, options)?;
+    let search = || load_search::find(train, scenario, broken, horizon_s, options);
+    let load_factor_search = marched.as_ref().and_then(|_| search());
     let error_n = march::error_n(error_bound_n, error_estimate_n);
     let margin_n = march::margin_n(error_bound_n, error_estimate_n);
     limits::find(train, &mut couplers, margin_n, |rated| {
@@ -131,6 +132,7 @@ pub(crate) fn case_findings(
     };
     Ok(CaseFindings {
         first_passage_s: passage.end_s,
+        is_record: matches!(scenario.event, Event::Shaped { shape: "record", .. }),
         exceeding_first_passage: passage.exceeding,
         worst_first_passage: passage.worst,
         kind: scenario.event.kind(),
@@ -153,6 +155,7 @@ pub(crate) fn case_findings(
         undecided: couplers.iter().filter(|c| c.exceeds.is_none()).count(),
         safe_load_factor,
         no_safe_load_factor: marched.as_ref().map(|_| NO_FACTOR),
+        load_factor_search,
         worst: worst.map(|i| couplers[i].clone()),
         couplers,
         left_out: left_out.len(),

@@ -1,6 +1,6 @@
 //! Options that do nothing for a train.
 
-use super::Options;
+use super::{Options, limits};
 use crate::scenario;
 use crate::train::{Event, Scenario, Train};
 
@@ -32,6 +32,10 @@ fn of_scenario(train: &Train, scenario: &Scenario, options: &Options) -> Vec<Str
         return told;
     }
     let damped = train.extras().damping_ratio > 0.0;
+    if options.verdict_only && limits::any_below_rating(train) {
+        let why = "which of its limits a coupler passes below its rating is told by its largest force only";
+        told.push(format!("--verdict-only leaves out no coupler of a train with limits under the ratings: {why}"));
+    }
     if !damped && !scenario::beyond_steps(&train.extras().dashpot_n_s_per_m, &scenario.event) {
         return told;
     }

@@ -19,6 +19,16 @@ pub struct LimitFindings {
     pub by_sense: Vec<LimitInSense>,
 }
 
+/// Whether a coupler may pass one of its limits while it is under its rating: then a bound under the rating leaves limits open.
+pub(crate) fn any_below_rating(train: &Train) -> bool {
+    train.couplers().iter().zip(&train.extras().limits).any(|(coupler, limits)| {
+        let ratings = [coupler.rated_draft_n, coupler.rated_buff_n];
+        let below =
+            |(rating, limits): (f64, [Option<f64>; 3])| limits.into_iter().flatten().any(|limit| limit < rating);
+        ratings.into_iter().zip(limits.in_senses()).any(below)
+    })
+}
+
 /// A coupler's largest force in one sense against one capacity.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LimitInSense {

@@ -1,7 +1,9 @@
 //! Cases that are marched from event to event: couplers with slack and gears, brakes and drives that change.
 
 use super::general::Solved;
-use super::{CouplerFindings, Ending, Options, Seen, coupler_findings, first_passage, largest_rating_n, worst};
+use super::{
+    CouplerFindings, Ending, Options, Seen, coupler_findings, first_passage, largest_rating_n, load_search, worst,
+};
 use crate::march::{self, Bound, Extremes, MarchOptions, MarchOutcome, Problem};
 use crate::play::Rule;
 use crate::scenario;
@@ -78,7 +80,7 @@ pub(super) fn solved(
     let error_n = error_n(error_bound_n, error_estimate_n);
     Ok(Solved {
         method: "march",
-        reason: reason(train).to_owned(),
+        reason: reason(train, options),
         error_bound_n,
         error_estimate_n,
         worst: worst(&couplers, 0..couplers.len(), error_n),
@@ -134,7 +136,7 @@ pub(super) fn margin_n(bound_n: f64, estimate_n: Option<f64>) -> f64 {
     estimate_n.map_or(bound_n, |n| MARGIN * n)
 }
 
-/// Estimated time of a case, s: its march, and a second one where couplers break one after the other.
+/// Estimated time of a case, s: its march, a second one where couplers break one after the other, and the search for the load.
 pub(super) fn estimate_s(
     train: &Train,
     scenario: &Scenario,
@@ -143,13 +145,16 @@ pub(super) fn estimate_s(
     options: &Options,
 ) -> f64 {
     let once = march::estimate_s(&problem(train, scenario, broken, horizon_s), &ask(train, options));
-    if scenario.cascade == Rule::Keep { once } else { 2.0 * once }
+    let search_s = load_search::estimate_s(train, scenario, broken, horizon_s, options).unwrap_or(0.0);
+    search_s + if scenario.cascade == Rule::Keep { once } else { 2.0 * once }
 }
 
-fn reason(train: &Train) -> &'static str {
-    if train.extras().laws.is_empty() {
+fn reason(train: &Train, options: &Options) -> String {
+    let why = if train.extras().laws.is_empty() {
         "forces from outside change on several vehicles"
     } else {
         "couplers with slack or gears change their stiffness while they move"
-    }
+    };
+    let share = options.tolerance.max(TOLERANCE);
+    format!("{why}; forces are told as long as their error is under {share:e} of the largest rating")
 }

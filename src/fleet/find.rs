@@ -87,6 +87,18 @@ impl Found {
     }
 }
 
+/// Whether paths that are no globs are there: what is misspelt is told before anything is written.
+///
+/// # Errors
+/// The first that is not.
+pub fn exist(paths: &[PathBuf]) -> Result<(), FleetError> {
+    let is_glob = |path: &Path| path.to_string_lossy().contains(['*', '?', '[']);
+    match paths.iter().find(|path| !path.exists() && !is_glob(path)) {
+        Some(gone) => Err(FleetError::Usage(format!("{} does not exist", printable_path(gone)))),
+        None => Ok(()),
+    }
+}
+
 /// Whether two paths lead to the same file.
 fn same(a: &Path, b: &Path) -> bool {
     matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)

@@ -1,14 +1,15 @@
-//! What a fleet run is given: train files and, where there is one, a study; and a fingerprint of it all.
+//! What a fleet run is given: train files and, where there is one, a study; and what is known of them.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
-use sha2::{Digest, Sha256};
+use serde::{Deserialize, Serialize};
 
 use super::FleetError;
 use super::base::Base;
 use super::find::{Found, is_study_file};
+use super::names;
 use super::plan::Words;
 use super::rows;
 use super::study::{self, Study};
@@ -18,19 +19,24 @@ use crate::consist::{self, Files};
 use crate::error::printable_path;
 use crate::findings::Options;
 
-/// The train files and the study, as they were found at the start.
+/// The train files and the study, as they were found at the start. Kept in a plan file, it leaves out what only the first worker tells.
+#[derive(Serialize, Deserialize)]
 pub struct Inputs {
     /// Train files, in the order in which they are run.
+    #[serde(with = "names::paths")]
     pub files: Vec<PathBuf>,
     /// What is varied.
+    #[serde(skip)]
     pub study: Option<Study>,
     /// What was passed over among the paths, as sentences.
+    #[serde(skip)]
     pub passed_over: Vec<String>,
     /// What is known of each file.
     surveys: Vec<Survey>,
-    /// Text of the study file.
+    /// Text of the study file; empty without one.
     study_text: String,
     /// The train file that was asked for last: the variations of a train follow each other.
+    #[serde(skip)]
     latest: Mutex<Option<(usize, Arc<Base>)>>,
 }
 
@@ -110,26 +116,14 @@ impl Inputs {
         self.files.iter().zip(&self.surveys).flat_map(words).collect()
     }
 
-    /// A fingerprint of everything that the results depend on, in hexadecimal.
-    pub fn fingerprint(&self, options: &Options) -> String {
-        let mut all = Sha256::new();
-        let mut add = |bytes: &[u8]| {
-            all.update((bytes.len() as u64).to_le_bytes());
-            all.update(bytes);
-        };
-        add(env!("CARGO_PKG_VERSION").as_bytes());
-        add(rows::columns().as_bytes());
-        add(&options.tolerance.to_le_bytes());
-        add(options.method.map_or("", |m| m.name()).as_bytes());
-        add(self.study_text.as_bytes());
-        for (file, survey) in self.files.iter().zip(&self.surveys) {
-            add(file.as_os_str().as_encoded_bytes());
-            for source in &survey.sources {
-                add(source.path.as_os_str().as_encoded_bytes());
-                add(&source.sha256);
-            }
-        }
-        all.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    /// Makes inputs that come from a plan file whole again.
+    ///
+    /// # Errors
+    /// A study that this program cannot have planned.
+    pub fn thawed(self) -> Result<Inputs, FleetError> {
+        let text = Some(self.study_text.as_str()).filter(|text| !text.is_empty());
+        let study = text.map(|text| study::parse(text, Path::new("study"))).transpose()?;
+        Ok(Inputs { study, ..self })
     }
 
     /// A train file's variation, both counted from 0.

@@ -3,10 +3,10 @@
 use std::fs;
 use std::path::Path;
 
-use super::FleetError;
 use super::parts::{self, Run};
 use super::rows::{self, BACK, ERRORS, FRONT};
 use super::summary::Summary;
+use super::{FleetError, begin, claims};
 use crate::report::files::{self, Unnamed};
 
 /// The rows of a run.
@@ -23,12 +23,7 @@ pub fn headings(run: &Run) -> Vec<String> {
 /// # Errors
 /// A part that is missing, or a file that cannot be written.
 pub fn join(dir: &Path, run: &Run) -> Result<Summary, FleetError> {
-    let missing = (0..run.chunks()).filter(|&chunk| !parts::is_done(dir, chunk)).count();
-    if missing > 0 {
-        let are = if missing == 1 { "is" } else { "are" };
-        let share = format!("{missing} of {} parts of the run {are} missing", run.chunks());
-        return Err(FleetError::Usage(format!("{share}: let every shard finish, or run it again with --resume")));
-    }
+    none_is_missing(dir, run)?;
     files::remove_unfinished(dir);
     let mut summary = Summary::new(run.inputs.len());
     let mut all = begin(dir, ROWS, headings(run))?;
@@ -44,6 +39,31 @@ pub fn join(dir: &Path, run: &Run) -> Result<Summary, FleetError> {
     bad.finish()?;
     summary.close();
     Ok(summary)
+}
+
+/// Whether every part is there, or the run is joined already.
+///
+/// # Errors
+/// [`FleetError::Usage`] that names what is missing, and who is at it.
+pub fn none_is_missing(dir: &Path, run: &Run) -> Result<(), FleetError> {
+    const SHOWN: usize = 5;
+    let missing: Vec<usize> = (0..run.chunks()).filter(|&chunk| !parts::is_done(dir, chunk)).collect();
+    if run.complete || missing.is_empty() {
+        return Ok(());
+    }
+    let named = begin::planned(dir, None)?.map(|begun| begun.trains_of_chunks(&missing[..missing.len().min(SHOWN)]));
+    let named = named.unwrap_or_default().into_iter().zip(&missing).map(|(trains, &chunk)| {
+        let at_it = claims::owner(dir, &chunk.to_string()).map(|owner| format!("; {owner} is at it"));
+        format!("{} ({trains}{})", chunk + 1, at_it.unwrap_or_default())
+    });
+    let mut named: Vec<String> = named.collect();
+    if missing.len() > SHOWN {
+        named.push(format!("and {} more", missing.len() - SHOWN));
+    }
+    let are = if missing.len() == 1 { "is" } else { "are" };
+    let parts = format!("{} of {} parts of the run {are} missing", missing.len(), run.chunks());
+    let help = "let its workers finish, start one with --work, or run it again with --resume";
+    Err(FleetError::Usage(format!("{parts}: {}: {help}", named.join(", "))))
 }
 
 /// What the rows of a complete run come to.

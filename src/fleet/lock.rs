@@ -13,7 +13,7 @@ pub struct Lock {
     _file: Option<File>,
 }
 
-/// Takes a folder, made if need be: for this run alone, or together with other shards.
+/// Takes a folder, made if need be: for this run alone, or together with other workers.
 ///
 /// The file stays, for one that is removed could be locked by two. On a file system that knows no locks nothing is held.
 ///

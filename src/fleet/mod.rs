@@ -4,11 +4,17 @@
 //! inputs (+ study) -> plan: numbered chunks of cases -> part files -> fleet.csv, errors.csv -> fleet.md, fleet.html, ...
 //! ```
 //!
-//! The chunks depend on the inputs alone, never on threads, shards or attempts. A chunk's rows appear in a part file whole
+//! The chunks depend on the inputs alone, never on threads, workers or attempts. A chunk's rows appear in a part file whole
 //! or not at all, so a run may be killed at any moment, and another may do what is missing; the parts in order are the
-//! result. Only the rows of chunks under way are in memory.
+//! result. Only the rows of chunks under way are in memory. Workers on any number of machines that share the folder take the next
+//! chunk that nobody has, by the plan that the first of them has made.
 
 pub mod base;
+mod begin;
+mod claims;
+mod compute;
+#[cfg(feature = "parquet")]
+mod couplers;
 mod doubts;
 mod estimate;
 mod find;
@@ -17,15 +23,18 @@ mod inputs;
 mod join;
 pub mod key;
 mod lock;
+mod names;
 mod outputs;
 mod page;
 #[cfg(feature = "parquet")]
 mod parquet_file;
 mod parts;
 mod plan;
+mod probability;
 mod progress;
 mod reports;
 mod rows;
+mod sections;
 pub mod spread;
 mod statistics;
 pub mod study;
@@ -39,14 +48,17 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
+pub use claims::Worker;
 pub use outputs::FleetFormat;
-pub use plan::Shard;
 pub use progress::{Count, Telling};
 
 use crate::error::{InputError, printable_path};
 use crate::findings::{Options, Stopped};
 use crate::report::files::WriteError;
 use crate::solve::memo::Memo;
+use begin::{Begun, description, shown};
+use claims::Claims;
+use compute::{compute, work};
 use inputs::Inputs;
 use parts::Run;
 use plan::{Plan, Words};
@@ -94,14 +106,16 @@ pub struct Request {
     pub paths: Vec<PathBuf>,
     /// Tolerance and method of each case.
     pub options: Options,
-    /// Only this share of the chunks; the parts are joined by [`merge`].
-    pub shard: Option<Shard>,
+    /// Compute what no other worker does, under this name, and leave the parts to be joined by [`merge`].
+    pub worker: Option<Worker>,
     /// Go on with the run that the folder holds.
     pub resume: bool,
     /// Files to write, besides `fleet.csv` and `errors.csv`.
     pub formats: Vec<FleetFormat>,
     /// Trains, the worst, whose full reports are written as well.
     pub reports: usize,
+    /// Keep every coupler of every case too, in `couplers/`.
+    pub couplers: bool,
     /// Bytes of memory for scenes that have been solved; `None`: 160 MiB. Results do not depend on it.
     pub memo_bytes: Option<usize>,
     /// Who is told how far the run is.
@@ -111,9 +125,9 @@ pub struct Request {
 /// What a run came to.
 #[derive(Clone, Debug, Default)]
 pub struct Outcome {
-    /// The verdict, as sentences; empty for a shard.
+    /// The verdict, as sentences; empty for a worker.
     pub verdict: Vec<String>,
-    /// The report; `None` for a shard, and where none was asked for.
+    /// The report; `None` for a worker, and where none was asked for.
     pub report: Option<PathBuf>,
     /// Trains with a result, as far as this run knows.
     pub computed: usize,
@@ -151,48 +165,64 @@ pub struct Estimate {
 /// # Errors
 /// [`FleetError`]; what has been computed until then stays, for a run that resumes.
 pub fn run(request: &Request, dir: &Path) -> Result<Outcome, FleetError> {
-    outputs::can_write(&request.formats)?;
-    let inputs = Inputs::find(&request.paths, &request.options)?;
-    let memo = Memo::new(request.memo_bytes.unwrap_or(REMEMBERED));
-    let plan = Plan::new(&inputs, &request.options, &memo);
-    let description = description(&inputs, &plan, &request.options);
-    let _lock = lock::hold(dir, request.shard.is_some())?;
-    if start(request, dir, &description)? {
-        let failed = compute(request, dir, &plan)?;
-        if request.shard.is_some() {
-            let warnings = doubts::lines_of_share(&plan.doubts());
-            let notes = [inputs.passed_over.clone(), description.notes].concat();
-            let outcome = Outcome { failed, computed: 1, scenes: memo.counts(), warnings, notes, ..Outcome::default() };
-            return Ok(outcome);
-        }
+    outputs::can_write(request)?;
+    if let Some(worker) = &request.worker {
+        return take_part(request, dir, worker);
     }
-    let reports = |summary: &Summary| match request.reports {
-        0 => Ok(Reports::default()),
-        most => reports::write(dir, &inputs, &request.options, summary, most),
-    };
+    let inputs = Inputs::find(&request.paths, &request.options)?;
+    let memo = memo(request);
+    let plan = Plan::new(&inputs, request, &memo);
+    let description = description(request, &inputs);
+    let _lock = lock::hold(dir, false)?;
+    if begin::start(request, dir, &inputs, &description)? {
+        compute(dir, &plan, None, &request.progress)?;
+    }
     // What was computed before has no words any more.
     let mut words = inputs.words();
     words.extend(plan.doubts());
-    let mut outcome = finish(dir, &description, &request.formats, &reports, &words)?;
+    let mut outcome = finish(request, dir, &description, Some(&inputs), &words)?;
     outcome.notes.splice(..0, inputs.passed_over.clone());
     Ok(Outcome { scenes: memo.counts(), ..outcome })
 }
 
-/// Joins the parts that shards have written into the same files that one run would have.
+/// Does what no other worker does of the run in a folder.
+fn take_part(request: &Request, dir: &Path, worker: &Worker) -> Result<Outcome, FleetError> {
+    find::exist(&request.paths)?;
+    let _lock = lock::hold(dir, true)?;
+    let claims = Claims::enter(dir, worker)?;
+    let Begun { inputs, run, left, .. } = begin::join(request, dir, &claims)?;
+    let memo = memo(request);
+    let plan = Plan::new(&inputs, request, &memo);
+    let failed = if left { compute(dir, &plan, Some(&claims), &request.progress)? } else { 0 };
+    let warnings = doubts::lines_of_share(&plan.doubts());
+    let notes = [inputs.passed_over, run.notes].concat();
+    Ok(Outcome { failed, computed: 1, scenes: memo.counts(), warnings, notes, ..Outcome::default() })
+}
+
+fn memo(request: &Request) -> Memo {
+    Memo::new(request.memo_bytes.unwrap_or(REMEMBERED))
+}
+
+/// Joins the parts that workers have written into the same files that one run would have. Of the request only what is to be written
+/// counts: the paths and options are those of the run.
 ///
 /// # Errors
 /// [`FleetError`] where the folder holds no run, or parts are missing.
-pub fn merge(dir: &Path, formats: &[FleetFormat]) -> Result<Outcome, FleetError> {
-    outputs::can_write(formats)?;
-    let none = || FleetError::Usage(format!("{} holds no run of shards to merge", printable_path(dir)));
-    parts::read(dir)?.ok_or_else(none)?;
-    let _lock = lock::hold(dir, false)?;
+pub fn merge(request: &Request, dir: &Path) -> Result<Outcome, FleetError> {
+    outputs::can_write(request)?;
+    let none = || FleetError::Usage(format!("{} holds no run of workers to merge", printable_path(dir)));
     let run = parts::read(dir)?.ok_or_else(none)?;
     if run.trainsafe != env!("CARGO_PKG_VERSION") || run.columns != rows::columns() {
         let why = format!("{} holds a run of another version of trainsafe", printable_path(dir));
         return Err(FleetError::Usage(format!("{why}: merge it with that version, or run it again with this one")));
     }
-    finish(dir, &run, formats, &|_| Ok(Reports::default()), &Words::new())
+    join::none_is_missing(dir, &run)?;
+    let _lock = lock::hold(dir, false)?;
+    let run = parts::read(dir)?.ok_or_else(none)?;
+    let planned = begin::planned(dir, None)?;
+    let (inputs, options) = planned.map(|begun| (begun.inputs, begun.options)).unzip();
+    let request = Request { options: options.unwrap_or_default(), ..request.clone() };
+    finish(&request, dir, &run, inputs.as_ref(), &Words::new())
 }
 
 /// Whether a folder holds a run, finished or not.
@@ -205,10 +235,10 @@ pub fn is_begun(dir: &Path) -> bool {
 /// # Errors
 /// As for [`run`].
 pub fn estimate(request: &Request) -> Result<Estimate, FleetError> {
-    outputs::can_write(&request.formats)?;
+    outputs::can_write(request)?;
     let inputs = Inputs::find(&request.paths, &request.options)?;
     let memo = Memo::new(REMEMBERED);
-    let plan = Plan::new(&inputs, &request.options, &memo);
+    let plan = Plan::new(&inputs, request, &memo);
     Ok(Estimate {
         trains: inputs.files.len(),
         variations: inputs.variations(),
@@ -236,9 +266,9 @@ pub fn estimate(request: &Request) -> Result<Estimate, FleetError> {
 /// ```
 pub fn stream(request: &Request, out: &mut dyn Write) -> Result<Outcome, FleetError> {
     let inputs = Inputs::find(&request.paths, &request.options)?;
-    let memo = Memo::new(request.memo_bytes.unwrap_or(REMEMBERED));
-    let plan = Plan::new(&inputs, &request.options, &memo);
-    let run = description(&inputs, &plan, &request.options);
+    let memo = memo(request);
+    let plan = Plan::new(&inputs, request, &memo);
+    let run = description(request, &inputs);
     let mut summary = Summary::new(run.inputs.len());
     let progress = Progress::new(plan.cases(), &request.progress);
     let headings = join::headings(&run);
@@ -258,99 +288,27 @@ pub fn stream(request: &Request, out: &mut dyn Write) -> Result<Outcome, FleetEr
     Ok(Outcome { scenes: memo.counts(), notes, ..outcome(&run, &summary, None, &plan.doubts()) })
 }
 
-fn description(inputs: &Inputs, plan: &Plan, options: &Options) -> Run {
-    let study = inputs.study.as_ref();
-    Run {
-        trainsafe: env!("CARGO_PKG_VERSION").to_owned(),
-        fingerprint: inputs.fingerprint(options),
-        trains: inputs.files.len(),
-        variations: study.map(study::Study::variations),
-        drawn: study.is_some_and(|s| s.draws.is_some()),
-        latin_hypercube: study.and_then(|s| s.draws).is_some_and(|d| d.latin_hypercube),
-        inputs: study.map(variation::headings).unwrap_or_default(),
-        cases: plan.cases(),
-        chunk_cases: plan.chunk_cases,
-        notes: shown(inputs.notes()),
-        columns: rows::columns(),
-        complete: false,
-    }
-}
-
-/// As many notes as anybody reads.
-fn shown(mut notes: Vec<String>) -> Vec<String> {
-    const SHOWN: usize = 20;
-    if notes.len() > SHOWN {
-        let more = notes.len() - SHOWN;
-        notes.truncate(SHOWN);
-        notes.push(format!("and {more} more of this kind"));
-    }
-    notes
-}
-
-/// Looks at what the folder holds; whether something is left to compute.
-fn start(request: &Request, dir: &Path, new: &Run) -> Result<bool, FleetError> {
-    let goes_on = request.resume || request.shard.is_some();
-    let found = parts::read(dir)?;
-    let same = found.as_ref().is_some_and(|old| Run { complete: false, ..old.clone() } == *new);
-    let refuse = |why: &str, help: &str| Err(FleetError::Usage(format!("{} {why}: {help}", printable_path(dir))));
-    match &found {
-        Some(old) if !old.complete && !goes_on => refuse(
-            "holds a run that is not finished",
-            "go on with it by --resume, or choose another folder with --out DIR",
-        ),
-        Some(old) if !same && (request.resume || !old.complete) => refuse(
-            "holds a run of other train files, another study, other options or another version of trainsafe",
-            "put back what it was, or choose another folder with --out DIR",
-        ),
-        Some(old) if old.complete && same && goes_on => Ok(false),
-        Some(old) if !old.complete => Ok(true),
-        _ => {
-            parts::remove(dir);
-            parts::describe(dir, new)?;
-            Ok(true)
-        }
-    }
-}
-
-/// Computes the chunks that are missing; how many trains or cases failed in them.
-fn compute(request: &Request, dir: &Path, plan: &Plan) -> Result<usize, FleetError> {
-    let mine = |chunk: &usize| request.shard.is_none_or(|shard| shard.has(*chunk));
-    parts::prepare(dir)?;
-    let missing: Vec<usize> = (0..plan.chunks()).filter(mine).filter(|&c| !parts::is_done(dir, c)).collect();
-    let cases = |chunk: &usize| plan.range(*chunk).end - plan.range(*chunk).start;
-    let progress = Progress::new(missing.iter().map(cases).sum(), &request.progress);
-    let one = |&chunk: &usize| {
-        let rows = work(plan, chunk, &progress)?;
-        let failed = rows.failed;
-        parts::keep(dir, chunk, rows)?;
-        Ok(failed)
-    };
-    let failed: Result<Vec<usize>, FleetError> = missing.par_iter().with_max_len(1).map(one).collect();
-    progress.finish();
-    Ok(failed?.into_iter().sum())
-}
-
-fn work(plan: &Plan, chunk: usize, progress: &Progress) -> Result<rows::Chunk, FleetError> {
-    let rows = plan.compute(chunk)?;
-    let range = plan.range(chunk);
-    progress.add((range.end - range.start) as usize, rows.failed);
-    Ok(rows)
-}
-
 /// Joins the parts, unless that has been done, and makes of them what is asked for.
 fn finish(
+    request: &Request,
     dir: &Path,
     run: &Run,
-    formats: &[FleetFormat],
-    reports: &dyn Fn(&Summary) -> Result<Reports, FleetError>,
+    inputs: Option<&Inputs>,
     words: &Words,
 ) -> Result<Outcome, FleetError> {
     let known = parts::read(dir)?.is_some_and(|found| found.complete);
     let summary = if known { join::summarise(dir, run)? } else { join::join(dir, run)? };
-    let reports = reports(&summary)?;
-    let report = outputs::write(dir, run, &summary, formats, &reports.links)?;
+    let reports = match (request.reports, inputs) {
+        (0, _) => Reports::default(),
+        (most, Some(inputs)) => reports::write(dir, inputs, &request.options, &summary, most)?,
+        (_, None) => {
+            let why = format!("{} is joined already, and its plan is gone", printable_path(dir));
+            return Err(FleetError::Usage(format!("{why}: for reports give the paths, with --resume and --reports")));
+        }
+    };
+    let report = outputs::write(dir, run, &summary, &request.formats, &reports.links)?;
     if !known {
-        outputs::remove_others(dir, formats);
+        outputs::remove_others(dir, &request.formats);
         parts::describe(dir, &Run { complete: true, ..run.clone() })?;
     }
     parts::remove(dir);
@@ -362,7 +320,7 @@ fn finish(
 fn outcome(run: &Run, summary: &Summary, report: Option<PathBuf>, words: &Words) -> Outcome {
     let open: usize = summary.trains.iter().map(|t| t.undecided_variations).sum();
     Outcome {
-        verdict: fleet_md::verdict(run, summary),
+        verdict: sections::verdict(run, summary),
         report,
         computed: summary.trains.len(),
         failed: summary.failed,

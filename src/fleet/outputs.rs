@@ -6,11 +6,10 @@ use std::path::{Path, PathBuf};
 
 use super::parts::Run;
 use super::summary::Summary;
-use super::{FleetError, fleet_md, page};
+use super::{FleetError, Request, fleet_md, page, probability, sections};
 use crate::report::files::{self, WriteError};
 
 const MARKDOWN: &str = "fleet.md";
-const FIGURE: &str = "figure-safe-load.svg";
 const PARQUET: &str = "fleet.parquet";
 const HTML: &str = "fleet.html";
 
@@ -19,7 +18,7 @@ const HTML: &str = "fleet.html";
 pub enum FleetFormat {
     /// `fleet.csv` and `errors.csv`, which are always written: the others are made from them.
     Csv,
-    /// `fleet.md` and its figure.
+    /// `fleet.md` and its figures.
     Md,
     /// `fleet.parquet`, with the columns of `fleet.csv`.
     Parquet,
@@ -50,19 +49,19 @@ impl FleetFormat {
     fn files(self) -> &'static [&'static str] {
         match self {
             FleetFormat::Csv => &[],
-            FleetFormat::Md => &[MARKDOWN, FIGURE],
+            FleetFormat::Md => &[MARKDOWN, sections::SAFE_FACTORS, probability::INFLUENCES],
             FleetFormat::Parquet => &[PARQUET],
             FleetFormat::Html => &[HTML],
         }
     }
 }
 
-/// Whether this build can write them.
+/// Whether this build can write what is asked for.
 ///
 /// # Errors
 /// [`FleetError::Usage`] with how to build one that can.
-pub fn can_write(formats: &[FleetFormat]) -> Result<(), FleetError> {
-    if formats.contains(&FleetFormat::Parquet) && !cfg!(feature = "parquet") {
+pub fn can_write(request: &Request) -> Result<(), FleetError> {
+    if (request.couplers || request.formats.contains(&FleetFormat::Parquet)) && !cfg!(feature = "parquet") {
         let why = "this trainsafe was built without Parquet: build it with `cargo install --path . --features parquet`";
         return Err(FleetError::Usage(why.to_owned()));
     }
@@ -85,15 +84,15 @@ pub fn write(
     if formats.contains(&FleetFormat::Parquet) {
         super::parquet_file::write(&dir.join(super::join::ROWS), run, summary, &dir.join(PARQUET))?;
     }
-    let figure = fleet_md::figure(summary, FIGURE.trim_end_matches(".svg"));
+    let before = sections::before(run, summary);
     let mut report = None;
     if formats.contains(&FleetFormat::Md) {
-        let text = fleet_md::markdown(run, summary, figure.as_ref().map(|_| FIGURE));
-        let figure = figure.iter().map(|svg| (FIGURE, svg.clone()));
-        report = Some(put(dir, figure.map(Ok).chain([text.map(|text| (MARKDOWN, text))]))?);
+        let text = fleet_md::markdown(run, summary, &before);
+        let figures = before.iter().filter_map(|s| s.figure.as_ref()).map(|f| Ok((f.file, f.svg.clone())));
+        report = Some(put(dir, figures.chain([text.map(|text| (MARKDOWN, text))]))?);
     }
     if formats.contains(&FleetFormat::Html) {
-        let text = page::page(run, summary, figure.as_deref(), links);
+        let text = page::page(run, summary, &before, links);
         report = Some(put(dir, [text.map(|text| (HTML, text))].into_iter())?);
     }
     Ok(report)

@@ -8,13 +8,13 @@ use minijinja::syntax::SyntaxConfig;
 use minijinja::{AutoEscape, Environment, Error, value::Serde};
 use serde::Serialize;
 
-use super::fleet_md;
 use super::parts::Run;
-use super::summary::{Case, KEPT, Summary, TrainSummary};
+use super::sections::{self, Section};
+use super::summary::{CAUSES, Case, Factors, KEPT, Summary, TrainSummary};
 use crate::error::harmless;
 use crate::figures::css;
 use crate::report::html::inline;
-use crate::report::numbers::{digits, down, percent};
+use crate::report::numbers::{digits, percent};
 use crate::report::words::count;
 
 /// Trains in the table, and trains with their worst cases, at most.
@@ -25,7 +25,8 @@ const MOST_BYTES: usize = 10 << 20;
 /// Characters of a name at most.
 const LONGEST: usize = 200;
 
-const TEMPLATES: [(&str, &str); 5] = [
+const TEMPLATES: [(&str, &str); 6] = [
+    ("section", include_str!("page/section.jinja")),
     ("head", include_str!("page/head.jinja")),
     ("row", include_str!("page/row.jinja")),
     ("middle", include_str!("page/middle.jinja")),
@@ -38,15 +39,34 @@ struct Page {
     title: String,
     state: &'static str,
     verdict: Vec<String>,
-    figure: Option<String>,
-    caption: String,
+    /// Before the trains, and after them.
+    before: Vec<Part>,
+    after: Vec<Part>,
     notes: Vec<String>,
+    /// What the safe factors multiply, a column each.
+    causes: Vec<&'static str>,
     kept: usize,
     detailed: usize,
-    doubts: Vec<Vec<String>>,
-    errors: Vec<Vec<String>>,
     style: String,
     script: &'static str,
+}
+
+/// A section as HTML.
+#[derive(Serialize)]
+struct Part {
+    title: &'static str,
+    text: Vec<String>,
+    /// An SVG and its caption.
+    figure: Option<[String; 2]>,
+    head: Vec<Cell>,
+    rows: Vec<Vec<Cell>>,
+}
+
+/// A cell, and whether its column has numbers.
+#[derive(Serialize)]
+struct Cell {
+    text: String,
+    number: bool,
 }
 
 #[derive(Serialize)]
@@ -61,7 +81,8 @@ struct Train<'a> {
     cases: usize,
     exceed: usize,
     later: usize,
-    safe: Shown,
+    safe: Vec<Shown>,
+    causes: Vec<&'static str>,
     worst: Vec<Row<'a>>,
 }
 
@@ -71,11 +92,12 @@ struct Row<'a> {
     broken: &'a str,
     coupler: &'a str,
     utilisation: Shown,
+    margin: Shown,
     force: String,
     time: String,
     seconds: f64,
     exceeding: &'a str,
-    safe: Shown,
+    safe: Vec<Shown>,
 }
 
 /// A number as it is read and as it sorts.
@@ -92,15 +114,16 @@ struct Shown {
 pub fn page(
     run: &Run,
     summary: &Summary,
-    figure: Option<&str>,
+    before: &[Section],
     reports: &HashMap<String, String>,
 ) -> Result<String, Error> {
     let pages = templates()?;
     let trains = summary.worst_first();
+    let causes = sections::causes(summary);
     let written = |template: &str, most: usize, detailed: usize| {
         let (mut text, mut count) = (String::new(), 0);
         for (number, train) in trains.iter().take(most).enumerate() {
-            let facts = Train::new(number, train, number < detailed, reports);
+            let facts = Train::new(number, train, number < detailed, &causes, reports);
             let one = pages.get_template(template)?.render(Serde(facts))?;
             if text.len() + one.len() > MOST_BYTES {
                 break;
@@ -112,7 +135,7 @@ pub fn page(
     };
     let (details, detailed) = written("train", DETAILED, DETAILED)?;
     let (rows, listed) = written("row", LISTED, detailed)?;
-    let page = Page::new(run, summary, figure, listed, detailed);
+    let page = Page::new(run, summary, before, &causes, [listed, detailed]);
     let part = |name: &str| pages.get_template(name)?.render(Serde(&page));
     Ok([part("head")?, rows, part("middle")?, details, part("foot")?].concat())
 }
@@ -129,7 +152,8 @@ fn templates() -> Result<Environment<'static>, Error> {
 }
 
 impl Page {
-    fn new(run: &Run, summary: &Summary, figure: Option<&str>, listed: usize, detailed: usize) -> Page {
+    fn new(run: &Run, summary: &Summary, before: &[Section], causes: &[usize], shown: [usize; 2]) -> Page {
+        let [listed, detailed] = shown;
         let all = summary.trains.len();
         let doubtful = summary.trains.iter().filter(|train| !train.doubts.is_empty()).count();
         let mut notes: Vec<String> = run.notes.iter().map(|note| clean(note) + ".").collect();
@@ -143,18 +167,13 @@ impl Page {
         Page {
             title: format!("Fleet of {}", count(run.trains, "train")),
             state: state(summary.harmful, summary.undecided_trains() + doubtful),
-            verdict: fleet_md::verdict(run, summary),
-            figure: figure.map(|svg| inline(svg, "Distribution of safe load factors")),
-            caption: fleet_md::caption(summary),
+            verdict: sections::verdict(run, summary),
+            before: before.iter().map(Part::new).collect(),
+            after: sections::after(summary).iter().map(Part::new).collect(),
             notes,
+            causes: causes.iter().map(|&i| CAUSES[i].1).collect(),
             kept: KEPT,
             detailed,
-            doubts: fleet_md::doubt_rows(summary)
-                .into_iter()
-                .take(DETAILED)
-                .map(|row| row.iter().map(|cell| clean(cell)).collect())
-                .collect(),
-            errors: summary.errors.iter().map(|e| e.iter().map(|cell| clean(cell)).collect()).collect(),
             style: css() + concat!(include_str!("../report/page.css"), include_str!("page/style.css")),
             script: include_str!("page/sort.js"),
         }
@@ -162,7 +181,13 @@ impl Page {
 }
 
 impl<'a> Train<'a> {
-    fn new(number: usize, train: &'a TrainSummary, detailed: bool, reports: &'a HashMap<String, String>) -> Train<'a> {
+    fn new(
+        number: usize,
+        train: &'a TrainSummary,
+        detailed: bool,
+        causes: &[usize],
+        reports: &'a HashMap<String, String>,
+    ) -> Train<'a> {
         Train {
             number: number + 1,
             state: state(train.unsafe_variations, train.undecided_variations),
@@ -174,35 +199,53 @@ impl<'a> Train<'a> {
             cases: train.cases[0],
             exceed: train.cases[1],
             later: train.cases[2],
-            safe: Shown::factor(train.safe),
-            worst: train.worst.iter().map(Row::new).collect(),
+            safe: Shown::factors(&train.safe, causes),
+            causes: causes.iter().map(|&i| CAUSES[i].1).collect(),
+            worst: train.worst.iter().map(|case| Row::new(case, causes)).collect(),
         }
     }
 }
 
 impl<'a> Row<'a> {
-    fn new(case: &'a Case) -> Row<'a> {
+    fn new(case: &'a Case, causes: &[usize]) -> Row<'a> {
         Row {
-            case: clean(&fleet_md::case_words(case)),
+            case: clean(&sections::case_words(case)),
             broken: &case.broken,
             coupler: &case.coupler,
             utilisation: Shown { text: percent(case.utilisation), number: case.utilisation.to_string() },
+            margin: Shown { text: percent(1.0 - case.utilisation), number: (1.0 - case.utilisation).to_string() },
             force: digits(case.force_n, 0.0, 4),
             time: digits(case.time_s, 0.0, 4),
             seconds: case.time_s,
             exceeding: &case.exceeding,
-            safe: Shown::factor(case.safe),
+            safe: Shown::factors(&case.safe, causes),
         }
     }
 }
 
 impl Shown {
-    /// Nothing where none bounds it.
-    fn factor(x: f64) -> Shown {
-        if x.is_finite() {
-            Shown { text: down(x), number: x.to_string() }
-        } else {
-            Shown { text: String::new(), number: String::new() }
+    /// The safe factors on some causes; nothing where there is none, or where nothing bounds it.
+    fn factors(safe: &Factors, causes: &[usize]) -> Vec<Shown> {
+        let finite = |i: usize| safe[i].filter(|f| f.is_finite());
+        let number = |i: usize| finite(i).map_or_else(String::new, |f| f.to_string());
+        causes.iter().map(|&i| Shown { text: sections::factor(safe, i), number: number(i) }).collect()
+    }
+}
+
+impl Part {
+    fn new(section: &Section) -> Part {
+        let is_number = |cell: &str| cell.is_empty() || cell.parse::<f64>().is_ok();
+        let numbers: Vec<bool> =
+            (0..section.head.len()).map(|i| section.rows.iter().all(|row| is_number(&row[i]))).collect();
+        let cells = |row: &Vec<String>| -> Vec<Cell> {
+            row.iter().zip(&numbers).map(|(cell, &number)| Cell { text: clean(cell), number }).collect()
+        };
+        Part {
+            title: section.title,
+            text: section.text.clone(),
+            figure: section.figure.as_ref().map(|f| [inline(&f.svg, f.alt), f.caption.clone()]),
+            head: cells(&section.head),
+            rows: section.rows.iter().map(cells).collect(),
         }
     }
 }

@@ -1,4 +1,5 @@
-//! What a run has written so far: its description, and a pair of part files for each chunk that is done.
+//! What a run has written so far: its description, and in a folder its plan, the claims of its workers, and a pair of part files for each
+//! chunk that is done.
 //!
 //! Part files appear whole or not at all; that of the rows appears last and says that the chunk is done.
 
@@ -8,12 +9,14 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::FleetError;
 use super::rows::Chunk;
+use super::{FleetError, claims};
 use crate::report::files::{self, WriteError};
 
 const DESCRIPTION: &str = "fleet-run.json";
 const PARTS: &str = "fleet-parts";
+/// The dataset of couplers, where there is one.
+const COUPLERS: &str = "couplers";
 
 /// What is run, and whether it is done: `fleet-run.json`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -76,9 +79,14 @@ pub fn describe(dir: &Path, run: &Run) -> Result<(), FleetError> {
     Ok(())
 }
 
+/// The folder of a run's parts.
+pub fn folder(dir: &Path) -> PathBuf {
+    dir.join(PARTS)
+}
+
 /// The part files of a chunk: rows, errors.
 pub fn paths(dir: &Path, chunk: usize) -> [PathBuf; 2] {
-    names(chunk).map(|name| dir.join(PARTS).join(name))
+    names(chunk).map(|name| folder(dir).join(name))
 }
 
 fn names(chunk: usize) -> [String; 2] {
@@ -95,7 +103,7 @@ pub fn is_done(dir: &Path, chunk: usize) -> bool {
 /// # Errors
 /// [`WriteError`] with the path.
 pub fn prepare(dir: &Path) -> Result<(), FleetError> {
-    let parts = dir.join(PARTS);
+    let parts = folder(dir);
     Ok(fs::create_dir_all(&parts).map_err(|e| WriteError::new(&parts, e))?)
 }
 
@@ -103,7 +111,12 @@ pub fn prepare(dir: &Path) -> Result<(), FleetError> {
 ///
 /// # Errors
 /// [`WriteError`] with the path.
-pub fn keep(dir: &Path, chunk: usize, rows: Chunk) -> Result<(), FleetError> {
+#[cfg_attr(not(feature = "parquet"), allow(unused_mut))]
+pub fn keep(dir: &Path, chunk: usize, mut rows: Chunk) -> Result<(), FleetError> {
+    #[cfg(feature = "parquet")]
+    if let Some(couplers) = rows.couplers.take() {
+        couplers.write(&dir.join(COUPLERS), chunk)?;
+    }
     let [rows, errors] = rows.into_bytes();
     let [rows_name, errors_name] = names(chunk);
     files::write_into(&dir.join(PARTS), &[(errors_name, errors), (rows_name, rows)])?;
@@ -112,5 +125,19 @@ pub fn keep(dir: &Path, chunk: usize, rows: Chunk) -> Result<(), FleetError> {
 
 /// Removes the parts; those that stay do no harm to a complete run.
 pub fn remove(dir: &Path) {
-    let _ = fs::remove_dir_all(dir.join(PARTS));
+    let _ = fs::remove_dir_all(folder(dir));
+}
+
+/// Removes what an earlier run left, but for the signs of workers that wait for the new one.
+///
+/// # Errors
+/// [`WriteError`] with the path of what would be taken for a part of the new run.
+pub fn clear(dir: &Path) -> Result<(), FleetError> {
+    let files = |folder: PathBuf| folder.read_dir().into_iter().flatten().flatten().map(|entry| entry.path());
+    let couplers = files(dir.join(COUPLERS)).filter(|path| path.extension().is_some_and(|e| e == "parquet"));
+    for path in files(folder(dir)).filter(|path| !claims::is_sign(path)).chain(couplers) {
+        fs::remove_file(&path).map_err(|e| WriteError::new(&path, e))?;
+    }
+    let _ = fs::remove_dir(dir.join(COUPLERS));
+    Ok(())
 }

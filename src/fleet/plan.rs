@@ -1,13 +1,15 @@
-//! The work as numbered chunks of cases, the same for every thread, shard and attempt.
+//! The work as numbered chunks of cases, the same for every thread, worker and attempt.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
-use super::FleetError;
+#[cfg(feature = "parquet")]
+use super::couplers::Couplers;
 use super::inputs::Inputs;
 use super::rows::{self, Chunk};
 use super::variation::Varied;
+use super::{FleetError, Request};
 use crate::doubts::doubts;
 use crate::findings::{self, Options, cases};
 use crate::solve::Wanted;
@@ -22,8 +24,11 @@ const MOST_CASES: u64 = 500;
 /// Cases of all variations of all trains, in order, cut into chunks.
 pub struct Plan<'a> {
     inputs: &'a Inputs,
-    /// Tolerance and method of each case, and that only its worst coupler is wanted.
+    /// Tolerance and method of each case, and whether only its worst coupler is wanted.
     pub options: Options,
+    /// Whether every coupler of every case is kept.
+    #[cfg(feature = "parquet")]
+    couplers: bool,
     /// Scenes that have been solved.
     pub memo: &'a Memo,
     /// The number of cases up to and with each unit, a unit being a variation of a train.
@@ -36,25 +41,9 @@ pub struct Plan<'a> {
 /// Doubts by train file and code, each of a variation from 0.
 pub type Words = BTreeMap<(String, String), (usize, Doubt)>;
 
-/// A share of the chunks: number `index` (from 0) of `count`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Shard {
-    /// From 0.
-    pub index: usize,
-    /// How many there are.
-    pub count: usize,
-}
-
-impl Shard {
-    /// Every so many chunks, so that shards take about as long as each other whatever order the trains have.
-    pub fn has(&self, chunk: usize) -> bool {
-        chunk % self.count == self.index
-    }
-}
-
 impl<'a> Plan<'a> {
     /// Counts the cases.
-    pub fn new(inputs: &'a Inputs, options: &'a Options, memo: &'a Memo) -> Plan<'a> {
+    pub fn new(inputs: &'a Inputs, request: &Request, memo: &'a Memo) -> Plan<'a> {
         let variations = inputs.variations();
         let mut total = 0;
         let ends = (0..inputs.files.len() * variations).map(|unit| {
@@ -65,8 +54,18 @@ impl<'a> Plan<'a> {
         let total = ends.last().copied().unwrap_or(0);
         let chunk_cases = (total / CHUNKS).clamp(FEWEST_CASES, MOST_CASES);
         // A row tells of the worst coupler, and counts the others.
-        let options = Options { wanted: Wanted::Worst, ..options.clone() };
-        Plan { inputs, options, memo, ends, chunk_cases, doubts: Mutex::default() }
+        let wanted = if request.couplers { Wanted::Everything } else { Wanted::Worst };
+        let options = Options { wanted, ..request.options.clone() };
+        Plan {
+            inputs,
+            #[cfg(feature = "parquet")]
+            couplers: request.couplers,
+            options,
+            memo,
+            ends,
+            chunk_cases,
+            doubts: Mutex::default(),
+        }
     }
 
     /// All cases.
@@ -113,6 +112,10 @@ impl<'a> Plan<'a> {
     pub fn compute(&self, chunk: usize) -> Result<Chunk, FleetError> {
         let range = self.range(chunk);
         let mut rows = Chunk::default();
+        #[cfg(feature = "parquet")]
+        if self.couplers {
+            rows.couplers = Some(Couplers::new(self.inputs.study.as_ref()));
+        }
         let mut at = range.start;
         while at < range.end {
             let (unit, index) = self.place(at);

@@ -85,6 +85,9 @@ pub struct Chunk {
     errors: Lines,
     /// Cases and trains that could not be computed.
     pub failed: usize,
+    /// Every coupler of its cases, where they are asked for.
+    #[cfg(feature = "parquet")]
+    pub couplers: Option<super::couplers::Couplers>,
 }
 
 /// CSV in memory.
@@ -124,6 +127,10 @@ impl Chunk {
         let front = [text(&place.file), text(train.name()), train.vehicles().len().to_string(), whole(place.variation)];
         let inputs = place.inputs.iter().map(|cell| text_or_number(cell));
         let codes = place.codes(scenario, found);
+        #[cfg(feature = "parquet")]
+        if let Some(couplers) = &mut self.couplers {
+            couplers.add(place, train, &scenario.name, case);
+        }
         line(&mut self.rows, front.into_iter().chain(inputs).chain(back(scenario, case, codes)));
     }
 

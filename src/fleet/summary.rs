@@ -25,8 +25,8 @@ pub struct Summary {
     pub breaks: Places,
     /// Where the worst coupler is: cases in which some coupler exceeds, twice.
     pub overloaded: Places,
-    /// Smallest safe load factor of each variation of each train; infinite where nothing bounds it.
-    pub safe: Vec<f64>,
+    /// Smallest safe factors of each variation of each train.
+    pub safe: Vec<Factors>,
     /// Each variation's inputs, then its largest utilisation, column by column.
     pub columns: Vec<Vec<f64>>,
     /// Rows of `errors.csv`.
@@ -38,6 +38,20 @@ pub struct Summary {
     inputs: usize,
     unit: Option<Unit>,
     last_failed: [String; 2],
+}
+
+/// The smallest safe factor on each of [`CAUSES`]: infinite where nothing bounds it, `None` without a case that has one.
+pub type Factors = [Option<f64>; 3];
+
+/// What safe factors multiply, each after the kind of the event in `fleet.csv`: they are never put on one axis.
+pub const CAUSES: [(&str, &str); 3] =
+    [("break", "load"), ("pulse", "force of the pulse"), ("impact", "speed of the impact")];
+
+fn smaller(a: Factors, b: Factors) -> Factors {
+    std::array::from_fn(|i| match (a[i], b[i]) {
+        (Some(a), Some(b)) => Some(a.min(b)),
+        (a, b) => a.or(b),
+    })
 }
 
 /// Counts of cases by place along the train: all, and those in which some coupler exceeds.
@@ -78,8 +92,8 @@ pub struct TrainSummary {
     pub vehicles: String,
     /// The cases with the largest utilisation, the worst first; one at least.
     pub worst: Vec<Case>,
-    /// Smallest safe load factor; infinite where nothing bounds it.
-    pub safe: f64,
+    /// Its smallest safe factors.
+    pub safe: Factors,
     /// Cases with each kind of doubt.
     pub doubts: BTreeMap<String, usize>,
 }
@@ -103,8 +117,8 @@ pub struct Case {
     pub time_s: f64,
     /// Couplers that exceed.
     pub exceeding: String,
-    /// The safe load factor; infinite where nothing bounds it.
-    pub safe: f64,
+    /// Its safe factor, in the place of its kind.
+    pub safe: Factors,
 }
 
 /// Keeps a case if it is among the worst; of equal ones, the first.
@@ -127,7 +141,7 @@ struct Unit {
     undecided: bool,
     vehicles: String,
     worst: Vec<Case>,
-    safe: f64,
+    safe: Factors,
     doubts: BTreeMap<String, usize>,
 }
 
@@ -177,7 +191,12 @@ impl Summary {
         let doubts = back("doubts");
         let undecided = back("undecided") != "0";
         let utilisation: f64 = back("utilisation").parse().unwrap_or(0.0);
-        let safe = back("safe_load_factor").parse().unwrap_or(f64::INFINITY);
+        // A march has no such factor, and says nothing of what bounds it.
+        let factor = match back("safe_load_factor").parse() {
+            Ok(factor) => Some(factor),
+            Err(_) => (back("method") != "march").then_some(f64::INFINITY),
+        };
+        let safe = CAUSES.map(|(kind, _)| factor.filter(|_| kind == back("kind")));
         let (broken, worst) = (back("broken_coupler").to_owned(), back("worst_coupler").to_owned());
         let case = Case {
             utilisation,
@@ -205,14 +224,14 @@ impl Summary {
             let inputs = (0..self.inputs).map(|i| cell(FRONT.len() + i).parse().unwrap_or(f64::NAN)).collect();
             let [file, name, vehicles, variation] = [0, 1, 2, 3].map(|i| cell(i).to_owned());
             let (cases, worst) = ([0; 3], Vec::new());
-            let (safe, doubts) = (f64::INFINITY, BTreeMap::new());
+            let (safe, doubts) = (Factors::default(), BTreeMap::new());
             let undecided = false;
             self.unit = Some(Unit { file, name, vehicles, variation, inputs, cases, undecided, worst, safe, doubts });
         }
         if let Some(unit) = &mut self.unit {
             unit.cases = plus(unit.cases, [1, usize::from(exceeds), usize::from(later)]);
             unit.undecided |= undecided;
-            unit.safe = unit.safe.min(safe);
+            unit.safe = smaller(unit.safe, safe);
             for code in doubts.split_whitespace() {
                 *unit.doubts.entry(code.to_owned()).or_default() += 1;
             }
@@ -279,7 +298,7 @@ impl TrainSummary {
         self.unsafe_variations += other.unsafe_variations;
         self.undecided_variations += other.undecided_variations;
         self.cases = plus(self.cases, other.cases);
-        self.safe = self.safe.min(other.safe);
+        self.safe = smaller(self.safe, other.safe);
         for (code, cases) in other.doubts {
             *self.doubts.entry(code).or_default() += cases;
         }

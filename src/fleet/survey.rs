@@ -3,9 +3,11 @@
 use std::path::Path;
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::base::Base;
 use super::key::Key;
+use super::names;
 use super::study::{Input, Per, Study};
 use super::variation::{Reached, probe, vary};
 use crate::consist;
@@ -15,8 +17,10 @@ use crate::findings::{Options, cases, idle_options};
 use crate::train::{CouplerSpec, Doubt, Load, Origin, Source, Train, TrainSpec};
 
 /// What is known of a train file before the run.
+#[derive(Serialize, Deserialize)]
 pub struct Survey {
     /// Every file that some variation is read from, in the order of their paths.
+    #[serde(with = "names::sources")]
     pub sources: Vec<Source>,
     /// Cases of each variation, or of all of them alike.
     counts: Vec<u32>,
@@ -25,10 +29,13 @@ pub struct Survey {
     /// An input of the study that changes nothing in this train, and why.
     pub without_effect: Option<String>,
     /// Inputs that reach some couplers or vehicles and not others, as sentences.
+    #[serde(skip)]
     pub notes: Vec<String>,
     /// The doubts about its first variation that can be read.
+    #[serde(skip)]
     pub doubts: Vec<Doubt>,
     /// Options that do nothing for that, as sentences.
+    #[serde(skip)]
     pub idle: Vec<String>,
 }
 

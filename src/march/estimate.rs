@@ -1,7 +1,7 @@
 //! The error of a march: proven where it can be, and estimated by two more runs where it cannot.
 //!
 //! The other runs take other steps, with noise of 32 units in the last place on every elongation and speed at every step, and the laws'
-//! constants moved by 16 units. Estimate: 10 times the larger difference from them, and 16 units of the largest force. The runs go side by
+//! constants moved by 16 units; their events count twice as far past a guard, so that what this costs shows in the differences. Estimate: 10 times the larger difference from them, and 16 units of the largest force. The runs go side by
 //! side; where the estimate of any force passes the tolerance, nothing can be said from there on.
 
 use super::proof::Proof;
@@ -15,6 +15,8 @@ const OTHERS: [f64; 2] = [0.73, 0.81];
 /// Sizes of noise and of moved constants, in units in the last place.
 const NOISE: f64 = 32.0;
 const MOVED: f64 = 16.0;
+/// Events of the other runs count so many times further past their guards.
+const MARGIN: f64 = 2.0;
 /// The estimate is so many differences and units in the last place of the largest force.
 const DIFFERENCES: f64 = 10.0;
 const UNITS: f64 = 16.0;
@@ -30,7 +32,7 @@ const U: f64 = 0.5 * f64::EPSILON;
 /// ([`Law::check`]).
 pub fn solve(problem: &Problem, ask: &MarchOptions) -> MarchOutcome {
     check(problem, ask);
-    let manner = Manner { phase: PHASE, noise: None };
+    let manner = Manner { phase: PHASE, noise: None, margin: 1.0 };
     let mut march = March::new(problem, ask, manner);
     march.proof = Proof::new(&march);
     if ask.tolerance_n.is_some() && march.proof.is_none() {
@@ -58,7 +60,7 @@ const EVENTS: f64 = 8.0;
 
 /// Estimated time of [`solve`] on one core, s.
 pub fn estimate_s(problem: &Problem, ask: &MarchOptions) -> f64 {
-    let march = March::new(problem, &MarchOptions::default(), Manner { phase: PHASE, noise: None });
+    let march = March::new(problem, &MarchOptions::default(), Manner { phase: PHASE, noise: None, margin: 1.0 });
     let linear = problem.laws.iter().filter(|l| l.is_linear()).count();
     let couplers = problem.laws.len();
     let rate = march.fastest() / PHASE + EVENTS * (couplers - linear) as f64;
@@ -95,8 +97,9 @@ fn keep(march: &March) -> Kept {
 fn compared(problem: &Problem, ask: &MarchOptions, mut march: March) -> MarchOutcome {
     let moved: Vec<Problem> = (1..=2).map(|seed| moved(problem, seed)).collect();
     let quiet = MarchOptions { capacity_n: ask.capacity_n.clone(), ..MarchOptions::default() };
-    let other =
-        |(n, p)| March::new(p, &quiet, Manner { phase: OTHERS[n], noise: Some((0x9E37_79B9 + n as u64, NOISE)) });
+    let other = |(n, p)| {
+        March::new(p, &quiet, Manner { phase: OTHERS[n], noise: Some((0x9E37_79B9 + n as u64, NOISE)), margin: MARGIN })
+    };
     let mut others: Vec<March> = moved.iter().enumerate().map(other).collect();
     let (mark, horizon) = (problem.mark_s.min(problem.horizon_s), problem.horizon_s);
     let mut instants: Vec<f64> =
@@ -131,6 +134,7 @@ fn compared(problem: &Problem, ask: &MarchOptions, mut march: March) -> MarchOut
         to_mark = whole.clone();
     }
     let worst = whole.iter().flatten().copied().fold(0.0, f64::max);
+    time_partings(&mut march, &others);
     finish(march, Bound::Estimated(worst), [whole, to_mark], until)
 }
 
@@ -148,6 +152,16 @@ fn error_now(march: &March, others: &[March]) -> f64 {
         return f64::INFINITY;
     }
     DIFFERENCES * apart + UNITS * U * largest
+}
+
+/// The estimates for the instants at which couplers part.
+fn time_partings(march: &mut March, others: &[March]) {
+    for p in &mut march.partings {
+        let in_other = |o: &March| o.partings.iter().find(|other| other.coupler == p.coupler).map(|other| other.time_s);
+        let apart = |o: &March| in_other(o).map_or(f64::INFINITY, |at| (at - p.time_s).abs());
+        let apart = others.iter().map(apart).fold(0.0, f64::max);
+        p.uncertainty_s = DIFFERENCES * apart + UNITS * U * p.time_s;
+    }
 }
 
 /// The estimates for every coupler's extremes.
@@ -226,6 +240,7 @@ fn finish(
         stopped: march.stopped,
         predictable_until_s,
         history: record.history,
+        elongations: record.elongations,
         end_speed_m_s: march.state.v[0].clone(),
         energy: march.audit.map(|a| a.energy),
         events: march.events,

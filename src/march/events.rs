@@ -118,12 +118,12 @@ impl March<'_> {
     pub fn grow(&mut self) {
         let n = self.state.v[0].len();
         let [from, to] = self.state.moving;
-        let margin = DEGREE / 2 + 1;
-        let (mut from, mut to) = (from.saturating_sub(margin), (to + margin).min(n));
+        let (mut from, mut to) = (from, to);
         for v in self.forces.loud(self.t) {
             (from, to) = (from.min(v), to.max(v + 1));
         }
-        self.state.moving = [from, to];
+        let margin = DEGREE / 2 + 1;
+        self.state.moving = [from.saturating_sub(margin), (to + margin).min(n)];
     }
 
     /// Leaves out what is at rest at either end of the part that moves.

@@ -121,6 +121,10 @@ pub struct Parting {
     pub time_s: f64,
     /// Its force just before.
     pub force_n: f64,
+    /// Energy that it gives up, J: none where its vehicles go on pushing each other.
+    pub energy_j: f64,
+    /// Estimate of the error of the instant, by the same runs as that of forces; infinite without them, or where it did not part in all.
+    pub uncertainty_s: f64,
 }
 
 /// What forces are within.
@@ -137,7 +141,8 @@ pub enum Bound {
 /// What a march comes to.
 #[derive(Clone, Debug)]
 pub struct MarchOutcome {
-    /// Of each coupler up to the horizon, or up to where the march ended; a coupler that is gone from t = 0 begins there with 0.
+    /// Of each coupler up to the horizon, or up to where the march ended; a coupler that is gone from t = 0 begins with
+    /// what its vehicles push.
     pub extremes: Vec<Extremes>,
     /// The same up to the mark.
     pub to_mark: Vec<Extremes>,
@@ -159,6 +164,8 @@ pub struct MarchOutcome {
     pub predictable_until_s: Option<f64>,
     /// Forces of the couplers of the history at its instants; not a number beyond the end of the march.
     pub history: Vec<Vec<f64>>,
+    /// Elongations of these couplers at the same instants, m, from the middle of the slack.
+    pub elongations: Vec<Vec<f64>>,
     /// Speed of each vehicle at the end of the march, against the common motion.
     pub end_speed_m_s: Vec<f64>,
     /// Energy over the march, if it was to be followed.

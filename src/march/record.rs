@@ -9,6 +9,8 @@ pub struct Record {
     pub to_mark: Option<Vec<Extremes>>,
     pub first_over_s: Vec<[Option<f64>; 2]>,
     pub history: Vec<Vec<f64>>,
+    /// Elongations at the same instants, from the middle of the slack.
+    pub elongations: Vec<Vec<f64>>,
     capacity: Vec<[f64; 2]>,
     wanted: Vec<usize>,
     times: Vec<f64>,
@@ -24,7 +26,7 @@ pub struct Taken<'a> {
 }
 
 impl Record {
-    /// With the forces at t = 0.
+    /// With the forces before t = 0.
     pub fn new(start: &[f64], ask: &MarchOptions) -> Record {
         let at_start = |f: &f64| {
             let peak = Peak { force_n: *f, time_s: 0.0 };
@@ -38,11 +40,20 @@ impl Record {
             to_mark: None,
             first_over_s: start.iter().zip(&capacity).map(over).collect(),
             history: vec![Vec::with_capacity(ask.times_s.len()); ask.history.len()],
+            elongations: vec![Vec::with_capacity(ask.times_s.len()); ask.history.len()],
             capacity,
             wanted: ask.history.clone(),
             times: ask.times_s.clone(),
             next: 0,
         }
+    }
+
+    /// Coupler `i` parts at t = 0, and begins with the force that is left.
+    pub fn begin(&mut self, i: usize, force_n: f64) {
+        let peak = Peak { force_n, time_s: 0.0 };
+        self.extremes[i] = Extremes { draft: peak, buff: peak };
+        let [draft, buff] = self.capacity[i];
+        self.first_over_s[i] = [(force_n > draft).then_some(0.0), (-force_n > buff).then_some(0.0)];
     }
 
     /// Looks at a step; `start` are the forces at t = 0.
@@ -96,20 +107,24 @@ impl Record {
         }
     }
 
-    /// Forces at the asked instants of the step.
+    /// Forces and elongations at the asked instants of the step.
     fn tell(&mut self, taken: &Taken, start: &[[f64; 2]]) {
         let until = taken.from + taken.width;
         let mut c = [0.0; DEGREE + 1];
         while let Some(t) = self.times.get(self.next).copied().filter(|t| *t <= until) {
-            for (values, &i) in self.history.iter_mut().zip(&self.wanted) {
-                let moves = taken.state.couplers().contains(&i);
-                let force = if moves {
-                    taken.series.tension_of(taken.state, i, taken.width, &mut c);
-                    roots::at(&c[..=taken.series.terms], (t - taken.from) / taken.width.max(f64::MIN_POSITIVE))
+            let place = (t - taken.from) / taken.width.max(f64::MIN_POSITIVE);
+            let (state, series) = (taken.state, taken.series);
+            for ((forces, elongations), &i) in self.history.iter_mut().zip(&mut self.elongations).zip(&self.wanted) {
+                let (force, elongation) = if state.couplers().contains(&i) {
+                    series.tension_of(state, i, taken.width, &mut c);
+                    let force = roots::at(&c[..=series.terms], place);
+                    series.beyond(state, i, 0.0, 1.0, &mut c);
+                    (force, roots::at(&c[..=series.terms], place))
                 } else {
-                    0.0
+                    (0.0, state.elongation(i))
                 };
-                values.push(start[i][1] + force);
+                forces.push(start[i][1] + force);
+                elongations.push(start[i][0] + elongation);
             }
             self.next += 1;
         }
@@ -124,7 +139,7 @@ impl Record {
     pub fn cut(&mut self, until: f64, extremes: Vec<Extremes>, over: Vec<[Option<f64>; 2]>) {
         (self.extremes, self.first_over_s) = (extremes, over);
         let known = self.times.iter().take_while(|t| **t <= until).count();
-        self.history.iter_mut().for_each(|h| h.truncate(known));
+        self.history.iter_mut().chain(&mut self.elongations).for_each(|h| h.truncate(known));
     }
 
     /// Not a number where nothing is known; no force where it is under `none`, what an event leaves, of each coupler.
@@ -134,7 +149,7 @@ impl Record {
                 peak.force_n = 0.0;
             }
         }
-        self.history.iter_mut().for_each(|h| h.resize(self.times.len(), f64::NAN));
+        self.history.iter_mut().chain(&mut self.elongations).for_each(|h| h.resize(self.times.len(), f64::NAN));
         if self.to_mark.is_none() {
             self.to_mark = Some(self.extremes.clone());
         }

@@ -24,6 +24,8 @@ pub struct Manner {
     pub phase: f64,
     /// Seed and size of noise on every elongation and speed at every step, in units of their rounding.
     pub noise: Option<(u64, f64)>,
+    /// How many times [`PAST`] an elongation is past its guard where an event counts.
+    pub margin: f64,
 }
 
 pub struct March<'a> {
@@ -86,8 +88,6 @@ impl<'a> March<'a> {
             unbalanced,
             moving: [0, n],
         };
-        let forces: Vec<f64> =
-            start.iter().enumerate().map(|(i, s)| if problem.gone.contains(&i) { 0.0 } else { s[1] }).collect();
         let mut march = March {
             manner,
             couplers,
@@ -95,7 +95,7 @@ impl<'a> March<'a> {
             state,
             series: Series::new(n),
             forces: Forces::new(&problem.forcing, n),
-            record: Record::new(&forces, ask),
+            record: Record::new(&problem.start.iter().map(|r| r.force_n).collect::<Vec<f64>>(), ask),
             partings: Vec::new(),
             closures: Vec::new(),
             stopped: None,
@@ -117,6 +117,7 @@ impl<'a> March<'a> {
         march.audit = ask.audit.then(|| Audit::new(&march));
         for &i in &problem.gone {
             march.part(i);
+            march.record.begin(i, march.start[i][1] + march.state.tension(i));
         }
         march.shrink();
         march
@@ -137,7 +138,7 @@ impl<'a> March<'a> {
             let brakes = self.problem.emergency.iter().flat_map(|e| e.full_n.iter().copied());
             scale = force.chain(brakes).fold(0.0, f64::max) / softest;
         }
-        self.past = PAST * scale;
+        self.past = self.manner.margin * PAST * scale;
         self.nothing = [NOTHING * scale, NOTHING * scale * rate];
     }
 
@@ -163,16 +164,18 @@ impl<'a> March<'a> {
     /// Coupler `i` parts now.
     fn part(&mut self, i: usize) {
         let force_n = self.start[i][1] + self.state.tension(i);
-        let before = self.audit.is_some().then(|| self.couplers[i].energy(self.state.elongation(i)));
-        self.couplers[i].part(&self.problem.laws[i], self.state.elongation(i));
-        if let (Some(audit), Some(before)) = (&mut self.audit, before) {
-            audit.release(before - self.couplers[i].energy(self.state.elongation(i)));
+        let q = self.state.elongation(i);
+        let before_j = self.couplers[i].energy(q);
+        self.couplers[i].part(&self.problem.laws[i], q);
+        let energy_j = before_j - self.couplers[i].energy(q);
+        if let Some(audit) = &mut self.audit {
+            audit.release(energy_j);
         }
         if let Some(c) = self.state.dashpot.get_mut(i + 1) {
             *c = 0.0;
         }
         self.set_line(i);
-        self.partings.push(Parting { coupler: i, time_s: self.t, force_n });
+        self.partings.push(Parting { coupler: i, time_s: self.t, force_n, energy_j, uncertainty_s: f64::INFINITY });
         if let Some(emergency) = &self.problem.emergency {
             let direction = if self.problem.common_speed_m_s.unwrap_or(1.0) < 0.0 { -1.0 } else { 1.0 };
             self.forces.vent(emergency, direction, i, self.t);

@@ -71,7 +71,7 @@ proptest! {
             train(laws.clone(), start, speeds)
         };
         let (p, q) = (problem(&first), problem(&second));
-        let manner = Manner { phase: 1.0, noise: None };
+        let manner = Manner { phase: 1.0, noise: None, margin: 1.0 };
         let (mut a, mut b) = (March::new(&p, &MarchOptions::default(), manner), March::new(&q, &MarchOptions::default(), manner));
         let mut last = distance(&a, &b);
         let start = last;

@@ -143,13 +143,6 @@ pub fn row(b: &CascadeBreak, cascade: &CascadeFindings, units: UnitSystem) -> Ve
         b.between.join(", "),
         format!("{} in {}", force(units, b.force_n, cascade.error_n()), sense(b.force_n)),
         (if b.breaks_at == LIMITS[2] { "ultimate load" } else { "rating" }).to_owned(),
-        joules(b.energy_j),
+        format!("{} kJ", digits(b.energy_j / 1e3, 0.0, 4)),
     ]
-}
-
-fn joules(energy_j: f64) -> String {
-    if energy_j.is_nan() {
-        return String::new();
-    }
-    format!("{} kJ", digits(energy_j / 1e3, 0.0, 4))
 }

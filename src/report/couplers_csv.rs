@@ -3,12 +3,12 @@
 use std::io::Write;
 
 use super::cells::{optional, text};
-use crate::findings::{Analysis, CaseFindings, CouplerFindings, ScenarioFindings};
+use crate::findings::{Analysis, CaseFindings, CouplerFindings};
 
 /// A row: a coupler in a case.
 pub struct CouplerRow<'a> {
-    /// The scenario.
-    pub scenario: &'a ScenarioFindings,
+    /// The scenario's name.
+    pub scenario: &'a str,
     /// Its case.
     pub case: &'a CaseFindings,
     /// The coupler.
@@ -35,8 +35,9 @@ pub enum Cells {
     Flag(fn(&CouplerRow<'_>) -> Option<bool>),
 }
 
-static COLUMNS: [Column; 27] = [
-    Column { name: "scenario", cells: Cells::Text(|r| Some(r.scenario.name.clone())) },
+/// All of them.
+pub static COLUMNS: [Column; 27] = [
+    Column { name: "scenario", cells: Cells::Text(|r| Some(r.scenario.to_owned())) },
     Column { name: "broken_coupler", cells: Cells::Whole(|r| r.case.broken_coupler) },
     Column { name: "coupler", cells: Cells::Whole(|r| Some(r.coupler.coupler)) },
     Column { name: "between_front", cells: Cells::Text(|r| Some(r.coupler.between[0].clone())) },
@@ -110,7 +111,7 @@ pub fn coupler_columns(analysis: &Analysis) -> Vec<&'static Column> {
 
 /// Every coupler of every case.
 pub fn coupler_rows(analysis: &Analysis) -> impl Iterator<Item = CouplerRow<'_>> {
-    let cases = analysis.scenarios.iter().flat_map(|s| s.cases.iter().map(move |c| (s, c)));
+    let cases = analysis.scenarios.iter().flat_map(|s| s.cases.iter().map(move |c| (s.name.as_str(), c)));
     cases.flat_map(|(scenario, case)| case.couplers.iter().map(move |coupler| CouplerRow { scenario, case, coupler }))
 }
 

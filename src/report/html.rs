@@ -26,9 +26,8 @@ use crate::train::Train;
 const STYLE: &str = concat!(include_str!("page.css"), include_str!("report.css"));
 const SCRIPT: &str = include_str!("report.js");
 /// Plotly.js, packed with gzip, in base64; and the digest of its text.
-static LIBRARY: LazyLock<String> =
-    LazyLock::new(|| STANDARD.encode(include_bytes!("../../assets/plotly-cartesian.min.js.gz")));
-const LIBRARY_DIGEST: &str = include_str!("../../assets/plotly-cartesian.min.js.sha256");
+static LIBRARY: LazyLock<String> = LazyLock::new(|| STANDARD.encode(include_bytes!("../../assets/plotly.min.js.gz")));
+const LIBRARY_DIGEST: &str = include_str!("../../assets/plotly.min.js.sha256");
 
 /// A page with the script that draws the figures.
 pub(crate) struct Frame<'a> {

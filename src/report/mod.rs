@@ -16,7 +16,7 @@
 mod assumptions;
 mod cascade;
 pub(crate) mod cells;
-mod couplers_csv;
+pub(crate) mod couplers_csv;
 pub(crate) mod figures;
 pub(crate) mod files;
 pub(crate) mod folder;
@@ -32,6 +32,7 @@ mod result_json;
 mod section;
 mod terminal_table;
 mod train_facts;
+mod variants;
 pub(crate) mod words;
 
 use std::io;

@@ -114,9 +114,14 @@ pub fn given_length(system: UnitSystem, value_m: f64) -> String {
     given(&[if system == UnitSystem::Us { unit("ft", 12.0 * INCH) } else { unit("m", 1.0) }], value_m)
 }
 
+/// The unit of gaps and travels of couplers.
+pub fn gap_unit(system: UnitSystem) -> Unit {
+    if system == UnitSystem::Us { unit("in", INCH) } else { unit("mm", 1e-3) }
+}
+
 /// A gap between couplers that was given.
 pub fn given_gap(system: UnitSystem, value_m: f64) -> String {
-    given(&[if system == UnitSystem::Us { unit("in", INCH) } else { unit("mm", 1e-3) }], value_m)
+    given(&[gap_unit(system)], value_m)
 }
 
 /// A speed of a vehicle that was given.

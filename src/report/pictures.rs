@@ -99,6 +99,12 @@ impl<'a> Shown<'a> {
             if self.wave_left_out { " To follow all couplers over time would take long, and is left out." } else { "" };
         let caption = format!("Force in the worst coupler, {}{when}{shown}.{others}", words::place(worst));
         all.push(picture("force", caption, &|n| figures::history(train, index, case, worst, n)));
+        let name = format!("figure-{number}-loop");
+        if let Some(svg) = figures::hysteresis(train, index, case, worst, &name) {
+            let caption =
+                format!("Force against elongation of {}{when}, with the curves of its law.", words::place(worst));
+            all.push(Picture { svg, file: format!("{name}.svg"), caption });
+        }
         all
     }
 

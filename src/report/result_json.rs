@@ -44,6 +44,7 @@ fn shorten(scenario: &ScenarioFindings) -> ScenarioFindings {
         left_out_in_buff: scenario.left_out_in_buff.clone(),
         map: scenario.map.clone(),
         damping: scenario.damping.clone(),
+        variants: scenario.variants.clone(),
         ..*scenario
     }
 }

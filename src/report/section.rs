@@ -8,7 +8,7 @@ use super::cascade;
 use super::limits;
 use super::markdown::Picture;
 use super::numbers::{brief_time, down, force, force_unit, given_force_in, percent, small_force, time};
-use super::words;
+use super::{variants, words};
 use crate::findings::{CaseFindings, CouplerFindings, ScenarioFindings};
 use crate::train::Train;
 use crate::units::UnitSystem;
@@ -38,6 +38,9 @@ pub struct Section {
     rod: String,
     losses_lead: String,
     losses: Vec<Vec<String>>,
+    /// The worst case with other couplers, without brakes, or let down from a larger pull.
+    variants_lead: String,
+    variants: Vec<Vec<String>>,
     /// Couplers left out of all cases because they cannot exceed at any time.
     left_out: usize,
     methods: Vec<String>,
@@ -69,13 +72,17 @@ pub fn section(train: &Train, scenario: &ScenarioFindings, pictures: &[Picture])
     let single = if let [case] = &cases[..] { Some(case) } else { None };
     let factor = cases.iter().filter_map(|c| c.safe_load_factor).reduce(f64::min);
     let no_factor = cases.iter().find_map(|c| c.no_safe_load_factor);
+    let search = single.and_then(|c| c.load_factor_search);
     let watched = cases.iter().any(|c| c.worst.is_some());
     Section {
         heading: scenario.name.clone(),
         event: source.map(|s| words::event(train, s)).unwrap_or_default(),
         verdict: words::verdict_of(scenario, units),
         passage: words::passage(scenario, units),
-        safe_load: event.filter(|_| watched).map(|e| words::safe_load(train, e, factor, no_factor)).unwrap_or_default(),
+        safe_load: event
+            .filter(|_| watched)
+            .map(|e| words::safe_load(train, e, factor, no_factor, search))
+            .unwrap_or_default(),
         cascade: cascade::sentence(scenario),
         sequence: single.and_then(|case| sequence(case, units)),
         exceeding: single.and_then(|case| table(words::exceeding(case), |c| exceeding_row(c, case, units))),
@@ -87,8 +94,10 @@ pub fn section(train: &Train, scenario: &ScenarioFindings, pictures: &[Picture])
         limited: single.and_then(|case| table(limits::passing(case), |of| limits::row(of, case, units))),
         figures: pictures.iter().map(|p| Figure { file: p.file.clone(), caption: p.caption.clone() }).collect(),
         rod: words::rod(scenario),
-        losses_lead: losses_lead(scenario),
-        losses: losses(scenario, units),
+        losses_lead: variants::losses_lead(scenario),
+        losses: variants::losses(scenario, units),
+        variants_lead: variants::sentences(scenario),
+        variants: variants::rows(scenario, units),
         left_out: cases.iter().map(|c| c.left_out).sum(),
         methods: methods(cases),
         accuracy: accuracy(cases, units),
@@ -118,35 +127,6 @@ pub fn overview_row(train: &Train, scenario: &ScenarioFindings) -> Vec<String> {
     let factor = if factor.is_empty() { factor } else { format!("{factor} on the {of}") };
     let head = [scenario.name.clone(), exceeding(|c| c.exceeding), exceeding(|c| c.exceeding_first_passage)];
     head.into_iter().chain(worst).chain([factor, horizon(&scenario.cases)]).collect()
-}
-
-/// What the table of losses is of.
-fn losses_lead(scenario: &ScenarioFindings) -> String {
-    let broken = words::worst_case(scenario).and_then(|(case, _)| case.broken_coupler);
-    let of = match broken.filter(|_| scenario.cases.len() > 1) {
-        Some(b) => format!("The break of coupler {b}, the worst of these,"),
-        None => "The same event".to_owned(),
-    };
-    format!(
-        "{of} with dashpots in every coupler, for which 0.05 to 0.26 of critical damping are published for draft gears"
-    )
-}
-
-/// The worst case without losses and with dashpots of each ratio.
-fn losses(scenario: &ScenarioFindings, units: UnitSystem) -> Vec<Vec<String>> {
-    let Some((case, worst)) = words::worst_case(scenario).filter(|_| !scenario.damping.is_empty()) else {
-        return Vec::new();
-    };
-    let row = |ratio: String, exceeding: usize, coupler: usize, [newtons, error_n, at, share]: [f64; 4]| {
-        let size = format!("{} in {}", force(units, newtons, error_n), words::sense(newtons));
-        vec![ratio, exceeding.to_string(), coupler.to_string(), size, format!("{} %", percent(share)), time(at)]
-    };
-    let without = [worst.peak_force_n, case.error_n(), worst.peak_time_s, worst.utilisation];
-    let with = scenario.damping.iter().map(|d| {
-        let numbers = [d.peak_force_n, d.error_bound_n, d.peak_time_s, d.utilisation];
-        row(d.damping_ratio.to_string(), d.exceeding, d.coupler, numbers)
-    });
-    std::iter::once(row("0".to_owned(), case.exceeding, worst.coupler, without)).chain(with).collect()
 }
 
 /// The couplers that break after the event, in order.

@@ -5,7 +5,7 @@ use super::numbers::{
 };
 use super::words::{count, sense};
 use crate::consist::{self, of_parts};
-use crate::findings::damping::critical_n_s_per_m;
+use crate::findings::variants::critical_n_s_per_m;
 use crate::scenario;
 use crate::train::{Train, Vehicle};
 

@@ -2,7 +2,7 @@
 
 use super::numbers::{brief_time, digits, down, given_force, given_speed, given_time, percent, time};
 use crate::consist;
-use crate::findings::{CaseFindings, CouplerFindings, ScenarioFindings};
+use crate::findings::{CaseFindings, CouplerFindings, LoadSearch, ScenarioFindings};
 use crate::train::{Application, Event, Scenario, Train};
 use crate::units::UnitSystem;
 
@@ -31,12 +31,13 @@ pub fn place(c: &CouplerFindings) -> String {
     format!("coupler {} (between {} and {})", c.coupler, c.between[0], c.between[1])
 }
 
-/// What t = 0 is: "the break" or "the force sets in".
+/// What t = 0 is: "after the break" or "after the force sets in".
 pub fn since(case: &CaseFindings) -> &'static str {
     match case.kind {
         "break" => "after the break",
         "impact" => "after the vehicles meet",
         "brake" => "after the brakes are applied",
+        _ if case.is_record => "after the record starts",
         _ => "after the force sets in",
     }
 }
@@ -47,6 +48,7 @@ pub fn time_axis(case: &CaseFindings) -> &'static str {
         "break" => "time after the break",
         "impact" => "time since the vehicles met",
         "brake" => "time since the brakes were applied",
+        _ if case.is_record => "time since the record started",
         _ => "time since the force set in",
     }
 }
@@ -433,10 +435,17 @@ pub fn cause(event: &Event) -> &'static str {
 }
 
 /// What the safe load factor means, in one sentence.
-pub fn safe_load(train: &Train, event: &Event, factor: Option<f64>, none: Option<&str>) -> String {
+pub fn safe_load(
+    train: &Train,
+    event: &Event,
+    factor: Option<f64>,
+    none: Option<&str>,
+    search: Option<LoadSearch>,
+) -> String {
     let cause = cause(event);
     if let Some(why) = none {
-        return format!("There is no safe {cause} factor: {why}.");
+        let search = search.map_or_else(|| " Vary it in a study.".to_owned(), |s| searched(cause, &s));
+        return format!("There is no safe {cause} factor: {why}.{search}");
     }
     let what = match event {
         Event::Break { .. } if train.initial_force_n().iter().all(|&f| f >= 0.0) => "pull",
@@ -453,6 +462,27 @@ pub fn safe_load(train: &Train, event: &Event, factor: Option<f64>, none: Option
                 down(f)
             )
         }
+    }
+}
+
+/// What a search for the factor at which couplers begin to exceed has found.
+fn searched(cause: &str, search: &LoadSearch) -> String {
+    let LoadSearch { none_exceeds_at, exceeds_at, tried } = *search;
+    let at = |factor: f64| down(100.0 * factor);
+    match exceeds_at {
+        None => format!(
+            " In a search no coupler exceeded at any of {tried} factors up to {} % of the {cause}.",
+            at(none_exceeds_at)
+        ),
+        Some(over) if none_exceeds_at == 0.0 => {
+            format!(" In a search a coupler exceeded at {} % of the {cause}, the smallest share tried.", at(over))
+        }
+        Some(over) => format!(
+            " In a search of {tried} factors no coupler exceeded up to {} % of the {cause}, and one did at {} %; factors between those that \
+             were tried are not covered.",
+            at(none_exceeds_at),
+            at(over)
+        ),
     }
 }
 

@@ -191,7 +191,24 @@ impl Train {
         self
     }
 
-    /// The same with dashpots beside the couplers, N s/m, one for each, none negative.
+    /// The same with laws of its couplers, one for each, or none for linear springs of their stiffness.
+    pub(crate) fn with_laws(&self, laws: Vec<Law>) -> Train {
+        Train { extras: Extras { laws, ..self.extras.clone() }, ..self.clone() }
+    }
+
+    /// The same let down to its load from other pulls, N, one for each coupler, or none for a train that was not pulled before.
+    pub(crate) fn with_pulled_to(&self, pulled_to_n: Vec<f64>) -> Train {
+        Train { extras: Extras { pulled_to_n, ..self.extras.clone() }, ..self.clone() }
+    }
+
+    /// The same with the forces before the event, and those from which it was let down, so many times as large.
+    pub(crate) fn with_load_times(&self, factor: f64) -> Train {
+        let mut train = self.clone();
+        train.initial_force_n.iter_mut().chain(&mut train.extras.pulled_to_n).for_each(|f| *f *= factor);
+        train
+    }
+
+    /// The same with dashpots beside the couplers, N s/m, one for each, none negative, or none at all.
     pub(crate) fn with_dashpots(&self, dashpot_n_s_per_m: Vec<f64>) -> Train {
         Train { extras: Extras { dashpot_n_s_per_m, ..self.extras.clone() }, ..self.clone() }
     }

@@ -4,22 +4,9 @@
 #
 #     TRAINSAFE=target/release/trainsafe tests/cluster/slurm.sh
 set -eu
-here=$(cd "$(dirname "$0")/../.." && pwd)
-TRAINSAFE=$(realpath "${TRAINSAFE:-$here/target/release/trainsafe}")
-export TRAINSAFE
-work=$(mktemp -d)
-chmod 755 "$work"
-started=()
-tidy() {
-    scancel --user=root 2>/dev/null || true
-    for pid in "${started[@]}"; do kill "$pid" 2>/dev/null || true; done
-    sleep 1
-    rm -rf "$work"
-}
-trap tidy EXIT
-cd "$work"
-python3 "$here/tests/scale/make_fleet.py" trains "${TRAINS:-60}"
-"$TRAINSAFE" fleet trains --out whole > /dev/null 2>&1
+# shellcheck source=tests/cluster/common.sh
+. "$(dirname "$0")/common.sh"
+trap 'scancel --user=root 2>/dev/null || true; tidy' EXIT
 
 # A munge of our own: its key, socket and logs in the work folder.
 mkdir -m 700 munge && dd if=/dev/urandom of=munge/key bs=1 count=1024 status=none && chmod 400 munge/key
@@ -68,13 +55,15 @@ for _ in $(seq 60); do
 done
 sinfo
 
-array=$(sbatch --parsable --output="$work/share-%a.log" --array=1-12 "$here/recipes/fleet.sbatch" parts trains)
-finished() { grep -ls "this share is done" share-*.log 2>/dev/null | wc -l; }
-for _ in $(seq 600); do
-    [ "$(finished)" -ge 4 ] && break
-    sleep 0.2
-done
-# The daemon of node b dies, and with it the share that runs there.
+quiet() {
+    for _ in $(seq 1200); do
+        [ -z "$(squeue --noheader)" ] && return
+        sleep 0.5
+    done
+}
+array=$(sbatch --parsable --output="$work/worker-%a.log" --array=1-4 "$here/recipes/fleet.sbatch" parts trains)
+await $((all / 4))
+# The daemon of node b dies, and with it the worker that runs there.
 until job=$(squeue --noheader --nodelist=b --states=RUNNING --format=%A) && [ -n "$job" ]; do sleep 0.05; done
 kill -9 "$daemon"
 for pid in $(pgrep -f "slurmstepd: \[$job\."); do kill -9 "$pid" || true; done
@@ -85,13 +74,17 @@ for environment in /proc/[0-9]*/environ; do
         kill -9 "$pid" || true
     fi
 done
-echo "killed node b with $(finished) of 12 shares done"
-for _ in $(seq 1200); do
-    [ -z "$(squeue --noheader)" ] && break
-    sleep 0.5
-done
-sinfo
-echo "queued again: $(grep -ci "requeue.*JobId" slurmctld.log || true) shares"
-sbatch --parsable --wait --output="$work/merge.log" --wrap "$TRAINSAFE fleet --merge --out parts" > /dev/null
+echo "killed node b with $(parts) parts done"
+# All other tasks are taken from the queue: the run is left unfinished.
+await $((all / 2))
+scancel "$array"
+quiet
+early=$("$TRAINSAFE" fleet --merge --out parts 2>&1) && { echo "nothing is missing: take more TRAINS"; exit 1; }
+echo "${early:0:200}"
+# What is left is done by the two tasks that somebody gives again.
+sbatch --output="$work/again-%a.log" --array=17,33 "$here/recipes/fleet.sbatch" parts trains
+sleep 1
+quiet
+sbatch --parsable --wait --output="$work/merge.log" --wrap "$TRAINSAFE fleet --merge --out parts" > /dev/null || cat merge.log
 diff -r whole parts
-echo "12 shares on two nodes, one killed: the bytes of one run ($(($(wc -l < whole/fleet.csv) - 1)) cases)"
+echo "an array of 4 with a node killed, cancelled, then tasks 17 and 33: the bytes of one run ($cases cases)"

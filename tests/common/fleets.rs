@@ -80,3 +80,18 @@ pub fn parts(out: &Path) -> Vec<PathBuf> {
     all.sort();
     all
 }
+
+/// A run of paths that has some of its parts, as a worker leaves it that is killed: those whose number is kept.
+pub fn unfinished(folder: &Path, paths: &[&str], out: &str, kept: impl Fn(usize) -> bool) {
+    let output = fleet(folder, &[paths, &["--out", out, "--work"]].concat());
+    assert!(output.status.success(), "{}", complaint(&output));
+    lose(&folder.join(out), |part| !kept(part));
+}
+
+/// Removes parts by their number, and the claims on them.
+pub fn lose(out: &Path, lost: impl Fn(usize) -> bool) {
+    for (number, part) in parts(out).into_iter().enumerate().filter(|(number, _)| lost(*number)) {
+        fs::remove_file(part).expect("a part");
+        fs::remove_file(out.join(format!("fleet-parts/{number}.claim"))).expect("a claim");
+    }
+}

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Writes a fleet of train files: make_fleet.py FOLDER TRAINS [SEED] [--bad COUNT].
+"""Writes a fleet of train files: make_fleet.py FOLDER TRAINS [SEED] [--bad COUNT] [--most VEHICLES].
 
-20 to 240 vehicles each; every second train is of equal masses throughout, the others have a locomotive, loaded and empty cars
+20 to 240 vehicles each, or as many at most; every second train is of equal masses throughout, the others have a locomotive, loaded and empty cars
 in blocks, and a few weak couplers. Masses, stiffnesses and ratings are in the range of trains/ in this project. With --bad so
 many of the files, evenly spread, are then spoiled, in turn in each of the ways below.
 """
@@ -10,9 +10,9 @@ import random
 from pathlib import Path
 
 
-def train(number):
+def train(number, most):
     """The lines of a train file."""
-    vehicles = random.randint(20, 240)
+    vehicles = random.randint(20, most)
     text = [
         f'name = "train {number}"',
         "[coupler]",
@@ -103,12 +103,12 @@ def spoil(path, way):
     return f"{at}:" if line is None else f"{at}:{line}:", words
 
 
-def write(folder, trains, seed=1, bad=0):
+def write(folder, trains, seed=1, bad=0, most=240):
     """Writes the fleet; of each spoiled file, the way, the place and the words."""
     random.seed(seed)
     folder.mkdir(parents=True, exist_ok=True)
     for number in range(trains):
-        (folder / f"train-{number:05}.toml").write_text("\n".join(train(number)) + "\n")
+        (folder / f"train-{number:05}.toml").write_text("\n".join(train(number, most)) + "\n")
     ways = list(WAYS)
     spoiled = {}
     for i in range(bad):
@@ -124,5 +124,6 @@ if __name__ == "__main__":
     parser.add_argument("trains", type=int)
     parser.add_argument("seed", type=int, nargs="?", default=1)
     parser.add_argument("--bad", type=int, default=0, metavar="COUNT")
+    parser.add_argument("--most", type=int, default=240, metavar="VEHICLES")
     arguments = parser.parse_args()
-    write(arguments.folder, arguments.trains, arguments.seed, arguments.bad)
+    write(arguments.folder, arguments.trains, arguments.seed, arguments.bad, arguments.most)

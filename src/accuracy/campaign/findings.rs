@@ -28,7 +28,7 @@ impl<'a> Judge<'a> {
     pub fn new(seed: u64, drawn: &'a Drawn, rated: &'a Rated, truth: &'a March) -> Judge<'a> {
         let couplers = 0..drawn.system.stiffness.len();
         let peaks = couplers.map(|i| [0, 1].map(|side| truth.largest(i, side, drawn.system.horizon).1)).collect();
-        let load = 8.0 * f64::EPSILON * drawn.traction.iter().map(|p| p.abs()).sum::<f64>();
+        let load = 8.0 * f64::EPSILON * drawn.magnitude_n();
         Judge { seed, drawn, rated, truth, peaks, load, tallies: Tallies::new() }
     }
 
@@ -171,11 +171,12 @@ impl<'a> Judge<'a> {
         let found = case.safe_load_factor;
         if self.drawn.is_unbalanced() {
             let Some(factor) = found else { return self.fail(Quantity::SafeFactor, "none".to_owned()) };
-            // Just below it none exceeds, and just above one does.
+            // Just below it none exceeds, and just above one does; a rating may be the load to its rounding.
+            let least = self.rated.rating.iter().flatten().fold(f64::INFINITY, |least, r| least.min(*r));
+            let room = (self.load + case.error_bound_n) / least;
             for (factor, due) in [(factor * (1.0 - 1e-7), false), (factor * (1.0 + 1e-7), true)] {
-                let motion = kept(&with_factor(&self.drawn.system, factor));
-                let exceeds = self.excess(&motion) > 0.0;
-                let wrong = if factor == 0.0 { !exceeds } else { exceeds != due };
+                let excess = self.excess(&kept(&with_factor(&self.drawn.system, factor)));
+                let wrong = if due || factor == 0.0 { excess < -room } else { excess > room };
                 self.compare(Quantity::SafeFactor, f64::from(u8::from(wrong)), 0.5, || format!("{factor}"));
             }
             return;
@@ -194,6 +195,14 @@ impl<'a> Judge<'a> {
 
     /// A factor on a load or a force lies between those of peaks that are the bound higher and lower.
     fn factor(&mut self, quantity: Quantity, found: Option<f64>, peaks: &[[Real; 2]], bound: f64) {
+        let [least, most] = self.factors(peaks, bound);
+        let value = found.unwrap_or(f64::INFINITY);
+        let wrong = value < least * (1.0 - 1e-13) || value > most * (1.0 + 1e-13);
+        self.compare(quantity, f64::from(u8::from(wrong)), 0.5, || format!("{found:?}, not from {least} to {most}"));
+    }
+
+    /// The largest factors at which nothing exceeds, of peaks that are the bound higher and lower.
+    fn factors(&self, peaks: &[[Real; 2]], bound: f64) -> [f64; 2] {
         let bound = bound + 2.0 * self.load;
         let (mut least, mut most) = (f64::INFINITY, f64::INFINITY);
         for (i, sides) in peaks.iter().enumerate() {
@@ -210,9 +219,42 @@ impl<'a> Judge<'a> {
                 }
             }
         }
-        let value = found.unwrap_or(f64::INFINITY);
-        let wrong = value < least * (1.0 - 1e-13) || value > most * (1.0 + 1e-13);
-        self.compare(quantity, f64::from(u8::from(wrong)), 0.5, || format!("{found:?}, not from {least} to {most}"));
+        [least, most]
+    }
+
+    /// The verdict alone: what is left out certainly does not exceed, and the rest is as in the full answer.
+    pub fn verdict_only(&mut self, quick: &CaseFindings, full: &CaseFindings) {
+        let quantity = Quantity::VerdictOnly;
+        for c in &full.couplers {
+            let i = c.coupler - 1;
+            let over = |side: usize| near(&(&self.peaks[i][side] - long(self.rated.rating[i][side])));
+            let side = usize::from(over(1) > over(0));
+            let (due, level) = (self.peaks[i][side].clone(), self.rated.rating[i][side]);
+            let left = quick.couplers.iter().find(|q| q.coupler == c.coupler);
+            // A coupler that is left out is claimed not to exceed.
+            let claimed = left.map_or(Some(false), |q| q.exceeds);
+            self.decide(quantity, claimed, &due, level, || format!("coupler {}", c.coupler));
+        }
+        let open = full.undecided + quick.undecided > 0;
+        let same = |a: usize, b: usize| open || a == b;
+        let counts = same(quick.exceeding, full.exceeding)
+            && same(quick.exceeding_first_passage, full.exceeding_first_passage)
+            && quick.couplers.len() + quick.left_out == full.couplers.len();
+        self.compare(quantity, f64::from(u8::from(!counts)), 0.5, || "counts of couplers".to_owned());
+        if let Some(worst) = full.worst.as_ref().filter(|w| w.exceeds == Some(true)) {
+            let told = quick.worst.as_ref().map_or(0.0, |w| w.utilisation);
+            let rating = worst.rated_draft_n.min(worst.rated_buff_n);
+            let error = (told - worst.utilisation).abs() * rating;
+            self.compare(quantity, error, full.error_bound_n + quick.error_bound_n, || format!("worst {told}"));
+        }
+        let value = quick.safe_load_factor.unwrap_or(f64::INFINITY);
+        let most = if self.drawn.is_unbalanced() {
+            full.safe_load_factor.unwrap_or(f64::INFINITY)
+        } else {
+            self.factors(&self.peaks, full.error_bound_n + quick.error_bound_n)[1]
+        };
+        let wrong = value > most * (1.0 + 1e-13);
+        self.compare(quantity, f64::from(u8::from(wrong)), 0.5, || format!("factor {value}, over {most}"));
     }
 
     fn is_load(&self) -> bool {

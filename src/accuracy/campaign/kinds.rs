@@ -6,10 +6,11 @@ use rayon::prelude::*;
 
 use super::super::reference::march::{March, System, march};
 use super::findings::Judge;
-use super::trains::{Drawn, Kind, draw};
+use super::trains::{Drawn, Kind, Rated, draw};
 use crate::consist;
 use crate::findings::{CaseFindings, MapPoint};
 use crate::findings::{Options, analyze};
+use crate::solve::Wanted;
 
 /// What is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -19,6 +20,7 @@ pub enum Quantity {
     Peak,
     Time,
     Verdict,
+    VerdictOnly,
     FirstExceedance,
     FirstPassage,
     Limit,
@@ -31,11 +33,12 @@ pub enum Quantity {
 
 impl Quantity {
     /// All of them.
-    pub const ALL: [Quantity; 12] = [
+    pub const ALL: [Quantity; 13] = [
         Quantity::Load,
         Quantity::Peak,
         Quantity::Time,
         Quantity::Verdict,
+        Quantity::VerdictOnly,
         Quantity::FirstExceedance,
         Quantity::FirstPassage,
         Quantity::Limit,
@@ -53,6 +56,7 @@ impl Quantity {
             Quantity::Peak => "peak",
             Quantity::Time => "time of peak",
             Quantity::Verdict => "verdict",
+            Quantity::VerdictOnly => "verdict only",
             Quantity::FirstExceedance => "first exceedance",
             Quantity::FirstPassage => "first passage",
             Quantity::Limit => "limit",
@@ -115,8 +119,9 @@ pub fn scene(seed: u64) -> (Kind, Tallies) {
     let truth = kept(&drawn.system);
     let rated = drawn.rated(&truth);
     let mut judge = Judge::new(seed, &drawn, &rated, &truth);
-    if let Some((case, map)) = analyzed(&drawn, &rated, &mut judge) {
+    if let Some(Analyzed { case, quick, map }) = analyzed(&drawn, &rated, &mut judge) {
         judge.case(&case);
+        judge.verdict_only(&quick, &case);
         if drawn.kind.cascades() {
             judge.cascade(&case);
         }
@@ -125,8 +130,17 @@ pub fn scene(seed: u64) -> (Kind, Tallies) {
     (drawn.kind, judge.tallies)
 }
 
-/// The case as the program has it, from the file's text, and some points of its map.
-fn analyzed(drawn: &Drawn, rated: &super::trains::Rated, judge: &mut Judge) -> Option<(CaseFindings, Vec<MapPoint>)> {
+/// A case as the program has it.
+struct Analyzed {
+    case: CaseFindings,
+    /// The same with the verdict alone asked for, of every second train as a fleet asks.
+    quick: CaseFindings,
+    /// Some points of its map.
+    map: Vec<MapPoint>,
+}
+
+/// The case as the program has it, from the file's text.
+fn analyzed(drawn: &Drawn, rated: &Rated, judge: &mut Judge) -> Option<Analyzed> {
     let folder = tempfile::tempdir().ok()?;
     let (text, record) = drawn.text(rated);
     std::fs::write(folder.path().join("record.csv"), record).ok()?;
@@ -139,15 +153,19 @@ fn analyzed(drawn: &Drawn, rated: &super::trains::Rated, judge: &mut Judge) -> O
     };
     let steps = matches!(drawn.kind, Kind::Break | Kind::Rectangle | Kind::HalfSine);
     let map = steps && judge.seed.is_multiple_of(3);
-    match analyze(&train, &Options { all_time_bound: drawn.system.ratio == 0.0, map, ..Options::default() }) {
-        Ok(mut analysis) => {
+    let full = Options { all_time_bound: drawn.system.ratio == 0.0, map, ..Options::default() };
+    let wanted = if judge.seed.is_multiple_of(2) { Wanted::Worst } else { Wanted::Everything };
+    let quick = Options { verdict_only: true, map: false, wanted, ..full.clone() };
+    match (analyze(&train, &full), analyze(&train, &quick)) {
+        (Ok(mut analysis), Ok(mut quick)) => {
             judge.loads(train.initial_force_n());
             let mut found = analysis.scenarios.pop()?;
             let points = found.map.map_or(vec![], |m| m.points);
             let every = (points.len() / 3).max(1);
-            Some((found.cases.pop()?, points.into_iter().step_by(every).collect()))
+            let map = points.into_iter().step_by(every).collect();
+            Some(Analyzed { case: found.cases.pop()?, quick: quick.scenarios.pop()?.cases.pop()?, map })
         }
-        Err(e) => {
+        (Err(e), _) | (_, Err(e)) => {
             judge.fail(Quantity::Peak, format!("not analysed: {e}"));
             None
         }

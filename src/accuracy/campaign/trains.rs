@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use super::super::reference::Real;
 use super::super::reference::march::{Course, March, System, long};
 use super::draw::Random;
 
@@ -91,8 +92,12 @@ pub struct Drawn {
     pub system: System,
     /// The same force in every coupler before the event, N.
     pub uniform: f64,
-    /// Forces on the vehicles before the event, N; empty for a uniform load.
+    /// Tractive efforts and, negative, brake forces before the event, N; empty for a uniform load.
     pub traction: Vec<f64>,
+    /// Grade under each vehicle, percent, uphill positive; as many as `traction`.
+    pub grade: Vec<f64>,
+    /// The train's grade, percent: vehicles on another one have a grade of their own.
+    pub train_grade: f64,
     random: Random,
 }
 
@@ -105,6 +110,15 @@ pub struct Rated {
     pub limits: Vec<Option<[[f64; 3]; 2]>>,
 }
 
+/// A train with more vehicles than this is a long one.
+const LONG: usize = 9;
+
+/// The force along the train that a grade takes from each kilogram, N: `g s / sqrt(1 + s^2)`.
+fn downhill(percent: f64) -> Real {
+    let slope = long(percent) / long(100.0);
+    long(9.806_65) * &slope / (&slope * &slope + long(1.0)).sqrt()
+}
+
 /// A number whose decimal form is short enough to read, and is the number.
 fn short(x: f64) -> f64 {
     format!("{x:.5e}").parse().unwrap_or(x)
@@ -114,7 +128,7 @@ fn short(x: f64) -> f64 {
 pub fn draw(seed: u64) -> Drawn {
     let mut r = Random(seed ^ 0x5eed);
     let kind = Kind::ALL[(seed % Kind::ALL.len() as u64) as usize];
-    let n = 2 + r.one_of(7) + usize::from(kind == Kind::MovingRake || kind.cascades());
+    let n = 2 + vehicles(&mut r, kind);
     let decades = r.between(0.0, 3.0);
     let spread = r.one_of(4);
     let vary = |r: &mut Random| match spread {
@@ -128,13 +142,14 @@ pub fn draw(seed: u64) -> Drawn {
     let held = if matches!(kind, Kind::Impact | Kind::ImpactOnLoad) { [false, false] } else { held };
     let transit: f64 = (0..n - 1).map(|i| (mass[i] / stiffness[i]).sqrt()).sum();
     let fastest = stiffness.iter().fold(0.0f64, |a, k| a.max(*k)) / mass.iter().fold(f64::INFINITY, |a, m| a.min(*m));
-    let horizon = short((transit * r.between(1.0, 4.0)).min(150.0 / fastest.sqrt()));
+    let phases = if n > LONG { 40.0 } else { 150.0 };
+    let horizon = short((transit * r.between(1.0, 4.0)).min(phases / fastest.sqrt()));
     let with_load = !matches!(kind, Kind::Impact | Kind::MovingRake) && (kind == Kind::Break || r.chance(0.6));
     let uniform = if with_load { short(r.sign() * r.between(1e5, 1e6)) } else { 0.0 };
     let uniform = if kind == Kind::Break || kind.cascades() { uniform.abs() } else { uniform };
-    let by_vehicle =
-        kind == Kind::MovingRake || with_load && held == [false; 2] && r.chance(0.3) && kind != Kind::Break;
+    let by_vehicle = kind == Kind::MovingRake || with_load && held == [false; 2] && r.chance(0.3);
     let traction = if by_vehicle { (0..n).map(|_| short(r.sign() * r.between(1e4, 4e5))).collect() } else { vec![] };
+    let (train_grade, grade) = grades(&mut r, traction.len());
     let ratio = if kind == Kind::Ratio { short(r.between(0.01, 0.4)) } else { 0.0 };
     let mut drawn = Drawn {
         kind,
@@ -142,6 +157,8 @@ pub fn draw(seed: u64) -> Drawn {
         system: System { mass, held, stiffness, horizon, ratio, ..System::default() },
         uniform: if by_vehicle { 0.0 } else { uniform },
         traction,
+        grade,
+        train_grade,
         random: r,
     };
     drawn.event = event(&mut drawn, transit);
@@ -151,12 +168,35 @@ pub fn draw(seed: u64) -> Drawn {
         (0..n - 1).map(|i| if dashpots { short(2.0 * r.between(0.0, 0.3) * (k[i] * m[i]).sqrt()) } else { 0.0 });
     drawn.system.dashpot = dashpot.collect();
     drawn.set_in_motion();
+    if matches!(drawn.event, DrawnEvent::Break(b) if drawn.system.initial[b] < long(0.0)) {
+        // A coupler that carries buff does not part: the same forces the other way round.
+        drawn.traction.iter_mut().chain(&mut drawn.grade).for_each(|x| *x = -*x);
+        drawn.train_grade = -drawn.train_grade;
+        drawn.set_in_motion();
+    }
     drawn
+}
+
+/// Vehicles beyond the first two: few, for the reference is slow; now and then a longer train.
+fn vehicles(r: &mut Random, kind: Kind) -> usize {
+    match r.chance(0.03) {
+        // A damping ratio costs the reference the cube of the vehicles.
+        true => LONG + r.one_of(if kind == Kind::Ratio { 6 } else { 20 }),
+        false => r.one_of(7) + usize::from(kind == Kind::MovingRake || kind.cascades()),
+    }
+}
+
+/// The train's grade and that under each vehicle, percent: half of the trains are on the level, and of the others some vehicles
+/// are on a grade of their own.
+fn grades(r: &mut Random, vehicles: usize) -> (f64, Vec<f64>) {
+    let grade = |r: &mut Random| short(r.sign() * r.between(0.05, 3.0));
+    let train = if vehicles > 0 && r.chance(0.5) { grade(r) } else { 0.0 };
+    (train, (0..vehicles).map(|_| if train != 0.0 && r.chance(0.4) { grade(r) } else { train }).collect())
 }
 
 fn event(drawn: &mut Drawn, transit: f64) -> DrawnEvent {
     let (system, r) = (&drawn.system, &mut drawn.random);
-    let n = system.mass.len();
+    let (n, pulls) = (system.mass.len(), drawn.uniform > 0.0 || !drawn.traction.is_empty());
     let live: Vec<usize> = (0..n).filter(|&v| !(v == 0 && system.held[0] || v + 1 == n && system.held[1])).collect();
     let at = live[r.one_of(live.len())];
     let force = short(r.sign() * r.between(2e5, 2e6));
@@ -169,8 +209,8 @@ fn event(drawn: &mut Drawn, transit: f64) -> DrawnEvent {
         Kind::Dashpots if r.chance(0.3) => {
             DrawnEvent::Impact(1 + r.one_of(n - 1), r.chance(0.5), short(r.between(0.2, 4.0)))
         }
-        Kind::Ratio if drawn.uniform > 0.0 && r.chance(0.5) => DrawnEvent::Break(r.one_of(n - 1)),
-        Kind::Dashpots | Kind::Cascade | Kind::CascadeInBuff if drawn.uniform > 0.0 && r.chance(0.4) => {
+        Kind::Ratio if pulls && r.chance(0.5) => DrawnEvent::Break(r.one_of(n - 1)),
+        Kind::Dashpots | Kind::Cascade | Kind::CascadeInBuff if pulls && r.chance(0.4) => {
             DrawnEvent::Break(r.one_of(n - 1))
         }
         Kind::Record => {
@@ -204,12 +244,19 @@ impl Drawn {
         matches!(self.event, DrawnEvent::Impact(..)) && !self.traction.is_empty()
     }
 
+    /// Magnitudes of the forces on the vehicles before the event, N.
+    pub fn magnitude_n(&self) -> f64 {
+        let of = |((p, percent), m): ((&f64, &f64), &f64)| p.abs() + 0.098_066_5 * percent.abs() * m;
+        self.traction.iter().zip(&self.grade).zip(&self.system.mass).map(of).sum()
+    }
+
     /// Forces before the event, speeds and the force over time, from the event.
     fn set_in_motion(&mut self) {
         let n = self.system.mass.len();
         let system = &mut self.system;
         system.velocity = vec![0.0; n];
-        system.outside = self.traction.iter().map(|p| long(*p)).collect();
+        let push = |((p, percent), m): ((&f64, &f64), &f64)| long(*p) - long(*m) * downhill(*percent);
+        system.outside = self.traction.iter().zip(&self.grade).zip(&system.mass).map(push).collect();
         let mut joint = n;
         let mut carry = vec![self.uniform; n - 1];
         match &self.event {
@@ -239,9 +286,7 @@ impl Drawn {
         }
         // F_v = F_{v-1} + p_v - m_v a, with one acceleration in each part.
         for part in [0..joint, joint..n].into_iter().filter(|part| !part.is_empty()) {
-            let sum = |of: &dyn Fn(usize) -> crate::accuracy::reference::Real| {
-                part.clone().fold(zero.clone(), |s, v| s + of(v))
-            };
+            let sum = |of: &dyn Fn(usize) -> Real| part.clone().fold(zero.clone(), |s, v| s + of(v));
             let a = sum(&|v| system.outside[v].clone()) / sum(&|v| long(system.mass[v]));
             let mut force = zero.clone();
             for v in part.start..part.end - 1 {
@@ -255,10 +300,17 @@ impl Drawn {
     pub fn rated(&mut self, march: &March) -> Rated {
         let mut rated = Rated::default();
         let r = &mut self.random;
-        let with_limits = r.chance(0.4);
+        let (with_limits, breaks_often) = (r.chance(0.4), self.kind.cascades() && r.chance(0.6));
         for i in 0..self.system.stiffness.len() {
+            let initial = self.system.initial[i].to_f64().value();
             let mut rating = [0, 1].map(|side| {
                 let peak = march.largest(i, side, self.system.horizon).1.to_f64().value();
+                if breaks_often && (side == 0 || self.kind == Kind::CascadeInBuff) {
+                    // Over the load, and under what is reached if nothing breaks.
+                    let load = (if side == 0 { initial } else { -initial }).max(0.0);
+                    let near = load + (peak - load) * r.between(0.02, 0.9);
+                    return if near > 1.0 { near } else { short(r.between(1e5, 2e6)) };
+                }
                 let near = match r.one_of(10) {
                     0 => peak * (1.0 + r.sign() * 1e-9),
                     1 => peak * (1.0 + r.sign() * 10f64.powf(r.between(-15.0, -11.0))),
@@ -268,12 +320,13 @@ impl Drawn {
                 };
                 if near > 1.0 { near } else { short(r.between(1e5, 2e6)) }
             });
-            if self.kind.cascades() {
+            if self.kind.cascades() && !breaks_often {
                 rating[0] *= r.between(0.6, 1.5);
             }
+            let most = if breaks_often { 1.05 } else { 1.5 };
             let limits = |rating: f64, r: &mut Random| {
-                let [a, b] = [r.between(0.3, 0.9), r.between(1.0, 1.5)];
-                [short(rating * a), short(rating * b), short(rating * b * r.between(1.01, 1.5))]
+                let [a, b] = [r.between(0.3, 0.9), r.between(1.0, most)];
+                [short(rating * a), short(rating * b), short(rating * b * r.between(1.01, most))]
             };
             rated.limits.push(with_limits.then(|| rating.map(|rating| limits(rating, r))));
             rated.rating.push(rating);
@@ -297,6 +350,9 @@ impl Drawn {
                 Some(p) => text += &format!("brake_force = \"{} N\"\n", -p),
                 None => {}
             }
+            if let Some(own) = self.grade.get(v).filter(|own| **own != self.train_grade) {
+                let _ = writeln!(text, "grade = \"{own} %\"");
+            }
         }
         for (i, k) in stiffness.iter().enumerate() {
             let [draft, buff] = rated.rating[i];
@@ -319,6 +375,9 @@ impl Drawn {
         }
         if self.uniform != 0.0 {
             let _ = writeln!(text, "[load]\nuniform = \"{} N\"", self.uniform);
+        }
+        if self.train_grade != 0.0 {
+            let _ = writeln!(text, "[load]\ngrade = \"{} %\"", self.train_grade);
         }
         let _ = writeln!(text, "[[scenario]]\nname = \"s\"\nhorizon = \"{horizon} s\"\n{}", self.event.text());
         if self.kind.cascades() {

@@ -3,18 +3,22 @@
 mod breaks;
 mod envelope;
 mod history;
+mod hysteresis;
+mod influences;
 mod map;
 mod raster;
 mod reach;
 mod regions;
-mod safe_load;
+mod safe_factors;
 mod wave;
 
 pub use breaks::breaks;
 pub use envelope::{couplers_per_place, envelope};
 pub use history::{history, window};
+pub use hysteresis::hysteresis;
+pub use influences::influences;
 pub use map::map;
-pub use safe_load::safe_load;
+pub use safe_factors::safe_factors;
 pub use wave::{Marks, wave};
 
 use crate::figures::{Axis, Color, Point, Stroke};

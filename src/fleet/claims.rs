@@ -1,0 +1,247 @@
+//! Who computes which chunk: workers that share a folder, and may come, go and be killed.
+//!
+//! A claim is a file that only one worker can make; it stays until the run is joined. A worker writes a file of its own every few
+//! seconds, and the claims of one that has not done so for a while are anybody's. All times are those that the file system gave, so
+//! the machines' clocks may differ. Two workers that compute the same chunk write the same bytes: a worker that was only suspended
+//! costs time, and changes no result.
+
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{self, RecvTimeoutError, Sender};
+use std::thread::JoinHandle;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+use super::parts;
+use crate::report::files::{self, WriteError};
+
+/// Time between two signs of life of a worker.
+const SIGN: Duration = Duration::from_secs(5);
+
+/// A worker without a sign of life for so long is taken for dead.
+const STALE: Duration = Duration::from_secs(30);
+
+/// The claim on making the plan.
+pub const PLAN: &str = "plan";
+
+const CLAIM: &str = "claim";
+const ALIVE: &str = "alive";
+
+/// The name under which a process takes chunks, which no other has.
+#[derive(Clone, Debug)]
+pub struct Worker(String);
+
+impl Worker {
+    /// The machine, the process and the time.
+    #[allow(clippy::new_without_default)] // Each is another one.
+    pub fn new() -> Worker {
+        let machine = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
+        let plain: String = machine.trim().chars().filter(|c| c.is_ascii_alphanumeric() || *c == '-').collect();
+        let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        Worker(format!("{plain}-{}-{:x}", std::process::id(), since.as_nanos()))
+    }
+
+    /// Gives up what it holds in a folder and has not done.
+    pub fn leave(&self, dir: &Path) {
+        // What cannot be removed is stale in half a minute.
+        let _ = fs::remove_file(self.sign(&parts::folder(dir)));
+    }
+
+    fn sign(&self, folder: &Path) -> PathBuf {
+        folder.join(format!("{}.{ALIVE}", self.0))
+    }
+}
+
+/// A worker in a folder, alive until it is dropped.
+pub struct Claims {
+    folder: PathBuf,
+    worker: Worker,
+    /// Dropped, it ends the thread.
+    heart: Option<(Sender<()>, JoinHandle<()>)>,
+}
+
+impl Claims {
+    /// Enters a worker in the folder of a run's parts, made if need be.
+    ///
+    /// # Errors
+    /// [`WriteError`] with the path.
+    pub fn enter(dir: &Path, worker: &Worker) -> Result<Claims, WriteError> {
+        let folder = parts::folder(dir);
+        fs::create_dir_all(&folder).map_err(|e| WriteError::new(&folder, e))?;
+        let (sign, name) = (worker.sign(&folder), worker.0.clone());
+        fs::write(&sign, &name).map_err(|e| WriteError::new(&sign, e))?;
+        let (sender, end) = mpsc::channel();
+        let thread = std::thread::spawn(move || {
+            while let Err(RecvTimeoutError::Timeout) = end.recv_timeout(SIGN) {
+                // One that fails is followed by another.
+                let _ = fs::write(&sign, &name);
+            }
+        });
+        Ok(Claims { folder, worker: worker.clone(), heart: Some((sender, thread)) })
+    }
+
+    /// Takes what nobody has, or somebody dead; whether it is this worker's now.
+    ///
+    /// # Errors
+    /// [`WriteError`] with the path.
+    pub fn take(&self, what: &str) -> Result<bool, WriteError> {
+        let path = claim(&self.folder, what);
+        match File::options().write(true).create_new(true).open(&path) {
+            Ok(mut file) => {
+                file.write_all(self.worker.0.as_bytes()).map_err(|e| WriteError::new(&path, e))?;
+                Ok(true)
+            }
+            Err(e) if e.kind() != io::ErrorKind::AlreadyExists => Err(WriteError::new(&path, e)),
+            Err(_) if !self.is_stale(&path) => Ok(false),
+            Err(_) => {
+                let name = format!("{what}.{CLAIM}");
+                files::write_into(&self.folder, &[(name, self.worker.0.clone().into_bytes())])?;
+                // Of several that take it at the same time the last one has it.
+                Ok(fs::read(&path).is_ok_and(|owner| owner == self.worker.0.as_bytes()))
+            }
+        }
+    }
+
+    /// Lets others take it at once.
+    pub fn release(&self, what: &str) {
+        let _ = fs::remove_file(claim(&self.folder, what));
+    }
+
+    /// Whether the worker that made a claim has shown no sign of life for long.
+    fn is_stale(&self, path: &Path) -> bool {
+        let Ok(owner) = fs::read_to_string(path) else { return false };
+        // Its owner was killed before it wrote its name, or is about to write it.
+        let last = if owner.is_empty() { time(path) } else { time(&Worker(owner).sign(&self.folder)) };
+        match (last, time(&self.worker.sign(&self.folder))) {
+            (Ok(last), Ok(own)) => own.duration_since(last).is_ok_and(|age| age > STALE),
+            (Err(e), _) => e.kind() == io::ErrorKind::NotFound,
+            _ => false,
+        }
+    }
+}
+
+impl Drop for Claims {
+    fn drop(&mut self) {
+        if let Some((sender, thread)) = self.heart.take() {
+            drop(sender);
+            let _ = thread.join();
+        }
+        let _ = fs::remove_file(self.worker.sign(&self.folder));
+        // It goes only if it is empty: a worker that came late leaves a finished run as it was.
+        let _ = fs::remove_dir(&self.folder);
+    }
+}
+
+/// When a file was last written. It is opened for that: some network file systems look at a file anew only then.
+fn time(path: &Path) -> io::Result<SystemTime> {
+    File::open(path)?.metadata()?.modified()
+}
+
+fn claim(folder: &Path, what: &str) -> PathBuf {
+    folder.join(format!("{what}.{CLAIM}"))
+}
+
+/// The worker that has a claim, as far as anybody knows alive.
+pub fn owner(dir: &Path, what: &str) -> Option<String> {
+    let folder = parts::folder(dir);
+    let owner = fs::read_to_string(claim(&folder, what)).ok().filter(|owner| !owner.is_empty())?;
+    Worker(owner.clone()).sign(&folder).exists().then_some(owner)
+}
+
+/// Whether a file in the folder of parts says who is there or makes the plan, and not what is done.
+pub fn is_sign(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == ALIVE) || path.ends_with(format!("{PLAN}.{CLAIM}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn worker(name: &str) -> Worker {
+        Worker(name.to_owned())
+    }
+
+    fn enter(dir: &Path, name: &str) -> Claims {
+        Claims::enter(dir, &worker(name)).expect("a worker")
+    }
+
+    fn set(path: &Path, before: Duration) {
+        let file = File::options().write(true).open(path).expect("a file");
+        file.set_modified(SystemTime::now() - before).expect("a time");
+    }
+
+    #[test]
+    fn one_of_many_takes_each() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let all: Vec<Claims> = (0..8).map(|i| enter(dir.path(), &format!("w{i}"))).collect();
+        let taken = std::sync::Mutex::new(Vec::new());
+        std::thread::scope(|scope| {
+            for claims in &all {
+                scope.spawn(|| {
+                    for what in 0..100 {
+                        if claims.take(&what.to_string()).expect("a claim") {
+                            taken.lock().expect("no panic").push(what);
+                        }
+                    }
+                });
+            }
+        });
+        let mut taken = taken.into_inner().expect("no panic");
+        taken.sort_unstable();
+        assert_eq!(taken, (0..100).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn what_a_dead_worker_had_is_anybodys_and_what_a_living_one_has_is_not() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let folder = parts::folder(dir.path());
+        let [dead, living] = ["dead", "living"].map(|name| enter(dir.path(), name));
+        assert!(dead.take("7").expect("a claim") && !living.take("7").expect("no claim"));
+        assert_eq!(owner(dir.path(), "7").as_deref(), Some("dead"));
+        // Killed: nobody stops the thread, but its next sign is seconds off.
+        set(&folder.join("dead.alive"), STALE - SIGN);
+        assert!(!living.take("7").expect("no claim"));
+        set(&folder.join("dead.alive"), STALE + SIGN);
+        assert!(living.take("7").expect("a claim") && !dead.take("7").expect("no claim"));
+        assert_eq!(owner(dir.path(), "7").as_deref(), Some("living"));
+        // The clock of the file system alone counts: both an hour ago are as good as both now.
+        set(&folder.join("dead.alive"), Duration::from_secs(3600));
+        set(&folder.join("living.alive"), Duration::from_secs(3600));
+        assert!(!dead.take("7").expect("no claim"));
+    }
+
+    #[test]
+    fn one_that_leaves_or_ends_gives_up_what_it_has() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let stays = enter(dir.path(), "stays");
+        for leaves in [true, false] {
+            let goes = enter(dir.path(), "goes");
+            assert!(goes.take("1").expect("a claim") && !stays.take("1").expect("no claim"));
+            if leaves {
+                worker("goes").leave(dir.path());
+            } else {
+                drop(goes);
+            }
+            assert!(stays.take("1").expect("a claim"));
+            stays.release("1");
+        }
+        drop(stays);
+        assert!(!parts::folder(dir.path()).exists());
+    }
+
+    #[test]
+    fn a_claim_without_a_name_is_left_to_its_owner_for_a_while() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let claims = enter(dir.path(), "one");
+        let path = parts::folder(dir.path()).join("3.claim");
+        fs::write(&path, "").expect("a claim");
+        assert!(!claims.take("3").expect("no claim"));
+        set(&path, STALE + SIGN);
+        assert!(claims.take("3").expect("a claim"));
+    }
+
+    #[test]
+    fn no_two_workers_have_the_same_name() {
+        assert_ne!(Worker::new().0, Worker::new().0);
+    }
+}

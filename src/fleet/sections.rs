@@ -1,0 +1,239 @@
+//! What the reports of a run say: the verdict, then sections with texts, figures and tables as data. Markdown and HTML are written
+//! from them.
+
+use serde::Serialize;
+
+use super::doubts;
+use super::parts::Run;
+use super::probability;
+use super::summary::{CAUSES, Case, Factors, Places, Summary, TrainSummary};
+use crate::report::figures;
+use crate::report::numbers::{digits, down, percent, without_zeros};
+use crate::report::words::count;
+
+/// Rows of a table at most.
+pub const LISTED: usize = 50;
+/// Rows of a table of couplers at most.
+const COUPLERS: usize = 20;
+/// What comes after the first passage.
+const LATER: &str = "Only later: the forces that exceed come from reflections after the first passage, which the losses of a real train \
+                     would reduce.";
+/// The file of the figure of safe factors.
+pub const SAFE_FACTORS: &str = "figure-safe-factors.svg";
+
+/// A section of a report.
+#[derive(Serialize)]
+pub struct Section {
+    /// Its heading.
+    pub title: &'static str,
+    /// Sentences before the figure.
+    pub text: Vec<String>,
+    /// Between text and table.
+    pub figure: Option<Picture>,
+    /// Heads of the table's columns.
+    pub head: Vec<String>,
+    /// The table; without rows there is none.
+    pub rows: Vec<Vec<String>>,
+}
+
+/// A figure of a section.
+#[derive(Serialize)]
+pub struct Picture {
+    /// The file of a report in Markdown.
+    pub file: &'static str,
+    /// What it is, for who cannot see it.
+    pub alt: &'static str,
+    /// What it shows.
+    pub caption: String,
+    /// The SVG.
+    #[serde(skip)]
+    pub svg: String,
+}
+
+impl Section {
+    /// A section with a table, if it has rows.
+    fn table(title: &'static str, text: Vec<String>, head: &[&str], rows: Vec<Vec<String>>) -> Option<Section> {
+        let head = head.iter().map(|h| (*h).to_owned()).collect();
+        (!rows.is_empty()).then_some(Section { title, text, figure: None, head, rows })
+    }
+}
+
+/// What stands before the trains: of a study the probabilities and what they depend on, then the safe factors.
+pub fn before(run: &Run, summary: &Summary) -> Vec<Section> {
+    let studied =
+        run.variations.map(|_| [Some(probability::shares(run, summary)), probability::influences(run, summary)]);
+    studied.into_iter().flatten().chain([safe_factors(summary)]).flatten().collect()
+}
+
+/// What stands after the trains.
+pub fn after(summary: &Summary) -> Vec<Section> {
+    [breaks(summary), overloaded(summary), doubtful(summary), errors(summary)].into_iter().flatten().collect()
+}
+
+/// What the run came to, as sentences of plain text; of drawn variations the probability first.
+pub fn verdict(run: &Run, summary: &Summary) -> Vec<String> {
+    let seen = summary.trains.len();
+    let harmful = summary.unsafe_trains().len();
+    let varied = run.variations.map_or(String::new(), |n| format!(" in {} each", count(n, "variation")));
+    let mut text: Vec<String> = probability::sentence(run, summary).into_iter().collect();
+    text.push(format!(
+        "{harmful} of {}{varied} would overload a coupler in some case{}; {} of {} {}{}.",
+        count(seen, "train"),
+        passages(harmful, summary.unsafe_later()),
+        summary.harmful,
+        count(summary.cases, "case"),
+        if summary.harmful == 1 { "does" } else { "do" },
+        passages(summary.harmful, summary.harmful_later),
+    ));
+    if let Some(doubts) = doubts::sentence(summary) {
+        // Part of the first sentence, so that no fleet is called safe whose loads were forgotten.
+        text[0].pop();
+        text[0] += &format!("; {doubts}");
+    }
+    if summary.harmful_later > 0 {
+        text.push(LATER.to_owned());
+    }
+    match summary.undecided_trains() {
+        0 => {}
+        n => text.push(format!("For {n} more it is not decided: a rating lies within the error bound of a peak.")),
+    }
+    match summary.failed {
+        0 => {}
+        1 => text.push("1 train or case could not be computed: see errors.csv.".to_owned()),
+        n => text.push(format!("{n} trains or cases could not be computed: see errors.csv.")),
+    }
+    text
+}
+
+/// How many of some exceed in the first passage, and how many only later; empty for none.
+fn passages(all: usize, later: usize) -> String {
+    if all == 0 { String::new() } else { format!(" ({} in the first passage, {later} only later)", all - later) }
+}
+
+/// The distributions of the safe factors, one for each of their causes, if any of them is bounded.
+fn safe_factors(summary: &Summary) -> Option<Section> {
+    let units = if summary.safe.len() > summary.trains.len() { "variations" } else { "trains" };
+    let of = |i: usize| summary.safe.iter().filter_map(|f| f[i]).collect::<Vec<f64>>();
+    let found: Vec<_> = (0..CAUSES.len()).map(|i| (CAUSES[i].1, of(i))).collect();
+    let found: Vec<_> = found.into_iter().filter(|(_, f)| f.iter().any(|x| x.is_finite())).collect();
+    let svg =
+        (!found.is_empty()).then(|| figures::safe_factors(&found, units, SAFE_FACTORS.trim_end_matches(".svg")))?;
+    let caption = format!(
+        "Share of the {units} whose smallest safe factor is below x. Left of 1 a coupler is overloaded by the cause as it is given."
+    );
+    let text = "The safe factor is the largest factor on the cause at which no coupler exceeds its rating.".to_owned();
+    let figure = Some(Picture { file: SAFE_FACTORS, alt: "Distribution of safe factors", caption, svg });
+    Some(Section { title: "Safe factors", text: vec![text], figure, head: vec![], rows: vec![] })
+}
+
+/// The causes of which some train has a safe factor.
+pub fn causes(summary: &Summary) -> Vec<usize> {
+    (0..CAUSES.len()).filter(|&i| summary.trains.iter().any(|t| t.safe[i].is_some())).collect()
+}
+
+/// A safe factor, rounded down; nothing where there is none, or where nothing bounds it.
+pub fn factor(safe: &Factors, cause: usize) -> String {
+    safe[cause].filter(|f| f.is_finite()).map_or_else(String::new, down)
+}
+
+/// The trains, the worst first, safe ones with what is left of the rating.
+pub fn trains(summary: &Summary) -> Option<Section> {
+    let causes = causes(summary);
+    let row = |t: &&TrainSummary| {
+        let w = &t.worst[0];
+        let mut row = vec![t.name.clone(), t.file.clone(), percent(w.utilisation), percent(1.0 - w.utilisation)];
+        row.extend([w.coupler.clone(), case_words(w)]);
+        row.extend(causes.iter().map(|&i| factor(&t.safe, i)));
+        row.extend([format!("{} of {}", t.cases[1], t.cases[0]), t.cases[2].to_string()]);
+        row
+    };
+    let trains = summary.worst_first();
+    let mut text = vec!["The margin is what is left of the rating; it is negative where a coupler exceeds.".to_owned()];
+    more(&mut text, trains.len(), LISTED, "trains");
+    let factors: Vec<String> = causes.iter().map(|&i| format!("safe factor on the {}", CAUSES[i].1)).collect();
+    let mut head = vec!["train", "file", "largest utilisation, %", "margin, %", "coupler", "case"];
+    head.extend(factors.iter().map(String::as_str));
+    head.extend(["cases with an exceedance", "only after the first passage"]);
+    Section::table("Trains, worst first", text, &head, trains.iter().take(LISTED).map(row).collect())
+}
+
+/// "coupler 12 breaks, variation 7".
+pub fn case_words(case: &Case) -> String {
+    let event = match case.broken.as_str() {
+        "" => case.scenario.clone(),
+        broken => format!("coupler {broken} breaks"),
+    };
+    if case.variation.is_empty() { event } else { format!("{event}, variation {}", case.variation) }
+}
+
+fn breaks(summary: &Summary) -> Option<Section> {
+    let share = |[all, harmful]: [usize; 2]| match all {
+        0 => String::new(),
+        _ => without_zeros(&digits(100.0 * harmful as f64 / all as f64, 0.0, 3)),
+    };
+    let row = |place: String, c: [usize; 2]| vec![place, c[1].to_string(), c[0].to_string(), share(c)];
+    let mut text = Vec::new();
+    let rows: Vec<_> =
+        places(summary, &summary.breaks, &mut text).into_iter().map(|(place, counts)| row(place, counts)).collect();
+    let head = [place_head(summary), "breaks that overload another", "breaks examined", "share, %"];
+    Section::table("Where a break overloads another coupler", text, &head, rows)
+}
+
+fn overloaded(summary: &Summary) -> Option<Section> {
+    let mut text = Vec::new();
+    let rows: Vec<_> = places(summary, &summary.overloaded, &mut text)
+        .into_iter()
+        .map(|(place, [cases, _])| vec![place, cases.to_string()])
+        .collect();
+    let head = [place_head(summary), "cases in which the worst coupler is there"];
+    Section::table("Where couplers are overloaded most", text, &head, rows)
+}
+
+fn place_head(summary: &Summary) -> &'static str {
+    if summary.trains.len() > 1 { "place along the train" } else { "coupler" }
+}
+
+/// Counts by coupler of the one train, most harmful first; or by tenths of different trains, whose numbers of couplers tell
+/// nothing side by side. None where nothing exceeds.
+fn places(summary: &Summary, counts: &Places, text: &mut Vec<String>) -> Vec<(String, [usize; 2])> {
+    if summary.trains.len() > 1 {
+        text.push("Of each train's couplers, from the head.".to_owned());
+        let some = counts.tenths.iter().any(|[_, harmful]| *harmful > 0);
+        let tenth = |i: usize| format!("{} to {} %", 10 * i, 10 * (i + 1));
+        return counts.tenths.iter().enumerate().filter(|_| some).map(|(i, c)| (tenth(i), *c)).collect();
+    }
+    let mut found: Vec<_> = counts.couplers.iter().filter(|(_, [_, harmful])| *harmful > 0).collect();
+    found.sort_by_key(|(_, [_, harmful])| std::cmp::Reverse(*harmful));
+    more(text, found.len(), COUPLERS, "couplers");
+    found.into_iter().take(COUPLERS).map(|(coupler, c)| (coupler.to_string(), *c)).collect()
+}
+
+/// The doubts about each train: a row for each train and kind of doubt.
+fn doubtful(summary: &Summary) -> Option<Section> {
+    let row = |train: &TrainSummary, code: &String, cases: usize| {
+        vec![train.name.clone(), train.file.clone(), code.clone(), format!("{cases} of {}", train.cases[0])]
+    };
+    let doubts = |t: &TrainSummary| t.doubts.iter().map(|(code, cases)| row(t, code, *cases)).collect::<Vec<_>>();
+    let mut rows: Vec<_> = summary.trains.iter().flat_map(doubts).collect();
+    let mut text =
+        vec!["What is probably not meant; trainsafe check and trainsafe analyze explain it for each train.".to_owned()];
+    more(&mut text, rows.len(), LISTED, "doubts");
+    rows.truncate(LISTED);
+    Section::table("Doubts", text, &["train", "file", "doubt", "cases with it"], rows)
+}
+
+fn errors(summary: &Summary) -> Option<Section> {
+    let mut text = Vec::new();
+    if summary.failed > summary.errors.len() {
+        text.push(format!("The first {} of {}; errors.csv has all.", summary.errors.len(), summary.failed));
+    }
+    let rows: Vec<_> = summary.errors.iter().map(|e| e.to_vec()).collect();
+    Section::table("Not computed", text, &["file", "what", "error"], rows)
+}
+
+/// Says that a table is cut short.
+pub fn more(text: &mut Vec<String>, all: usize, shown: usize, what: &str) {
+    if all > shown {
+        text.push(format!("The first {shown} of {all} {what}; fleet.csv has all."));
+    }
+}

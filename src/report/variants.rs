@@ -1,0 +1,103 @@
+//! The worst case of a scenario on a train that differs in one thing: what the report says of losses, gears, slack and brakes.
+
+use super::numbers::{digits, force, percent, time};
+use super::words;
+use crate::findings::variants::LET_DOWN;
+use crate::findings::{CaseFindings, Changed, CouplerFindings, ScenarioFindings, Variant, VariantFindings};
+use crate::units::UnitSystem;
+
+/// What the table of losses is of.
+pub fn losses_lead(scenario: &ScenarioFindings) -> String {
+    format!(
+        "{} with dashpots in every coupler, for which 0.05 to 0.26 of critical damping are published for draft gears",
+        same_event(scenario)
+    )
+}
+
+/// The event that is computed again, as the beginning of a sentence.
+fn same_event(scenario: &ScenarioFindings) -> String {
+    let broken = words::worst_case(scenario).and_then(|(case, _)| case.broken_coupler);
+    match broken.filter(|_| scenario.cases.len() > 1) {
+        Some(b) => format!("The break of coupler {b}, the worst of these,"),
+        None => "The same event".to_owned(),
+    }
+}
+
+/// The worst case without losses and with dashpots of each ratio.
+pub fn losses(scenario: &ScenarioFindings, units: UnitSystem) -> Vec<Vec<String>> {
+    let Some((case, worst)) = words::worst_case(scenario).filter(|_| !scenario.damping.is_empty()) else {
+        return Vec::new();
+    };
+    let with = scenario.damping.iter().map(|d| row(d.damping_ratio.to_string(), &d.found, units));
+    std::iter::once(row("0".to_owned(), &as_given(case, worst), units)).chain(with).collect()
+}
+
+/// The worst case as given, and of each variant.
+pub fn rows(scenario: &ScenarioFindings, units: UnitSystem) -> Vec<Vec<String>> {
+    let Some((case, worst)) = words::worst_case(scenario).filter(|_| !scenario.variants.is_empty()) else {
+        return Vec::new();
+    };
+    let with = scenario.variants.iter().map(|v| row(name(v.variant), &v.found, units));
+    std::iter::once(row("as given".to_owned(), &as_given(case, worst), units)).chain(with).collect()
+}
+
+/// What the table of variants is of, and what is left of the overload of linear couplers.
+pub fn sentences(scenario: &ScenarioFindings) -> String {
+    let Some((_, worst)) = words::worst_case(scenario).filter(|_| !scenario.variants.is_empty()) else {
+        return String::new();
+    };
+    let generic = |v: &VariantFindings| matches!(v.variant, Variant::GenericGears | Variant::GenericGearsAndSlack);
+    let mut text = format!("{} on a train that differs in one thing.", same_event(scenario));
+    let given = worst.utilisation;
+    let linear = scenario.variants.iter().find(|v| v.variant == Variant::LinearCouplers);
+    if let Some(linear) = linear.map(|v| v.found.utilisation) {
+        text += &format!(
+            " Linear couplers without slack would reach {} % of a rating, the train's own reach {} %",
+            percent(linear),
+            percent(given)
+        );
+        text += &match (linear > 1.0, given > 1.0) {
+            (true, false) => ": nothing is left of the overload.".to_owned(),
+            (true, true) => {
+                let left = digits(100.0 * (given - 1.0) / (linear - 1.0), 0.0, 3);
+                format!(": that is {left} % of the overload of linear couplers.")
+            }
+            (false, true) => ": linear couplers would hide the overload.".to_owned(),
+            (false, false) => ".".to_owned(),
+        };
+    }
+    if scenario.variants.iter().any(generic) {
+        text += " The gears of this table are generic, a pair of North American friction gears in every coupler and no maker's curve: \
+                 they show in which direction gears change the result, not by how much in this train.";
+    }
+    text
+}
+
+fn name(variant: Variant) -> String {
+    match variant {
+        Variant::LinearCouplers => "linear couplers of the secant stiffness at the load, no slack".to_owned(),
+        Variant::WithoutBrakes => "without the brakes and the change of tractive effort".to_owned(),
+        Variant::LetDown => format!("let down to its load from {LET_DOWN} times the load"),
+        Variant::GenericGears => "generic friction gears".to_owned(),
+        Variant::GenericGearsAndSlack => "generic friction gears and 25 mm of slack".to_owned(),
+    }
+}
+
+fn as_given(case: &CaseFindings, worst: &CouplerFindings) -> Changed {
+    Changed {
+        exceeding: case.exceeding,
+        coupler: worst.coupler,
+        peak_force_n: worst.peak_force_n,
+        peak_time_s: worst.peak_time_s,
+        utilisation: worst.utilisation,
+        error_bound_n: Some(case.error_bound_n).filter(|n| n.is_finite()),
+        error_estimate_n: case.error_estimate_n,
+    }
+}
+
+fn row(first: String, of: &Changed, units: UnitSystem) -> Vec<String> {
+    let error_n = of.error_bound_n.or(of.error_estimate_n).unwrap_or(0.0);
+    let size = format!("{} in {}", force(units, of.peak_force_n, error_n), words::sense(of.peak_force_n));
+    let share = format!("{} %", percent(of.utilisation));
+    vec![first, of.exceeding.to_string(), of.coupler.to_string(), size, share, time(of.peak_time_s)]
+}

@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let use_of = |case: &CaseFindings| case.worst.as_ref().map_or(0.0, |w| w.utilisation);
     let worst = cases().max_by(|a, b| use_of(a).total_cmp(&use_of(b))).ok_or("the train has no case to run")?;
     let bound_n = cases().map(|c| c.error_bound_n).fold(0.0, f64::max);
-    let rating_n = train.couplers.iter().map(|c| c.rated_draft_n.max(c.rated_buff_n)).fold(0.0, f64::max);
+    let rating_n = train.couplers().iter().map(|c| c.rated_draft_n.max(c.rated_buff_n)).fold(0.0, f64::max);
     println!(
         "seconds {:.6}  utilisation {:.12}  broken {}  bound {:.1e}  method {}",
         seconds[seconds.len() / 2],

@@ -4,13 +4,14 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
-use trainsafe::consist::{self, Train};
+use trainsafe::consist;
 use trainsafe::doubts;
 use trainsafe::error::InputError;
 use trainsafe::findings::{self, CaseFindings, CouplerFindings, Options};
 use trainsafe::fleet::base::Base;
 use trainsafe::fleet::{study, variation};
 use trainsafe::report;
+use trainsafe::train::Train;
 
 /// A train is analysed if that should take no longer than this, s.
 const BRIEF_S: f64 = 0.02;
@@ -79,7 +80,7 @@ fn read(train: Result<Train, InputError>) {
     match train {
         Ok(train) => {
             plain(&consist::describe(&train));
-            if train.vehicles.len() <= SMALL {
+            if train.vehicles().len() <= SMALL {
                 analysis(&train, &Options::default(), BRIEF_S);
             }
         }
@@ -114,7 +115,7 @@ pub fn analysis(train: &Train, options: &Options, most_s: f64) {
         Ok(analysis) => analysis,
         Err(refused) => return words(&refused.to_string()),
     };
-    assert_eq!(analysis.scenarios.len(), train.scenarios.len());
+    assert_eq!(analysis.scenarios.len(), train.scenarios().len());
     for scenario in &analysis.scenarios {
         for case in &scenario.cases {
             of_case(train, case, options);
@@ -149,7 +150,7 @@ fn of_case(train: &Train, case: &CaseFindings, options: &Options) {
     let count = |verdict| case.couplers.iter().filter(|c| c.exceeds == verdict).count();
     assert_eq!(case.exceeding, count(Some(true)), "{}", at("exceeding"));
     assert_eq!(case.undecided, count(None), "{}", at("undecided"));
-    let others = train.couplers.len() - usize::from(case.broken_coupler.is_some());
+    let others = train.couplers().len() - usize::from(case.broken_coupler.is_some());
     assert_eq!(case.couplers.len() + case.left_out, others, "{}", at("couplers"));
     assert!(options.verdict_only || case.left_out == 0);
     let most = case.couplers.iter().map(|c| c.utilisation).fold(0.0, f64::max);
@@ -228,7 +229,7 @@ fn of_cascade(train: &Train, case: &CaseFindings) {
         assert!(first == next && last >= first, "{}", at("piece"));
         next = last + 1;
     }
-    assert_eq!(next, train.vehicles.len() + 1, "{}", at("pieces"));
+    assert_eq!(next, train.vehicles().len() + 1, "{}", at("pieces"));
     assert!(cascade.undecided_from_s.is_none_or(|t| t >= 0.0 && t <= case.horizon_s), "{}", at("undecided"));
     assert!(cascade.undecided_from_s.is_some() || cascade.undecided_coupler.is_none());
     assert!(cascade.error_n() >= 0.0 && cascade.error_n().is_finite(), "{}", at("bound"));
@@ -259,8 +260,12 @@ const MAY_BE_NULL: [&str; 20] = [
 ];
 
 fn of_texts(train: &Train, analysis: &findings::Analysis) {
-    let named =
-        train.vehicles.iter().map(|v| &v.label).chain(train.scenarios.iter().map(|s| &s.name)).chain([&train.name]);
+    let named = train
+        .vehicles()
+        .iter()
+        .map(|v| v.label.as_str())
+        .chain(train.scenarios().iter().map(|s| s.name.as_str()))
+        .chain([train.name()]);
     let odd_names = named.into_iter().any(|n| ["nan", "inf"].iter().any(|w| n.to_lowercase().contains(w)));
     let terminal = report::terminal(analysis, &[]);
     plain(&terminal);

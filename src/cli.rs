@@ -185,7 +185,7 @@ pub struct Fleet {
     pub json: bool,
     /// Files to write, separated by commas; the others are made from fleet.csv and errors.csv, which are always written
     #[arg(long, value_name = "LIST", default_value = "csv,md", value_delimiter = ',',
-          value_parser = fleet::Format::ALL.map(fleet::Format::name), conflicts_with_all = ["json", "work"])]
+          value_parser = fleet::FleetFormat::ALL.map(fleet::FleetFormat::name), conflicts_with_all = ["json", "work"])]
     pub format: Vec<String>,
     /// Write the full reports of the N worst trains as well, in trains/ in the folder; fleet.html leads to them
     #[arg(long, value_name = "N", default_value_t = 0, conflicts_with_all = ["json", "work"])]

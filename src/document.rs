@@ -5,9 +5,10 @@ use std::sync::Arc;
 
 use sha2::{Digest, Sha256};
 
-use crate::consist::{self, Files, Source, Train};
+use crate::consist::{self, Files};
 use crate::error::InputError;
 use crate::fleet::key::Key;
+use crate::train::{Source, Train};
 
 /// The text of a train file and of every file that has been read for it.
 #[derive(Debug)]

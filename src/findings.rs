@@ -3,11 +3,13 @@
 mod cascade;
 mod case;
 mod date;
+mod doubts_found;
 mod estimate;
 mod field;
 mod first_passage;
 mod general;
 mod history;
+mod idle_options;
 pub(crate) mod limits;
 mod load_search;
 mod map;
@@ -19,13 +21,14 @@ pub(crate) mod variants;
 
 pub use cascade::{CascadeBreak, CascadeFindings};
 pub(crate) use case::case_findings;
-
+pub(crate) use doubts_found::found;
 pub(crate) use estimate::case_estimate_s;
 pub use estimate::{estimate_s, memory_bytes};
 pub(crate) use field::larger;
 pub use field::{Field, Of, field};
 pub use first_passage::FirstPassage;
 pub use history::{history, loop_of, rod_history};
+pub use idle_options::idle_options;
 pub use limits::{LimitFindings, LimitInSense};
 pub use load_search::LoadSearch;
 pub use map::{MapFindings, MapPoint};
@@ -34,12 +37,12 @@ use serde::Serialize;
 pub use stop::{Stop, Stopped};
 pub use variants::{Changed, DampingFindings, Variant, VariantFindings};
 
-use crate::consist::{Source, Train};
-use crate::doubts::{self, Doubt};
-use crate::scenario::{Event, Scales, Scenario};
+use crate::doubts;
+use crate::scenario::Scales;
 use crate::solve::memo::Memo;
 use crate::solve::watch::{Side, SpringPeaks};
 use crate::solve::{Ask, Method, SolveError, Wanted};
+use crate::train::{Doubt, Event, Scenario, Source, Train};
 use crate::units::UnitSystem;
 
 /// What one analysis may remember of scenes that it has solved, bytes.
@@ -380,7 +383,7 @@ pub enum AnalyzeError {
 /// let options = Options { scenario: Some("the rear is hit".to_owned()), ..Options::default() };
 /// let case = &analyze(&train, &options)?.scenarios[0].cases[0];
 /// // Every coupler has its largest forces in either sense, N, each right to the bound.
-/// assert_eq!(case.couplers.len(), train.couplers.len());
+/// assert_eq!(case.couplers.len(), train.couplers().len());
 /// assert!(case.error_bound_n <= case.tolerance_n);
 /// let most_used = case.couplers.iter().map(|c| c.utilisation).fold(0.0, f64::max);
 /// assert_eq!(case.worst.as_ref().map(|w| w.utilisation), Some(most_used));
@@ -396,11 +399,11 @@ pub fn analyze(train: &Train, options: &Options) -> Result<Analysis, AnalyzeErro
         path: source.path.display().to_string(),
         sha256: source.sha256.iter().map(|byte| format!("{byte:02x}")).collect(),
     };
-    let inputs = train.origin.sources.iter().map(file).collect();
+    let inputs = train.origin().sources.iter().map(file).collect();
     let scenarios = chosen.iter().map(|s| scenario_findings(train, s, options, &memo));
     let scenarios: Vec<ScenarioFindings> = scenarios.collect::<Result<_, _>>()?;
-    doubts.extend(chosen.iter().zip(&scenarios).flat_map(|(s, found)| doubts::found(s, &found.cases)));
-    let (vehicles, couplers) = (train.vehicles.len(), train.couplers.len());
+    doubts.extend(chosen.iter().zip(&scenarios).flat_map(|(s, found)| doubts_found::found(s, &found.cases)));
+    let (vehicles, couplers) = (train.vehicles().len(), train.couplers().len());
     Ok(Analysis {
         schema_version: 2,
         program: Program { name: env!("CARGO_PKG_NAME"), version: env!("CARGO_PKG_VERSION") },
@@ -408,8 +411,8 @@ pub fn analyze(train: &Train, options: &Options) -> Result<Analysis, AnalyzeErro
         inputs,
         options: OptionFindings { tolerance: options.tolerance, method: options.method.map(Method::name) },
         doubts,
-        units: train.origin.units,
-        train: train.name.clone(),
+        units: train.origin().units,
+        train: train.name().to_owned(),
         vehicles,
         couplers,
         scenarios,
@@ -419,10 +422,10 @@ pub fn analyze(train: &Train, options: &Options) -> Result<Analysis, AnalyzeErro
 /// The scenarios to run.
 fn chosen<'a>(train: &'a Train, options: &Options) -> Result<Vec<&'a Scenario>, AnalyzeError> {
     let wanted = |s: &&Scenario| options.scenario.as_ref().is_none_or(|name| *name == s.name);
-    let chosen: Vec<&Scenario> = train.scenarios.iter().filter(wanted).collect();
+    let chosen: Vec<&Scenario> = train.scenarios().iter().filter(wanted).collect();
     match &options.scenario {
         Some(asked) if chosen.is_empty() => {
-            let known = train.scenarios.iter().map(|s| format!("{:?}", s.name)).collect();
+            let known = train.scenarios().iter().map(|s| format!("{:?}", s.name)).collect();
             Err(AnalyzeError::UnknownScenario { asked: asked.clone(), known })
         }
         _ => Ok(chosen),
@@ -439,7 +442,7 @@ pub(crate) fn cases(event: &Event) -> Vec<Option<usize>> {
 
 /// The largest rating of any coupler in either sense.
 fn largest_rating_n(train: &Train) -> f64 {
-    train.couplers.iter().map(|c| c.rated_draft_n.max(c.rated_buff_n)).fold(0.0, f64::max)
+    train.couplers().iter().map(|c| c.rated_draft_n.max(c.rated_buff_n)).fold(0.0, f64::max)
 }
 
 /// What the options ask of the solvers, in their units.
@@ -521,7 +524,7 @@ impl Seen {
 }
 
 fn coupler_findings(train: &Train, index: usize, seen: &Seen, all_time_bound_n: Option<f64>) -> CouplerFindings {
-    let coupler = &train.couplers[index];
+    let coupler = &train.couplers()[index];
     let extreme = |side: usize, sign: f64| {
         let (value, at) = seen.largest[side];
         (value > 0.0).then_some((sign * value, at))
@@ -546,10 +549,10 @@ fn coupler_findings(train: &Train, index: usize, seen: &Seen, all_time_bound_n: 
     let first = firsts.reduce(|a, b| if b.0 < a.0 { b } else { a });
     CouplerFindings {
         coupler: index + 1,
-        between: [train.vehicles[index].label.clone(), train.vehicles[index + 1].label.clone()],
+        between: [train.vehicles()[index].label.clone(), train.vehicles()[index + 1].label.clone()],
         rated_draft_n: coupler.rated_draft_n,
         rated_buff_n: coupler.rated_buff_n,
-        initial_force_n: train.initial_force_n[index],
+        initial_force_n: train.initial_force_n()[index],
         peak_force_n,
         peak_time_s,
         utilisation: in_draft.max(in_buff),

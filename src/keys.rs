@@ -12,6 +12,26 @@ pub(crate) enum Sign {
     Any,
 }
 
+impl Sign {
+    /// What a number is that cannot be here, and what would be right.
+    pub(crate) fn refuses(self, value: f64) -> Option<[&'static str; 2]> {
+        let right = match self {
+            Sign::Positive => "expected more than zero",
+            Sign::NotNegative => "expected zero or more",
+            Sign::NonZero => "expected a force other than zero",
+            Sign::Any => "expected a finite number",
+        };
+        let found = match self {
+            _ if value.is_nan() => "is not a number",
+            _ if value.is_infinite() => "is infinite",
+            Sign::Positive | Sign::NotNegative if value < 0.0 => "is negative",
+            Sign::Positive | Sign::NonZero if value == 0.0 => "is zero",
+            _ => return None,
+        };
+        Some([found, right])
+    }
+}
+
 /// What the value of a key is.
 #[derive(Clone, Copy)]
 pub(crate) enum Kind {

@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 /// One row of a gear's table.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Row {
+pub struct GearRow {
     /// Travel of the whole connection from the end of the slack, m.
     pub travel_m: f64,
     /// Force while the travel grows, N.
@@ -30,11 +30,12 @@ pub struct Row {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
     /// Shared by all couplers that have it.
-    rows: Arc<[Row]>,
+    rows: Arc<[GearRow]>,
 }
 
 /// What is wrong with a gear's table; rows count from 1.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum CurveProblem {
     /// Fewer than two rows.
     #[error("a gear's table has at least two rows, and this one has {0}")]
@@ -66,7 +67,7 @@ pub enum CurveProblem {
 
 impl CurveProblem {
     /// The same with another number for the row that it names.
-    pub fn renumbered(self, number: impl Fn(usize) -> usize) -> CurveProblem {
+    pub(crate) fn renumbered(self, number: impl Fn(usize) -> usize) -> CurveProblem {
         match self {
             CurveProblem::NotFinite(row) => CurveProblem::NotFinite(number(row)),
             CurveProblem::TravelFalls(row) => CurveProblem::TravelFalls(number(row)),
@@ -99,13 +100,13 @@ impl Curve {
     /// not rise, a force that falls, an unloading force over the loading force, or no loading force at all.
     ///
     /// ```
-    /// use trainsafe::law::{Curve, CurveProblem, Row};
-    /// let row = |travel_m, loading_n, unloading_n| Row { travel_m, loading_n, unloading_n };
+    /// use trainsafe::law::{Curve, CurveProblem, GearRow};
+    /// let row = |travel_m, loading_n, unloading_n| GearRow { travel_m, loading_n, unloading_n };
     /// assert!(Curve::new(vec![row(0.0, 0.0, 0.0), row(0.05, 9e5, 2e5)]).is_ok());
     /// let wrong = Curve::new(vec![row(0.0, 0.0, 0.0), row(0.05, 2e5, 9e5)]);
     /// assert_eq!(wrong, Err(CurveProblem::Unloading(2)));
     /// ```
-    pub fn new(rows: Vec<Row>) -> Result<Curve, CurveProblem> {
+    pub fn new(rows: Vec<GearRow>) -> Result<Curve, CurveProblem> {
         if rows.len() < 2 {
             return Err(CurveProblem::TooFewRows(rows.len()));
         }
@@ -137,26 +138,26 @@ impl Curve {
     }
 
     /// The rows, in order of travel.
-    pub fn rows(&self) -> &[Row] {
+    pub fn rows(&self) -> &[GearRow] {
         &self.rows
     }
 
     /// The travel at which the gear is closed, m.
-    pub fn stroke_m(&self) -> f64 {
+    pub(crate) fn stroke_m(&self) -> f64 {
         self.rows[self.rows.len() - 1].travel_m
     }
 
     /// Work that a full stroke takes up, J: the area under the loading curve.
-    pub fn absorbed_j(&self) -> f64 {
+    pub(crate) fn absorbed_j(&self) -> f64 {
         self.area(|r| r.loading_n)
     }
 
     /// Share of the work of a full stroke that is lost to friction.
-    pub fn lost_share(&self) -> f64 {
+    pub(crate) fn lost_share(&self) -> f64 {
         1.0 - self.area(|r| r.unloading_n) / self.absorbed_j()
     }
 
-    fn area(&self, force: impl Fn(&Row) -> f64) -> f64 {
+    fn area(&self, force: impl Fn(&GearRow) -> f64) -> f64 {
         self.rows.windows(2).map(|p| 0.5 * (force(&p[0]) + force(&p[1])) * (p[1].travel_m - p[0].travel_m)).sum()
     }
 }
@@ -188,6 +189,7 @@ pub enum Law {
 
 /// What is wrong with a law whose tables are right.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum LawProblem {
     /// A stiffness that is not positive and finite.
     #[error("a stiffness has to be positive and finite, and this one is {0} N/m")]
@@ -221,7 +223,24 @@ pub struct Rest {
     pub travel_m: f64,
 }
 
+impl LawProblem {
+    /// What would be right.
+    pub(crate) fn help(&self) -> &'static str {
+        match self {
+            LawProblem::NegativeBesideSlack(_) => "give it 0 or more, or leave slack out",
+            LawProblem::Crossed { .. } => "with these two curves the force would fall while the coupler gets longer",
+            LawProblem::Stiffness(_) => "expected more than zero",
+            LawProblem::Slack(_) => "expected zero or more",
+        }
+    }
+}
+
 impl Law {
+    /// A linear spring of this stiffness, N/m.
+    pub const fn linear(stiffness_n_per_m: f64) -> Law {
+        Law::Elastic { draft_n_per_m: stiffness_n_per_m, buff_n_per_m: stiffness_n_per_m, slack_m: 0.0 }
+    }
+
     /// Whether the force is proportional to the elongation.
     pub fn is_linear(&self) -> bool {
         matches!(self, Law::Elastic { draft_n_per_m, buff_n_per_m, slack_m } if draft_n_per_m == buff_n_per_m && *slack_m == 0.0)
@@ -268,8 +287,8 @@ impl Law {
     /// A gear goes along a curve only as far as it must; what it needs not undo stays ("locked").
     ///
     /// ```
-    /// use trainsafe::law::{Curve, Law, Row};
-    /// let row = |mm: f64, kn: f64, back_kn: f64| Row { travel_m: mm / 1e3, loading_n: kn * 1e3, unloading_n: back_kn * 1e3 };
+    /// use trainsafe::law::{Curve, Law, GearRow};
+    /// let row = |mm: f64, kn: f64, back_kn: f64| GearRow { travel_m: mm / 1e3, loading_n: kn * 1e3, unloading_n: back_kn * 1e3 };
     /// let gear = Curve::new(vec![row(0.0, 0.0, 0.0), row(7.0, 120.0, 60.0), row(38.0, 680.0, 172.0)])?;
     /// let law = Law::Gear { solid_n_per_m: 2e8, slack_m: 0.0, draft: gear.clone(), buff: gear };
     /// let (pulled, locked) = (law.rest(&[6e5]), law.rest(&[6e5, 3e5]));
@@ -334,10 +353,10 @@ fn risen(w: f64, force: f64, half: f64, draft: &Curve, buff: &Curve) -> f64 {
 #[cfg(test)]
 #[allow(clippy::excessive_precision)] // Reference numbers are given with all their digits.
 mod tests {
-    use super::{Curve, CurveProblem, Law, LawProblem, Row};
+    use super::{Curve, CurveProblem, GearRow, Law, LawProblem};
 
     fn curve(rows: &[[f64; 3]]) -> Curve {
-        let row = |r: &[f64; 3]| Row { travel_m: r[0] / 1e3, loading_n: r[1] * 1e3, unloading_n: r[2] * 1e3 };
+        let row = |r: &[f64; 3]| GearRow { travel_m: r[0] / 1e3, loading_n: r[1] * 1e3, unloading_n: r[2] * 1e3 };
         Curve::new(rows.iter().map(row).collect()).expect("a right table")
     }
 
@@ -385,7 +404,7 @@ mod tests {
     #[test]
     fn problems() {
         let rows = |rows: &[[f64; 3]]| {
-            Curve::new(rows.iter().map(|r| Row { travel_m: r[0], loading_n: r[1], unloading_n: r[2] }).collect())
+            Curve::new(rows.iter().map(|r| GearRow { travel_m: r[0], loading_n: r[1], unloading_n: r[2] }).collect())
         };
         assert_eq!(rows(&[[0., 0., 0.]]), Err(CurveProblem::TooFewRows(1)));
         assert_eq!(rows(&[[0., 0., 0.], [0., 1., 0.]]), Err(CurveProblem::TravelFalls(2)));

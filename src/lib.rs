@@ -1,18 +1,58 @@
 //! Which couplers of a train exceed their capacity, and when, after another coupler breaks or a shock hits it.
 //!
-//! Data flows one way:
+//! # Layers
+//!
+//! From the ground up. A module refers to modules above its own line only; a test reads the sources and fails on any other arrow.
 //!
 //! ```text
-//! consist -> chain -> scenario -> solve -> findings -> report
+//! error        what can be wrong with an input, and where
+//! units        quantities with their units
+//! keys         what the keys of a file are: name, kind, sign
+//! law          a coupler's force over its elongation, with slack and friction
+//! chain        masses and linear springs in units of their own, and a step or pulse of force on one mass
+//! play         a chain with dashpots, speeds, forces of any shape, couplers that break one after the other
+//! march        the motion of trains with slack, friction and forces on many vehicles
+//! solve        the largest force in every coupler of a chain, with a bound on its error
+//! rod          the continuous rod that a long chain approaches
+//! train        TrainSpec -> Train: a train is valid by construction, and this is the only way to one
+//! scenario     a train and an event as a problem for solve or march
+//! doubts       what in a train or scenario is probably not meant
+//! findings     utilisations, verdicts, safe load factors of a train's cases
+//! consist      files -> TrainSpec: train files (TOML), tables of vehicles, gears, records, workbooks
+//! figures      drawing in SVG and PNG
+//! report       findings as Markdown, HTML, CSV, JSON, terminal text and figures
+//! fleet        many trains and studies: every case of every variation of every train, one row each
+//! document     a train file as a value: its text, and the same with another value of a key
+//! schema       the keys of train files and studies as JSON Schema
+//! accuracy     errors against references of many digits, and marching methods beside this crate's
+//! serve        the program behind a page on this machine
 //! ```
 //!
-//! Nothing below knows what is above it. [`consist`] reads and validates a train file; [`chain`] holds coupled masses
-//! and springs in the model's own units; [`scenario`] cuts a train and an event into scenes; [`solve`] finds every
-//! coupler's largest force in a scene, with a bound on its error; [`findings`] turns those into utilisations and
-//! verdicts; [`report`] writes them down. [`fleet`] does all of it for many trains and what-ifs. [`play`] is a scene with all
-//! that the paper's chain has not: dashpots, speeds, forces of any shape, couplers that break one after the other.
-//! [`law`] is a coupler's force with slack and friction, and [`march`] the motion of trains that have them.
-//! [`schema`] makes of the reader's tables of keys a JSON Schema for editors.
+//! An analysis goes `consist -> train -> scenario -> solve or march -> findings -> report`. To follow one number, start at
+//! [`train::TrainSpec`] and read [`scenario`] next.
+//!
+//! # Words
+//!
+//! | word | meaning |
+//! | --- | --- |
+//! | vehicle, coupler | what a train consists of; coupler `i` joins vehicle `i` and `i + 1`. Numbered from 0 in code, from 1 for users |
+//! | mass, spring | the same in a [`chain`](chain::Chain), which has no units |
+//! | draft, buff | tension (a positive force) and compression (a negative one); the two *senses* of a force |
+//! | load, initial force | the steady state before the event; the force of one coupler in it, N |
+//! | event, scenario, case | what happens at t = 0; an event with a horizon and what follows it; a scenario with one broken coupler or none |
+//! | scene | a chain with a step or pulse of force: a case for [`solve`] |
+//! | horizon | how long forces are followed, s |
+//! | transit | the time of a long wave from one end of a part to the other, s |
+//! | first passage | the time until the first wave is back from the ends |
+//! | rating, limit | a coupler's capacity in a sense, N; further capacities: fatigue, proof, ultimate |
+//! | peak | the largest force of a coupler over the horizon, in one sense |
+//! | utilisation | peak over rating |
+//! | exceeds | the peak is over the rating by more than the error bound |
+//! | undecided | the rating is within the error bound of the peak |
+//! | bound, estimate | an error that is proven not to be larger; one that is not proven |
+//! | doubt | a warning: something that is probably not meant, and no error |
+//! | problem | an error in an input, with its key and place |
+//! | variation, draw | a train with a study's values; one value of a distribution |
 //!
 //! Features, both on by default: `cli` builds the program, `accuracy` the module of that name. `parquet` lets a fleet write
 //! `fleet.parquet`, `serve` builds the module of that name.
@@ -52,10 +92,11 @@ pub mod schema;
 #[cfg(feature = "serve")]
 pub mod serve;
 pub mod solve;
+pub mod train;
 pub mod units;
 
 /// The version of this crate.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-pub use consist::Train;
 pub use findings::{Analysis, Options, analyze};
+pub use train::Train;

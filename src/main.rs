@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 
 use clap::Parser;
 use trainsafe::accuracy::{self, AccuracyError};
-use trainsafe::doubts::{doubts, idle_options};
+use trainsafe::doubts::doubts;
 use trainsafe::error::{InputError, printable_path};
 use trainsafe::report::Format;
 use trainsafe::solve::Method;
@@ -99,7 +99,7 @@ fn settle(general: &cli::General) {
 fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
     let mut train = read(&args.train)?;
     if let Some(units) = args.units.as_deref().and_then(UnitSystem::from_name) {
-        train.origin.units = units;
+        train = train.with_units(units);
     }
     let options = Options {
         scenario: args.scenario.clone(),
@@ -110,7 +110,7 @@ fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
         ..options(&args.solver)
     };
     let seconds = findings::estimate_s(&train, &options).map_err(|e| complain(&args.train, &e))?;
-    idle_options(&train, &options).iter().for_each(|note| tell(&format!("note: {note}")));
+    findings::idle_options(&train, &options).iter().for_each(|note| tell(&format!("note: {note}")));
     let known = doubts(&train);
     known.iter().for_each(|warning| tell(&format!("warning: {warning}")));
     let bytes = findings::memory_bytes(&train, &options).unwrap_or_default();
@@ -175,7 +175,7 @@ fn accuracy(args: &cli::Accuracy) -> Result<(), Failure> {
     let train = read(path)?;
     let dir = args.out.clone().unwrap_or_else(|| named_after(path, "reports/accuracy"));
     prepare_to_write(&dir)?;
-    let options = accuracy::Options::default();
+    let options = accuracy::AccuracyOptions::default();
     let compared = accuracy::run(&train, args.scenario.as_deref(), &options).map_err(|e| complain(path, &e))?;
     accuracy::write(&compared, &dir).map_err(|e| match e {
         AccuracyError::Write(_) => output_failed(&e),

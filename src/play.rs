@@ -95,7 +95,7 @@ impl Drive {
     }
 
     /// Smooth stretches that together are `0 <= t <= horizon`.
-    pub fn stretches(&self, horizon: f64) -> Vec<Stretch> {
+    pub(crate) fn stretches(&self, horizon: f64) -> Vec<Stretch> {
         let quiet = |from, to| Stretch { from, to, course: Course::Line(0.0, 0.0) };
         let (mut all, end) = match self {
             Drive::HalfSine { peak, duration } => {
@@ -156,7 +156,7 @@ impl Drive {
     }
 
     /// The force from which it drops to 0 at its end.
-    pub fn ends_at(&self) -> f64 {
+    pub(crate) fn ends_at(&self) -> f64 {
         match self {
             Drive::HalfSine { .. } => 0.0,
             Drive::Lines(points) => points.last().map_or(0.0, |p| p[1]),
@@ -164,7 +164,7 @@ impl Drive {
     }
 
     /// The last instant at which it changes: its end, or where it becomes 0 for good before that. 0 without a force.
-    pub fn last_change(&self) -> f64 {
+    pub(crate) fn last_change(&self) -> f64 {
         match self {
             Drive::HalfSine { duration, .. } => *duration,
             Drive::Lines(points) => match points.iter().rposition(|p| p[1] != 0.0) {

@@ -44,10 +44,10 @@ fn file(path: &Path) -> Value {
     let path_shown = shown(path);
     match read_train(path) {
         Ok(train) => {
-            let scenarios: Vec<&str> = train.scenarios.iter().map(|s| s.name.as_str()).collect();
+            let scenarios: Vec<&str> = train.scenarios().iter().map(|s| s.name.as_str()).collect();
             json!({
                 "path": path_shown, "ok": true, "problems": [], "more_problems": 0, "doubts": doubts(&train),
-                "train": train.name, "vehicles": train.vehicles.len(), "couplers": train.couplers.len(),
+                "train": train.name(), "vehicles": train.vehicles().len(), "couplers": train.couplers().len(),
                 "scenarios": scenarios,
             })
         }

@@ -4,7 +4,7 @@ use std::io::{self, ErrorKind, IsTerminal};
 use std::path::{Path, PathBuf};
 
 use trainsafe::error::printable_path;
-use trainsafe::fleet::{self, Estimate, FleetError, Format, Outcome, Request, Worker};
+use trainsafe::fleet::{self, Estimate, FleetError, FleetFormat, Outcome, Request, Worker};
 
 use super::{Failure, cli, options, print, quiet, say, signals, stem, summary, tell};
 
@@ -15,7 +15,7 @@ pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
         worker: args.work.then(Worker::new),
         couplers: args.couplers,
         resume: args.resume,
-        formats: args.format.iter().filter_map(|name| Format::from_name(name)).collect(),
+        formats: args.format.iter().filter_map(|name| FleetFormat::from_name(name)).collect(),
         reports: args.reports,
         memo_bytes: None,
         progress: if quiet() { fleet::Telling::Nothing } else { fleet::Telling::Terminal },

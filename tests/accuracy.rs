@@ -2,12 +2,11 @@
 
 use trainsafe::accuracy::peers::Peer;
 use trainsafe::accuracy::reference::Reference;
-use trainsafe::accuracy::{self, Options, Origin};
+use trainsafe::accuracy::{self, AccuracyOptions, RowOrigin};
 use trainsafe::chain::{Chain, Scene};
-use trainsafe::consist::{self, Coupler, Extras, Train, Vehicle};
 use trainsafe::play::Rule;
-use trainsafe::scenario::{Event, Scenario};
 use trainsafe::solve::dd::Dd;
+use trainsafe::train::{CouplerSpec, Event, Load, Scenario, Train, TrainSpec, VehicleSpec};
 
 /// A held head and one vehicle whose coupler's force falls from 1 to a mean of 0.25: `F = 1 - 0.75 (1 - cos omega t)`.
 fn one_live_vehicle() -> Scene {
@@ -187,32 +186,38 @@ fn second_order_methods_are_exact_but_for_their_frequencies() {
 
 /// Equal cars behind a held locomotive; with twelve vehicles, the longer part is that ahead of the coupler near the rear.
 fn train(vehicles: usize) -> Train {
-    let car = |v: usize| Vehicle { label: format!("car {v}"), mass_kg: 1e5, held: v == 0, length_m: None };
-    let coupler = Coupler { stiffness_n_per_m: 2e7, rated_draft_n: 1e6, rated_buff_n: 1.5e6 };
+    loaded(vehicles, 8e5)
+}
+
+/// The same with another load, N.
+fn loaded(vehicles: usize, load_n: f64) -> Train {
+    let car = |v: usize| VehicleSpec { label: Some(format!("car {v}")), held: v == 0, ..VehicleSpec::new(1e5) };
+    let coupler = CouplerSpec { rated_buff_n: 1.5e6, ..CouplerSpec::linear(2e7, 1e6) };
     let scenario = |name: &str, couplers: Vec<usize>| Scenario {
         name: name.to_owned(),
         event: Event::Break { couplers },
         horizon_s: None,
         cascade: Rule::Keep,
         left_out_in_buff: Vec::new(),
-        response: trainsafe::scenario::Response::default(),
+        response: trainsafe::train::Response::default(),
     };
-    Train {
+    TrainSpec {
         name: "eleven cars".to_owned(),
         vehicles: (0..vehicles).map(car).collect(),
         couplers: vec![coupler; vehicles - 1],
-        initial_force_n: vec![8e5; vehicles - 1],
-        extras: Extras::default(),
-        origin: consist::Origin::default(),
+        load: Load::Uniform(load_n),
         scenarios: vec![
-            scenario("near the rear", vec![4, vehicles.saturating_sub(3)]),
+            scenario("near the rear", if vehicles > 5 { vec![4, vehicles - 3] } else { vec![0] }),
             scenario("the only one", vec![0]),
         ],
+        ..TrainSpec::default()
     }
+    .build()
+    .unwrap_or_else(|wrong| panic!("{wrong}"))
 }
 
-fn quick() -> Options {
-    Options { runs: 1, ..Options::default() }
+fn quick() -> AccuracyOptions {
+    AccuracyOptions { runs: 1, ..AccuracyOptions::default() }
 }
 
 #[test]
@@ -230,8 +235,8 @@ fn compares_the_longest_part_and_this_crates_bounds_hold() {
         assert!(row.run_time_s > 0.0);
         match (row.origin, row.bound_n) {
             // None of these settings comes closer: smaller, and it was not the march that was measured.
-            (Origin::Peer, None) => assert!(row.force_error_n > 1e-12 * accuracy.rating_n, "{row:?}"),
-            (Origin::Ours(_) | Origin::Planner(_), Some(bound)) => {
+            (RowOrigin::Peer, None) => assert!(row.force_error_n > 1e-12 * accuracy.rating_n, "{row:?}"),
+            (RowOrigin::Ours(_) | RowOrigin::Planner(_), Some(bound)) => {
                 // A bound of more than the tolerance that is never missed would prove nothing.
                 assert!(bound < 1e-9 * accuracy.rating_n, "{row:?}");
                 assert!(row.peak_error_n <= bound && row.force_error_n <= bound, "{row:?}");
@@ -319,8 +324,7 @@ fn forces_at_many_instants_are_the_references_own() {
 
 #[test]
 fn a_coupler_without_load_breaks_without_effect() {
-    let mut train = train(12);
-    train.initial_force_n.fill(0.0);
+    let train = loaded(12, 0.0);
     let error = accuracy::run(&train, None, &quick()).map(|_| ()).expect_err("nothing to compare");
     assert_eq!(error.to_string(), "near the rear: the coupler that breaks carries no force, so nothing happens");
 }
@@ -331,7 +335,7 @@ fn geared(law: &str) -> Train {
         "[coupler]\n{law}\nrated_load = \"1.5 MN\"\n[[vehicle]]\nmass = \"130 t\"\nheld = true\n[[vehicle]]\ncount = 13\n\
          mass = \"130 t\"\n[load]\nuniform = \"0.6 MN\"\n[[scenario]]\nname = \"s\"\nkind = \"break\"\ncoupler = 13\nhorizon = \"3 s\""
     );
-    consist::parse(&text, std::path::Path::new("geared.toml")).expect("a right train")
+    trainsafe::consist::parse(&text, std::path::Path::new("geared.toml")).expect("a right train")
 }
 
 /// The march is right to its estimate; clamped methods come nearer with smaller steps; those that follow another train do not.
@@ -350,7 +354,7 @@ fn methods_on_a_train_with_gears() {
         let row = accuracy.rows.iter().find(|r| r.method == method && r.setting == setting);
         row.unwrap_or_else(|| panic!("a row for {method}, {setting}")).peak_error_n / accuracy.rating_n
     };
-    for row in accuracy.rows.iter().filter(|r| r.origin == Origin::March) {
+    for row in accuracy.rows.iter().filter(|r| r.origin == RowOrigin::March) {
         assert!(row.peak_error_n < 1e-14 * accuracy.rating_n, "{row:?}");
         assert!(row.estimate_n.is_none_or(|n| row.peak_error_n <= n && n < 1e-9 * accuracy.rating_n), "{row:?}");
     }
@@ -376,6 +380,6 @@ fn methods_on_a_train_with_gears() {
 fn methods_on_a_train_with_slack_alone() {
     let accuracy = accuracy::run(&geared("stiffness = \"20 MN/m\"\nslack = \"20 mm\""), None, &quick()).expect("slack");
     assert!(accuracy.left_out.len() == 6 && accuracy.left_out.iter().all(|l| l.ends_with(": no coupler has friction")));
-    let ours = accuracy.rows.iter().find(|r| r.origin == Origin::March).expect("a row");
+    let ours = accuracy.rows.iter().find(|r| r.origin == RowOrigin::March).expect("a row");
     assert!(ours.estimate_n.is_some_and(|n| ours.peak_error_n <= n), "{ours:?}");
 }

@@ -54,15 +54,15 @@ fn a_coupler_in_buff_is_refused() {
 fn couplers_in_buff_are_left_out_of_each() {
     for scenario in ["", "[[scenario]]\nkind = \"break\"\ncoupler = \"each\""] {
         let train = parse(&train(PUSHED, scenario));
-        let in_buff: Vec<usize> = (0..train.couplers.len()).filter(|&i| train.initial_force_n[i] < 0.0).collect();
-        assert!(!in_buff.is_empty() && in_buff.len() < 13, "{:?}", train.initial_force_n);
+        let in_buff: Vec<usize> = (0..train.couplers().len()).filter(|&i| train.initial_force_n()[i] < 0.0).collect();
+        assert!(!in_buff.is_empty() && in_buff.len() < 13, "{:?}", train.initial_force_n());
         let numbers: Vec<usize> = in_buff.iter().map(|i| i + 1).collect();
         assert_eq!(codes(&train), ["breaks-in-buff-left-out"]);
         let options = Options { map: true, ..Options::default() };
         let found = analyze(&train, &options).expect("sound").scenarios.remove(0);
         assert_eq!(found.name, "each coupler breaks in turn");
         assert_eq!(found.left_out_in_buff, numbers);
-        assert_eq!(found.cases.len() + numbers.len(), train.couplers.len());
+        assert_eq!(found.cases.len() + numbers.len(), train.couplers().len());
         assert!(found.cases.iter().all(|c| !numbers.contains(&c.broken_coupler.expect("a break"))));
         assert_eq!(found.map.expect("asked for").points.len(), found.cases.len());
         let checked = consist::describe(&train);
@@ -73,7 +73,7 @@ fn couplers_in_buff_are_left_out_of_each() {
     }
     // All in draft: nothing is left out.
     let draft = parse(&train("[load]\nuniform = \"0.2 MN\"", ""));
-    assert!(draft.scenarios[0].left_out_in_buff.is_empty() && codes(&draft).is_empty());
+    assert!(draft.scenarios()[0].left_out_in_buff.is_empty() && codes(&draft).is_empty());
 }
 
 /// A train all in buff has no break to compute, and says so.
@@ -99,7 +99,7 @@ fn buff_breaks_computes_them_with_a_doubt() {
     assert_eq!((case.broken_coupler, case.exceeding), (Some(5), 8), "as the linear model has it");
     let each = parse(&train(PUSHED, "[[scenario]]\nkind = \"break\"\ncoupler = \"each\"\nbuff_breaks = true"));
     assert_eq!(codes(&each), ["breaks-in-buff"]);
-    assert_eq!(analyze(&each, &Options::default()).expect("sound").scenarios[0].cases.len(), each.couplers.len());
+    assert_eq!(analyze(&each, &Options::default()).expect("sound").scenarios[0].cases.len(), each.couplers().len());
     assert_eq!(codes(&parse(&train("[load]\nuniform = \"0.2 MN\"", scenario))), ["buff-breaks-unused"]);
 }
 

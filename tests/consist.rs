@@ -4,9 +4,9 @@ use std::fs;
 use std::path::Path;
 
 use proptest::prelude::*;
-use trainsafe::consist::{self, TEMPLATE, Train, describe};
+use trainsafe::consist::{self, TEMPLATE, describe};
 use trainsafe::doubts::doubts;
-use trainsafe::scenario::Event;
+use trainsafe::train::{Event, Train};
 
 /// What is doubtful about a train, as it is told.
 fn warnings(train: &Train) -> Vec<String> {
@@ -68,19 +68,22 @@ shape    = "rectangle"
 #[test]
 fn an_ore_train() {
     let train = parse(ORE_TRAIN);
-    assert_eq!(train.name, "Ore train");
-    assert_eq!((train.vehicles.len(), train.couplers.len(), train.initial_force_n.len()), (105, 104, 104));
-    assert_eq!((train.vehicles[0].label.as_str(), train.vehicles[104].label.as_str()), ("locomotive", "ore car 104"));
-    assert_eq!((train.vehicles[0].mass_kg, train.vehicles[1].mass_kg), (195e3, 160e3));
-    assert_eq!((train.vehicles[0].held, train.vehicles[1].held), (true, false));
-    assert_eq!((train.vehicles[0].length_m, train.vehicles[1].length_m), (None, Some(10.9)));
-    let drafts: Vec<f64> = train.couplers.iter().map(|c| c.rated_draft_n).collect();
+    assert_eq!(train.name(), "Ore train");
+    assert_eq!((train.vehicles().len(), train.couplers().len(), train.initial_force_n().len()), (105, 104, 104));
+    assert_eq!(
+        (train.vehicles()[0].label.as_str(), train.vehicles()[104].label.as_str()),
+        ("locomotive", "ore car 104")
+    );
+    assert_eq!((train.vehicles()[0].mass_kg, train.vehicles()[1].mass_kg), (195e3, 160e3));
+    assert_eq!((train.vehicles()[0].held, train.vehicles()[1].held), (true, false));
+    assert_eq!((train.vehicles()[0].length_m, train.vehicles()[1].length_m), (None, Some(10.9)));
+    let drafts: Vec<f64> = train.couplers().iter().map(|c| c.rated_draft_n).collect();
     assert!(drafts.iter().enumerate().all(|(i, &n)| n == if i == 52 { 0.9e6 } else { 1.5e6 }));
-    assert!(train.couplers.iter().all(|c| c.rated_buff_n == 2e6 && c.stiffness_n_per_m == 30e6));
-    assert!(train.initial_force_n.iter().all(|&n| n == 0.6e6));
-    assert_eq!(train.scenarios[0].event, Event::Break { couplers: vec![52] });
-    assert_eq!((train.scenarios[0].horizon_s, train.scenarios[1].horizon_s), (Some(8.0), None));
-    assert_eq!(train.scenarios[1].event, Event::Pulse { vehicle: 104, force_n: -1.2e6, duration_s: 0.06 });
+    assert!(train.couplers().iter().all(|c| c.rated_buff_n == 2e6 && c.stiffness_n_per_m == 30e6));
+    assert!(train.initial_force_n().iter().all(|&n| n == 0.6e6));
+    assert_eq!(train.scenarios()[0].event, Event::Break { couplers: vec![52] });
+    assert_eq!((train.scenarios()[0].horizon_s, train.scenarios()[1].horizon_s), (Some(8.0), None));
+    assert_eq!(train.scenarios()[1].event, Event::Pulse { vehicle: 104, force_n: -1.2e6, duration_s: 0.06 });
 }
 
 #[test]
@@ -101,16 +104,16 @@ to be run:
 #[test]
 fn the_template_parses_with_and_without_its_optional_keys() {
     let plain = parse(TEMPLATE);
-    assert_eq!((plain.vehicles.len(), plain.scenarios.len()), (105, 1));
+    assert_eq!((plain.vehicles().len(), plain.scenarios().len()), (105, 1));
     assert_eq!(warnings(&plain), Vec::<String>::new());
     let all = TEMPLATE.replace("\n#: ", "\n");
     let full = parse(&all);
-    assert_eq!((full.vehicles[0].held, full.vehicles[104].length_m), (true, Some(10.9)));
-    assert_eq!((full.vehicles.len(), full.scenarios.len()), (105, 3));
-    assert_eq!((full.couplers[52].rated_draft_n, full.couplers[52].rated_buff_n), (0.9e6, 1.5e6));
+    assert_eq!((full.vehicles()[0].held, full.vehicles()[104].length_m), (true, Some(10.9)));
+    assert_eq!((full.vehicles().len(), full.scenarios().len()), (105, 3));
+    assert_eq!((full.couplers()[52].rated_draft_n, full.couplers()[52].rated_buff_n), (0.9e6, 1.5e6));
     let hauled = TEMPLATE.replace("\n#+ ", "\n").replace("\nuniform", "\n#");
     let hauled = parse(&hauled);
-    assert!(hauled.extras.steady.is_some_and(|s| s.outside_n[0] > 0.0 && s.outside_n[104] < 0.0));
+    assert!(hauled.extras().steady.as_ref().is_some_and(|s| s.outside_n[0] > 0.0 && s.outside_n[104] < 0.0));
     let all = all.replace("\n#+ ", "\n");
     let keys = "damping_ratio damping rise fall cascade buff_breaks vehicles speed limits tractive_effort brake_force rolling_resistance grade name stiffness rated_load rated_buff label count mass held length at uniform kind coupler horizon force \
                 duration shape";
@@ -138,14 +141,14 @@ fn every_train_in_the_folder_parses_without_a_warning() {
 #[test]
 fn the_papers_trains_are_the_papers() {
     let four = consist::read(Path::new("trains/paper-figure-4.toml")).unwrap_or_else(|e| panic!("{e}"));
-    assert_eq!(four.couplers.len(), 51);
-    assert_eq!(four.scenarios[0].event, Event::Break { couplers: vec![50] });
+    assert_eq!(four.couplers().len(), 51);
+    assert_eq!(four.scenarios()[0].event, Event::Break { couplers: vec![50] });
     let five = consist::read(Path::new("trains/paper-figure-5.toml")).unwrap_or_else(|e| panic!("{e}"));
-    assert_eq!(five.couplers.len(), 100);
-    assert_eq!(five.scenarios[0].event, Event::Pulse { vehicle: 100, force_n: -1.0, duration_s: 10.0 });
+    assert_eq!(five.couplers().len(), 100);
+    assert_eq!(five.scenarios()[0].event, Event::Pulse { vehicle: 100, force_n: -1.0, duration_s: 10.0 });
     for train in [four, five] {
-        assert!(train.vehicles.iter().all(|v| v.mass_kg == 1.0));
-        assert!(train.couplers.iter().all(|c| c.stiffness_n_per_m == 1.0 && c.rated_draft_n == 1.0));
+        assert!(train.vehicles().iter().all(|v| v.mass_kg == 1.0));
+        assert!(train.couplers().iter().all(|c| c.stiffness_n_per_m == 1.0 && c.rated_draft_n == 1.0));
     }
 }
 
@@ -154,7 +157,7 @@ fn labels_are_numbered_through_the_train() {
     let group = |label: &str, count: usize| format!("[[vehicle]]\n{label}\ncount = {count}\nmass = \"1 t\"\n");
     let groups = [group("label = \"car\"", 2), group("label = \"van\"", 1), group("", 1), group("label = \"car\"", 1)];
     let train = parse(&format!("[coupler]\n{COUPLER}\n{}", groups.concat()));
-    let labels: Vec<&str> = train.vehicles.iter().map(|v| v.label.as_str()).collect();
+    let labels: Vec<&str> = train.vehicles().iter().map(|v| v.label.as_str()).collect();
     assert_eq!(labels, ["car 1", "car 2", "van", "vehicle 4", "car 3"]);
 }
 
@@ -166,19 +169,19 @@ fn shares_are_of_what_they_say() {
                 [[coupler_override]]\nat = 4\nrated_buff = \"50 %\"\n[load]\nuniform = \"-40 %\"
                 [[scenario]]\nkind = \"pulse\"\nat = 2\nforce = \"-80 %\"\nduration = \"1 s\"";
     let train = ten(&coupler, more);
-    let ratings = |i: usize| (train.couplers[i].rated_draft_n, train.couplers[i].rated_buff_n);
+    let ratings = |i: usize| (train.couplers()[i].rated_draft_n, train.couplers()[i].rated_buff_n);
     assert_eq!(ratings(0), (1.5e6, 1.8e6));
     assert_eq!(ratings(2), (0.9e6, 1.08e6), "the buff rating is a share of the coupler's own draft rating");
     assert_eq!(ratings(3), (1.5e6, 0.75e6));
-    assert_eq!(train.couplers[2].stiffness_n_per_m, 10e6);
-    assert_eq!(train.initial_force_n[8], -0.36e6, "of the weakest coupler's rating in draft");
-    assert_eq!(train.scenarios[0].event, Event::Pulse { vehicle: 1, force_n: -0.72e6, duration_s: 1.0 });
+    assert_eq!(train.couplers()[2].stiffness_n_per_m, 10e6);
+    assert_eq!(train.initial_force_n()[8], -0.36e6, "of the weakest coupler's rating in draft");
+    assert_eq!(train.scenarios()[0].event, Event::Pulse { vehicle: 1, force_n: -0.72e6, duration_s: 1.0 });
 }
 
 #[test]
 fn without_a_rating_in_buff_it_is_the_one_in_draft() {
     let train = ten(COUPLER, "[[coupler_override]]\nat = 3\nrated_load = \"1 MN\"");
-    assert_eq!((train.couplers[0].rated_buff_n, train.couplers[2].rated_buff_n), (1.5e6, 1e6));
+    assert_eq!((train.couplers()[0].rated_buff_n, train.couplers()[2].rated_buff_n), (1.5e6, 1e6));
 }
 
 #[test]
@@ -197,7 +200,7 @@ fn scenarios_without_a_name_get_one_of_their_own() {
         format!("{pulse}at = 7\nname = \"pulse at vehicle 7\"\n"),
     ];
     let train = ten(COUPLER, &more.concat());
-    let names: Vec<&str> = train.scenarios.iter().map(|s| s.name.as_str()).collect();
+    let names: Vec<&str> = train.scenarios().iter().map(|s| s.name.as_str()).collect();
     let expected = [
         "break of coupler 5",
         "break of couplers 9, 1 and 4 in turn",
@@ -210,17 +213,17 @@ fn scenarios_without_a_name_get_one_of_their_own() {
         "pulse at vehicle 7",
     ];
     assert_eq!(names, expected);
-    assert_eq!(train.scenarios[1].event, Event::Break { couplers: vec![8, 0, 3] }, "in the file's order");
+    assert_eq!(train.scenarios()[1].event, Event::Break { couplers: vec![8, 0, 3] }, "in the file's order");
 }
 
 #[test]
 fn without_a_scenario_each_coupler_breaks_and_without_a_name_the_file_gives_it() {
     let train = ten(COUPLER, "");
-    assert_eq!(train.name, "a");
-    assert_eq!(train.scenarios.len(), 1);
-    assert_eq!(train.scenarios[0].event, Event::Break { couplers: (0..9).collect() });
-    assert_eq!(train.scenarios[0].horizon_s, None);
-    assert!(train.initial_force_n.iter().all(|&n| n == 0.0));
+    assert_eq!(train.name(), "a");
+    assert_eq!(train.scenarios().len(), 1);
+    assert_eq!(train.scenarios()[0].event, Event::Break { couplers: (0..9).collect() });
+    assert_eq!(train.scenarios()[0].horizon_s, None);
+    assert!(train.initial_force_n().iter().all(|&n| n == 0.0));
 }
 
 #[test]
@@ -263,8 +266,8 @@ fn horizons_of_many_cases_are_told_from_the_shortest_to_the_longest() {
         "[[vehicle]]\nmass = \"20 t\"\ncount = 30\n[load]\nuniform = \"1 N\"\n[[scenario]]\nkind = \"break\"\n";
     for list in ["\"each\"", "[7, 39, 2, 5, 11, 3]", "[39, 38, 37]", "[1, 2]"] {
         let train = ten(COUPLER, &format!("{uneven}coupler = {list}"));
-        let Event::Break { couplers } = &train.scenarios[0].event else { panic!("a break") };
-        let horizons = couplers.iter().map(|&b| trainsafe::scenario::horizon_s(&train, &train.scenarios[0], Some(b)));
+        let Event::Break { couplers } = &train.scenarios()[0].event else { panic!("a break") };
+        let horizons = couplers.iter().map(|&b| trainsafe::scenario::horizon_s(&train, &train.scenarios()[0], Some(b)));
         let (low, high) = horizons.fold((f64::INFINITY, 0.0f64), |(l, h), t| (l.min(t), h.max(t)));
         let [low, high] = [low, high].map(|t| trainsafe::units::shown(t, trainsafe::units::Dimension::Time));
         let told = format!("horizon {low} to {high}\n");
@@ -287,11 +290,11 @@ fn the_same_train_in_other_units_is_the_same() {
         [load]\nuniform = \"100000 lbf\"";
     let (a, b) = (parse(metric), parse(imperial));
     let pairs = [
-        (a.couplers[1].stiffness_n_per_m, b.couplers[1].stiffness_n_per_m),
-        (a.couplers[1].rated_draft_n, b.couplers[1].rated_draft_n),
-        (a.vehicles[2].mass_kg, b.vehicles[2].mass_kg),
-        (a.vehicles[2].length_m.unwrap_or_default(), b.vehicles[2].length_m.unwrap_or_default()),
-        (a.initial_force_n[1], b.initial_force_n[1]),
+        (a.couplers()[1].stiffness_n_per_m, b.couplers()[1].stiffness_n_per_m),
+        (a.couplers()[1].rated_draft_n, b.couplers()[1].rated_draft_n),
+        (a.vehicles()[2].mass_kg, b.vehicles()[2].mass_kg),
+        (a.vehicles()[2].length_m.unwrap_or_default(), b.vehicles()[2].length_m.unwrap_or_default()),
+        (a.initial_force_n()[1], b.initial_force_n()[1]),
     ];
     for (a, b) in pairs {
         // A pound costs one rounding more than a kilogram, a pound per inch two more; the metric text one.

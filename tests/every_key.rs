@@ -14,7 +14,7 @@ use std::path::Path;
 use rayon::prelude::*;
 use serde_json::Value;
 use tempfile::TempDir;
-use trainsafe::{Options, Train, analyze, consist, doubts, schema};
+use trainsafe::{Options, Train, analyze, consist, findings, schema};
 
 /// What a file says of itself or how it was computed, and what only repeats a key.
 const ECHOES: [&str; 11] = [
@@ -48,7 +48,7 @@ fn answer(train: Result<Train, String>, options: &Options) -> Result<String, Str
     let analysis = analyze(&train, options).map_err(|e| e.to_string())?;
     let mut value = serde_json::to_value(&analysis).expect("JSON");
     without_echoes(&mut value);
-    Ok(value.to_string() + &doubts::idle_options(&train, options).join("\n"))
+    Ok(value.to_string() + &findings::idle_options(&train, options).join("\n"))
 }
 
 fn of_text(text: &str, folder: &Path) -> Result<String, String> {

@@ -4,8 +4,8 @@ use std::fs;
 
 use trainsafe::Train;
 use trainsafe::consist;
-use trainsafe::doubts::{Doubt, doubts};
-use trainsafe::scenario::Event;
+use trainsafe::doubts::doubts;
+use trainsafe::train::{Doubt, Event};
 
 const FRONT: &str = "name = \"probe\"\n[coupler]\nstiffness = \"11.1 MN/m\"\nrated_load = \"1.78 MN\"\n";
 
@@ -26,11 +26,11 @@ fn table(bytes: impl AsRef<[u8]>) -> Result<Train, String> {
 
 fn masses(bytes: impl AsRef<[u8]>) -> Vec<f64> {
     let text = String::from_utf8_lossy(bytes.as_ref()).into_owned();
-    table(bytes).unwrap_or_else(|e| panic!("{text}\n{e}")).vehicles.iter().map(|v| v.mass_kg).collect()
+    table(bytes).unwrap_or_else(|e| panic!("{text}\n{e}")).vehicles().iter().map(|v| v.mass_kg).collect()
 }
 
 fn codes(train: &Train) -> Vec<&'static str> {
-    train.origin.doubts.iter().map(|doubt| doubt.code).collect()
+    train.origin().doubts.iter().map(|doubt| doubt.code).collect()
 }
 
 fn record(bytes: impl AsRef<[u8]>) -> Result<Train, String> {
@@ -42,7 +42,7 @@ fn record(bytes: impl AsRef<[u8]>) -> Result<Train, String> {
 fn course(bytes: impl AsRef<[u8]>) -> (String, f64, f64, Vec<&'static str>) {
     let text = String::from_utf8_lossy(bytes.as_ref()).into_owned();
     let train = record(bytes).unwrap_or_else(|e| panic!("{text}\n{e}"));
-    match &train.scenarios[0].event {
+    match &train.scenarios()[0].event {
         Event::Shaped { force_n, duration_s, drive, .. } => {
             (format!("{drive:?}"), *force_n, *duration_s, codes(&train))
         }
@@ -65,13 +65,13 @@ fn headings_have_many_forms() {
         "label,\"mass, t\",\"rated-load, MN\",stiffness {MN/m}",
     ] {
         let train = table(format!("{header}\nloco,196,0.5,5\ncar a,130,0.5,5\ncar b,30,0.5,5\n")).expect(header);
-        let coupler = train.couplers[1];
+        let coupler = train.couplers()[1];
         assert_eq!(
-            (train.vehicles[1].mass_kg, coupler.rated_draft_n, coupler.stiffness_n_per_m),
+            (train.vehicles()[1].mass_kg, coupler.rated_draft_n, coupler.stiffness_n_per_m),
             (130e3, 5e5, 5e6),
             "{header}"
         );
-        assert_eq!((train.vehicles[1].label.as_str(), codes(&train)), ("car a", vec![]), "{header}");
+        assert_eq!((train.vehicles()[1].label.as_str(), codes(&train)), ("car a", vec![]), "{header}");
     }
 }
 
@@ -84,7 +84,7 @@ fn forces_on_the_vehicles_are_read_from_a_table() {
                  \"20 N/t\"\n[[vehicle]]\nlabel = \"car a\"\nmass = \"130 t\"\nbrake_force = \"10.5 kN\"\n[[vehicle]]\nlabel = \"car \
                  b\"\nmass = \"130 t\"\nbrake_force = \"16.34 kN\"\n";
     let spelt = read(&format!("{FRONT}{spelt}"), &[]).expect("a train");
-    assert_eq!((tabled.initial_force_n, tabled.extras), (spelt.initial_force_n, spelt.extras));
+    assert_eq!((tabled.initial_force_n(), tabled.extras()), (spelt.initial_force_n(), spelt.extras()));
 }
 
 /// Every column gets a value that matters: the train changes, or a doubt says that it is not read.
@@ -138,9 +138,9 @@ fn no_column_is_passed_over_in_silence() {
         };
         let told = match read(&format!("vehicles = \"c.csv\"\n{FRONT}"), &[("c.csv", with.as_bytes())]) {
             Ok(train) => {
-                let changed = train.vehicles != plain.vehicles || train.couplers != plain.couplers;
-                let loaded = train.extras != plain.extras;
-                changed || loaded || !train.origin.doubts.is_empty() || heading == "pos"
+                let changed = train.vehicles() != plain.vehicles() || train.couplers() != plain.couplers();
+                let loaded = train.extras() != plain.extras();
+                changed || loaded || !train.origin().doubts.is_empty() || heading == "pos"
             }
             Err(_) => true,
         };
@@ -165,7 +165,7 @@ fn a_column_that_is_not_read_is_named() {
 fn spreadsheets_export_in_many_ways() {
     let comma = "label;mass [t];length [m]\nLok;87,5;19,0\nWagen;90,0;14,04\nWagen;22,1;14,04\n";
     assert_eq!(masses(comma), [87.5e3, 90e3, 22.1e3]);
-    assert_eq!(table(comma).expect("a table").vehicles[1].length_m, Some(14.04));
+    assert_eq!(table(comma).expect("a table").vehicles()[1].length_m, Some(14.04));
     assert_eq!(masses(format!("sep=;\r\n{}", comma.replace('\n', "\r\n"))), [87.5e3, 90e3, 22.1e3]);
     assert_eq!(masses(comma.replace(';', "\t")), [87.5e3, 90e3, 22.1e3]);
     assert_eq!(masses(comma.replace('\n', "\r")), [87.5e3, 90e3, 22.1e3]);
@@ -173,7 +173,7 @@ fn spreadsheets_export_in_many_ways() {
         assert_eq!(masses(utf16(comma, mark, little)), [87.5e3, 90e3, 22.1e3]);
     }
     let train = table(b"label;mass [t]\nG\xfcterwagen;87,5\nb;90\n").expect("Windows-1252");
-    assert_eq!(train.vehicles[0].label, "G\u{fc}terwagen");
+    assert_eq!(train.vehicles()[0].label, "G\u{fc}terwagen");
     // Titles, comments, metadata and blank rows above; a row of units below.
     let all = [
         "# consist 2026-01-01\n",
@@ -320,7 +320,7 @@ fn a_record_on_another_clock_is_shifted_and_says_so() {
     }
     let train = record("time_s,force_kn\n5000,800\n5000.5,0\n").expect("a force at once");
     let text = "the record p.csv starts at 5000 s: its clock at 5000 s, where it has a force at once, is taken as t = 0 of the event";
-    assert_eq!(train.origin.doubts, [Doubt::of_train("record-shifted", text)]);
+    assert_eq!(train.origin().doubts, [Doubt::of_train("record-shifted", text)]);
     // One that starts at 0 is taken as it is.
     assert_eq!(course("time_s,force_kn\n0,0\n3,0\n3.5,800\n4,0\n").2, 4.0);
 }
@@ -342,7 +342,11 @@ fn a_record_s_obstacle_is_named_once() {
     }
     // The case of a prefix counts: m is milli.
     let train = record("time_s,force_mN\n0,0\n1,5\n2,0\n").expect("millinewtons");
-    assert!(matches!(train.scenarios[0].event, Event::Shaped { force_n: 0.005, .. }), "{:?}", train.scenarios[0].event);
+    assert!(
+        matches!(train.scenarios()[0].event, Event::Shaped { force_n: 0.005, .. }),
+        "{:?}",
+        train.scenarios()[0].event
+    );
     let train = record("time_s,force_kn,speed_kmh\n0,0,3\n1,5,3\n2,0,3\n").expect("a third column");
     assert_eq!(codes(&train), ["column-not-read"]);
 }
@@ -357,7 +361,7 @@ fn a_row_of_sums_above_or_between_the_vehicles_is_doubted() {
         ("label,mass [t]\nloco,132\ncar,90\nmean,111\n", 4),
     ] {
         let found = table(csv).expect(csv);
-        let [only] = &found.origin.doubts[..] else { panic!("{csv} {:?}", found.origin.doubts) };
+        let [only] = &found.origin().doubts[..] else { panic!("{csv} {:?}", found.origin().doubts) };
         assert!(only.code == "total-row" && only.text.contains(&format!("(row {row} of c.csv)")), "{only}");
     }
     // A locomotive that weighs as much as its two cars, and a car as much as the two before it.
@@ -371,9 +375,9 @@ fn a_row_of_sums_above_or_between_the_vehicles_is_doubted() {
 fn columns_of_limits_need_no_prefix() {
     let read = table("label,mass [t],Proof (MN),ultimate load [kN],fatigue_MN\na,80,1.6,1900,0.7\nb,80,,,\nc,80,,,\n");
     let train = read.expect("limits");
-    assert!(codes(&train).is_empty(), "{:?}", train.origin.doubts);
-    assert_eq!(train.extras.limits[0].in_senses(), [[Some(0.7e6), Some(1.6e6), Some(1.9e6)]; 2]);
-    assert_eq!(train.extras.limits[1].in_senses(), [[None; 3]; 2]);
+    assert!(codes(&train).is_empty(), "{:?}", train.origin().doubts);
+    assert_eq!(train.extras().limits[0].in_senses(), [[Some(0.7e6), Some(1.6e6), Some(1.9e6)]; 2]);
+    assert_eq!(train.extras().limits[1].in_senses(), [[None; 3]; 2]);
 }
 
 /// Which columns a record could mean, and what its times are, where they are no numbers.
@@ -421,10 +425,10 @@ fn a_hauled_train_of_a_table_carries_what_is_behind_each_coupler() {
                loco,196,400,,15\ncar a,130,,10,15\ncar b,130,,10,15\n";
     let train = read(&format!("vehicles = \"c.csv\"\n{FRONT}"), &[("c.csv", csv.as_bytes())]).expect("a table");
     let a = 373.16e3 / 456e3;
-    for (found, due) in train.initial_force_n.iter().zip([2.0, 1.0].map(|cars| cars * (130e3 * a + 11.95e3))) {
+    for (found, due) in train.initial_force_n().iter().zip([2.0, 1.0].map(|cars| cars * (130e3 * a + 11.95e3))) {
         assert!((found - due).abs() < 1e-9 * due, "{found} {due}");
     }
-    assert_eq!(train.initial_force_n.iter().map(|f| (f / 100.0).round() / 10.0).collect::<Vec<_>>(), [236.7, 118.3]);
+    assert_eq!(train.initial_force_n().iter().map(|f| (f / 100.0).round() / 10.0).collect::<Vec<_>>(), [236.7, 118.3]);
 }
 
 /// A record on a logger's clock overloads what the same record from 0 does.

@@ -11,11 +11,12 @@ fn train(name: &str) -> Train {
 
 /// The field of a scenario's first case, the train, and the case's broken coupler.
 fn first(name: &str, scenario: usize, of: Of) -> (Train, Field, Option<usize>) {
-    let mut train = train(name);
-    train.scenarios.truncate(scenario + 1);
-    if let trainsafe::scenario::Event::Break { couplers } = &mut train.scenarios[scenario].event {
+    let mut spec = train(name).into_spec();
+    spec.scenarios.truncate(scenario + 1);
+    if let trainsafe::train::Event::Break { couplers } = &mut spec.scenarios[scenario].event {
         couplers.truncate(1);
     }
+    let train = spec.build().expect("a train");
     let analysis = analyze(&train, &Options::default()).expect("sound");
     let case = &analysis.scenarios[scenario].cases[0];
     let field = findings::field(&train, scenario, case, of).expect("affordable");
@@ -37,10 +38,10 @@ fn rows_are_histories() {
     for (name, scenario) in trains {
         let (train, field, broken) = first(name, scenario, Of::Event);
         assert_eq!((field.couplers_per_row, field.instants_per_column), (1, 1), "{name}");
-        assert_eq!(field.rows(), train.couplers.len());
+        assert_eq!(field.rows(), train.couplers().len());
         for row in (0..field.rows()).step_by(7).filter(|r| Some(*r) != broken) {
             let exact = findings::history(&train, scenario, broken, row, &field.times_s);
-            let c = &train.couplers[row];
+            let c = &train.couplers()[row];
             let share = |f: f64| f / if f < 0.0 { c.rated_buff_n } else { c.rated_draft_n };
             let largest = f64::from(field.largest());
             let off = |(s, f): (&f32, &f64)| (f64::from(*s) - share(*f)).abs() > 1e-3 * largest;
@@ -71,13 +72,13 @@ fn the_largest_utilisation_is_there() {
 /// Many couplers share rows, and still show the worst of them.
 #[test]
 fn a_long_train_has_fewer_rows_and_the_same_peak() {
-    let mut train = train("paper-figure-4");
-    let (vehicle, coupler) = (train.vehicles[1].clone(), train.couplers[0]);
-    train.vehicles = vec![vehicle; 5001];
-    train.couplers = vec![coupler; 5000];
-    train.initial_force_n = vec![1.0; 5000];
-    train.scenarios[0].event = trainsafe::scenario::Event::Break { couplers: vec![4999] };
-    train.scenarios[0].horizon_s = Some(300.0);
+    let mut spec = train("paper-figure-4").into_spec();
+    spec.vehicles = vec![spec.vehicles[1].clone(); 5001];
+    spec.couplers = vec![spec.couplers[0].clone(); 5000];
+    spec.load = trainsafe::train::Load::Uniform(1.0);
+    spec.scenarios[0].event = trainsafe::train::Event::Break { couplers: vec![4999] };
+    spec.scenarios[0].horizon_s = Some(300.0);
+    let train = spec.build().expect("a train");
     let analysis = analyze(&train, &Options::default()).expect("sound");
     let case = &analysis.scenarios[0].cases[0];
     let field = findings::field(&train, 0, case, Of::Event).expect("affordable");

@@ -8,7 +8,7 @@ use std::collections::HashSet;
 use std::fs;
 use std::path::Path;
 
-use trainsafe::accuracy::{Accuracy, Effort, Origin, Row};
+use trainsafe::accuracy::{Accuracy, Effort, MethodRow, RowOrigin};
 use trainsafe::solve::Method;
 use trainsafe::{Options, analyze, consist, report};
 
@@ -149,6 +149,7 @@ fn text_box(element: &str, size: f64) -> (f64, f64, f64, String) {
 fn every_exceedance_of_a_long_train_has_its_mark() {
     let mut train = common::uniform("long", 241, 1e5, 1e7, 1e6, 0.9e6);
     train.scenarios = vec![common::breaks("at the tail", vec![239], Some(60.0))];
+    let train = common::built(&train);
     let analysis = analyze(&train, &Options::default()).expect("sound");
     let case = &analysis.scenarios[0].cases[0];
     let sides = |c: &trainsafe::findings::CouplerFindings| {
@@ -203,8 +204,9 @@ fn ratings_are_readable() {
 #[test]
 fn hostile_names_are_no_markup() {
     let mut train = common::uniform("</svg><script>1</script>", 6, 1e5, 1e7, 1e6, 0.9e6);
-    train.vehicles[2].label = "\"><img src=x>".to_owned();
+    train.vehicles[2].label = Some("\"><img src=x>".to_owned());
     train.scenarios = vec![common::breaks("<b>&", vec![2], None)];
+    let train = common::built(&train);
     let analysis = analyze(&train, &Options::default()).expect("sound");
     let files = report::documents(&train, &analysis, &report::Format::ALL).expect("written");
     for (name, bytes) in files.iter().filter(|(name, _)| name.ends_with(".svg")) {
@@ -217,7 +219,7 @@ fn hostile_names_are_no_markup() {
 /// The figures of a comparison and of a fleet are XML too.
 #[test]
 fn figures_of_methods_and_of_fleets_are_xml() {
-    let row = |origin, method, run_time_s: f64, error_n: f64, bound_n| Row {
+    let row = |origin, method, run_time_s: f64, error_n: f64, bound_n| MethodRow {
         origin,
         method,
         setting: String::new(),
@@ -240,9 +242,9 @@ fn figures_of_methods_and_of_fleets_are_xml() {
         rating_n: 1e6,
         doubt_n: 0.0,
         rows: vec![
-            row(Origin::Ours(Method::Modal), "modal", 1e-3, 0.0, Some(1e-6)),
-            row(Origin::Planner(Method::Modal), "modal", 1e-3, 0.0, Some(1e-6)),
-            row(Origin::Peer, "Newmark <1>", 1e-2, 1e3, None),
+            row(RowOrigin::Ours(Method::Modal), "modal", 1e-3, 0.0, Some(1e-6)),
+            row(RowOrigin::Planner(Method::Modal), "modal", 1e-3, 0.0, Some(1e-6)),
+            row(RowOrigin::Peer, "Newmark <1>", 1e-2, 1e3, None),
         ],
         left_out: vec![],
     };

@@ -33,14 +33,14 @@ fn the_first_passage_is_an_analysis_of_its_own() {
     for file in
         ["trains/european-freight-train.toml", "trains/paper-figure-4-damped.toml", "trains/paper-figure-5.toml"]
     {
-        let mut train = read(file);
-        train.scenarios.truncate(1);
-        if let trainsafe::scenario::Event::Break { couplers } = &mut train.scenarios[0].event {
+        let mut spec = read(file).into_spec();
+        spec.scenarios.truncate(1);
+        if let trainsafe::train::Event::Break { couplers } = &mut spec.scenarios[0].event {
             couplers.truncate(1);
         }
-        let whole = case(&train);
-        train.scenarios[0].horizon_s = Some(whole.first_passage_s);
-        let short = case(&train);
+        let whole = case(&spec.clone().build().expect("a train"));
+        spec.scenarios[0].horizon_s = Some(whole.first_passage_s);
+        let short = case(&spec.build().expect("a train"));
         assert_eq!(short.first_passage_s, short.horizon_s);
         let room = whole.error_bound_n + short.error_bound_n;
         assert_eq!(whole.exceeding_first_passage, short.exceeding, "{file}");

@@ -3,7 +3,7 @@
 mod gears;
 use gears::{gear, gear_a_dash, let_go, train};
 use trainsafe::law::{Law, Rest};
-use trainsafe::march::{Ask, Bound, Emergency, Problem, solve};
+use trainsafe::march::{Bound, Emergency, MarchOptions, Problem, solve};
 use trainsafe::play::Drive;
 
 const M: f64 = 130e3;
@@ -37,7 +37,7 @@ fn breaks_and_meets_again() {
         forcing: vec![(1, Drive::Lines(vec![[1.0, 0.0], [1.0, push], [99.0, push]]))],
         ..train(vec![M; 2], vec![spring(0.0)], closes + 0.2)
     };
-    let out = solve(&problem, &Ask { audit: true, ..Ask::default() });
+    let out = solve(&problem, &MarchOptions { audit: true, ..MarchOptions::default() });
     assert_eq!((out.partings.len(), out.partings[0].coupler), (1, 0));
     near(out.partings[0].time_s, at, 1e-15);
     near(out.partings[0].force_n, limit, 1e-9);
@@ -58,7 +58,10 @@ fn parted_under_compression() {
         let start = vec![law.rest(&[-3e5]); 3];
         let steady_n = vec![-3e5, 0.0, 0.0, 3e5];
         let problem = Problem { start, steady_n, gone: vec![1], ..train(vec![M; 4], vec![law; 3], 10.0) };
-        let out = solve(&problem, &Ask { history: vec![0, 1, 2], times_s: vec![5.0, 10.0], ..Ask::default() });
+        let out = solve(
+            &problem,
+            &MarchOptions { history: vec![0, 1, 2], times_s: vec![5.0, 10.0], ..MarchOptions::default() },
+        );
         for values in &out.history {
             values.iter().for_each(|f| near(*f, -3e5, 1e-9));
         }
@@ -74,8 +77,8 @@ fn breaks_in_buff() {
         break_at_n: vec![[1e9, 4e5]],
         ..train(vec![M; 2], vec![spring(0.01)], 1.0)
     };
-    let out = solve(&problem, &Ask::default());
-    let whole = solve(&Problem { break_at_n: Vec::new(), ..problem }, &Ask::default());
+    let out = solve(&problem, &MarchOptions::default());
+    let whole = solve(&Problem { break_at_n: Vec::new(), ..problem }, &MarchOptions::default());
     near(out.extremes[0].buff.force_n, whole.extremes[0].buff.force_n, 1e-9);
     assert_eq!((out.partings.len(), out.extremes[0].draft.force_n), (1, 0.0));
     assert!(whole.extremes[0].draft.force_n > 1e6);
@@ -97,7 +100,7 @@ fn brakes_to_a_stand() {
             common_speed_m_s: Some(2.0 * sign),
             ..train(vec![M; 2], vec![spring(0.0)], 60.0)
         };
-        let out = solve(&problem, &Ask::default());
+        let out = solve(&problem, &MarchOptions::default());
         // Moving forward the front car runs away from the rear one, and brakes less: the rear one stops first.
         let (vehicle, time) = out.stopped.expect("one stops");
         if sign > 0.0 {
@@ -113,7 +116,7 @@ fn brakes_to_a_stand() {
 /// Slack alone is chaotic; with gears the same train can be told to the end.
 #[test]
 fn until_when_it_can_be_told() {
-    let ask = Ask { tolerance_n: Some(6e5 * 1e-6), ..Ask::default() };
+    let ask = MarchOptions { tolerance_n: Some(6e5 * 1e-6), ..MarchOptions::default() };
     let problem = |law: &Law| Problem { mark_s: 10.0, ..let_go(105, M, law, &[6e5], 40.0) };
     let out = solve(&problem(&spring(0.025)), &ask);
     let until = out.predictable_until_s.expect("it is lost");
@@ -132,15 +135,16 @@ fn until_when_it_can_be_told() {
 #[test]
 fn proven_with_constant_friction() {
     let h = 18e6;
-    let row = |w: f64| trainsafe::law::Row { travel_m: w, loading_n: h * w + 5e4, unloading_n: h * w - 5e4 };
+    let row = |w: f64| trainsafe::law::GearRow { travel_m: w, loading_n: h * w + 5e4, unloading_n: h * w - 5e4 };
     let curve = trainsafe::law::Curve::new(vec![row(0.0), row(0.3)]).expect("a slider");
     let law = gear(2e8, 0.0, curve);
-    let out = solve(&let_go(50, M, &law, &[6e5], 20.0), &Ask { tolerance_n: Some(1.0), ..Ask::default() });
+    let out =
+        solve(&let_go(50, M, &law, &[6e5], 20.0), &MarchOptions { tolerance_n: Some(1.0), ..MarchOptions::default() });
     let Bound::Proven(bound) = out.bound else { panic!("{:?}", out.bound) };
     assert!(bound < 1e-2 && out.events > 500, "{bound} {}", out.events);
     // A start that is not at rest on the curve by some units: sqrt(W) of it, 1e-6 N on every coupler, is far over the rounding.
     let start: Vec<Rest> = (0..50).map(|i| law.rest(&[6e5 + 1e-6 * (i % 3) as f64, 6e5])).collect();
-    let near = solve(&Problem { start, ..let_go(50, M, &law, &[6e5], 20.0) }, &Ask::default());
+    let near = solve(&Problem { start, ..let_go(50, M, &law, &[6e5], 20.0) }, &MarchOptions::default());
     let apart = |(a, b): (&trainsafe::march::Extremes, &trainsafe::march::Extremes)| {
         (a.draft.force_n - b.draft.force_n).abs().max((a.buff.force_n - b.buff.force_n).abs())
     };
@@ -159,7 +163,7 @@ fn parted_heads_do_not_pull() {
         let apart = Drive::Lines(vec![[0.1, 0.0], [0.5, 3.5e5], [9.0, 3.5e5]]);
         let forcing = vec![(0, apart.clone()), (1, apart.scaled(1.0, -1.0))];
         let problem = Problem { start, steady_n, forcing, gone, ..train(vec![M; 2], vec![law.clone()], 1.0) };
-        solve(&problem, &Ask { audit: true, ..Ask::default() })
+        solve(&problem, &MarchOptions { audit: true, ..MarchOptions::default() })
     };
     assert!(pulled(Vec::new()).extremes[0].draft.force_n > 1e5);
     let parted = pulled(vec![0]);
@@ -176,7 +180,7 @@ fn energy_and_instant_of_a_parting() {
     let part = |law: Law, speed: f64, break_at_n: [f64; 2]| {
         let speed_m_s = vec![speed, 0.0];
         let problem = Problem { speed_m_s, break_at_n: vec![break_at_n], ..train(vec![M; 2], vec![law], 0.5) };
-        solve(&problem, &Ask { tolerance_n: Some(1.0), ..Ask::default() }).partings[0]
+        solve(&problem, &MarchOptions { tolerance_n: Some(1.0), ..MarchOptions::default() }).partings[0]
     };
     let elastic = part(spring(0.0), 1.0, [limit, f64::INFINITY]);
     let at = (limit / (K * M / 2.0).sqrt()).asin() / (2.0 * K / M).sqrt();

@@ -251,7 +251,7 @@ fn sample_gears_are_read() {
              mass = \"90 t\"\n[load]\nuniform = \"0.2 MN\"\n"
         );
         let train = trainsafe::consist::parse(&text, Path::new("a.toml")).unwrap_or_else(|e| panic!("{e}"));
-        assert_eq!(train.origin.doubts, [], "{gear}");
+        assert_eq!(train.origin().doubts, [], "{gear}");
         count += 1;
     }
     assert_eq!(count, 5);

@@ -3,12 +3,12 @@
 mod gears;
 use gears::{curve, gear, gear_a, gear_a_dash, let_go, train, wedge};
 use trainsafe::law::{Law, Rest};
-use trainsafe::march::{Ask, Outcome, Problem, estimate_s, solve};
+use trainsafe::march::{MarchOptions, MarchOutcome, Problem, estimate_s, solve};
 
 const M: f64 = 130e3;
 
-fn run(problem: &Problem) -> Outcome {
-    let out = solve(problem, &Ask { audit: true, ..Ask::default() });
+fn run(problem: &Problem) -> MarchOutcome {
+    let out = solve(problem, &MarchOptions { audit: true, ..MarchOptions::default() });
     let energy = out.energy.expect("asked for");
     let all = energy.start_j.abs() + energy.work_j.abs();
     assert!(energy.created_j <= 1e-12 * all, "{energy:?}");
@@ -112,10 +112,10 @@ fn next_to_no_train() {
 #[test]
 fn estimated_time() {
     let problem = let_go(60, M, &gear(2e8, 0.01, gear_a_dash()), &[6e5], 10.0);
-    let ask = Ask { tolerance_n: Some(1.0), ..Ask::default() };
-    assert!(estimate_s(&problem, &ask) > 2.9 * estimate_s(&problem, &Ask::default()));
-    let steps = solve(&problem, &Ask::default()).steps as f64;
-    let estimated = estimate_s(&problem, &Ask::default()) / 61.0 / 100e-9;
+    let ask = MarchOptions { tolerance_n: Some(1.0), ..MarchOptions::default() };
+    assert!(estimate_s(&problem, &ask) > 2.9 * estimate_s(&problem, &MarchOptions::default()));
+    let steps = solve(&problem, &MarchOptions::default()).steps as f64;
+    let estimated = estimate_s(&problem, &MarchOptions::default()) / 61.0 / 100e-9;
     assert!(estimated > steps && estimated < 10.0 * steps, "{estimated} steps for {steps}");
 }
 
@@ -129,7 +129,8 @@ fn a_force_on_the_middle_of_a_train() {
     let forcing = vec![(1, trainsafe::play::Drive::rectangle(push, 9.0))];
     let problem = Problem { forcing, ..train(vec![M; 3], vec![law.clone(); 2], 1.0) };
     let times_s: Vec<f64> = (1..=20).map(|n| 0.05 * f64::from(n)).collect();
-    let out = solve(&problem, &Ask { history: vec![0, 1], times_s: times_s.clone(), ..Ask::default() });
+    let out =
+        solve(&problem, &MarchOptions { history: vec![0, 1], times_s: times_s.clone(), ..MarchOptions::default() });
     for (n, t) in times_s.iter().enumerate() {
         let want = push / 3.0 * (1.0 - ((3.0 * k / M).sqrt() * t).cos());
         assert!((out.history[0][n] + want).abs() < 1e-9 && (out.history[1][n] - want).abs() < 1e-9, "{t}");

@@ -3,8 +3,8 @@
 mod gears;
 use gears::train;
 use proptest::prelude::*;
-use trainsafe::law::{Curve, Law, Rest, Row};
-use trainsafe::march::{Ask, Outcome, Problem, solve};
+use trainsafe::law::{Curve, GearRow, Law, Rest};
+use trainsafe::march::{MarchOptions, MarchOutcome, Problem, solve};
 use trainsafe::play::Drive;
 
 /// A table of two to five rows; friction from none to all, sometimes none in a part, sometimes a preload.
@@ -13,7 +13,7 @@ fn table() -> impl Strategy<Value = Curve> {
     (prop::collection::vec(row, 1..5), 0.0..5e4f64, any::<bool>(), any::<bool>()).prop_map(
         |(steps, preload, loaded, elastic)| {
             let first = if loaded { preload } else { 0.0 };
-            let mut rows = vec![Row { travel_m: 0.0, loading_n: first, unloading_n: 0.5 * first }];
+            let mut rows = vec![GearRow { travel_m: 0.0, loading_n: first, unloading_n: 0.5 * first }];
             for (n, (travel, rise, share)) in steps.into_iter().enumerate() {
                 let last = rows[n];
                 let loading_n = last.loading_n + rise.max(1e4);
@@ -22,7 +22,7 @@ fn table() -> impl Strategy<Value = Curve> {
                 } else {
                     last.unloading_n + share * (loading_n - last.unloading_n)
                 };
-                rows.push(Row { travel_m: last.travel_m + travel, loading_n, unloading_n });
+                rows.push(GearRow { travel_m: last.travel_m + travel, loading_n, unloading_n });
             }
             Curve::new(rows).expect("a table")
         },
@@ -75,16 +75,16 @@ fn problem() -> impl Strategy<Value = Problem> {
     })
 }
 
-fn ask() -> Ask {
-    Ask { audit: true, ..Ask::default() }
+fn ask() -> MarchOptions {
+    MarchOptions { audit: true, ..MarchOptions::default() }
 }
 
 /// The largest force, for tolerances.
-fn largest(out: &Outcome) -> f64 {
+fn largest(out: &MarchOutcome) -> f64 {
     out.extremes.iter().flat_map(|e| [e.draft.force_n.abs(), e.buff.force_n.abs()]).fold(0.0, f64::max)
 }
 
-fn apart(a: &Outcome, b: &Outcome, sign: f64, at: impl Fn(usize) -> usize) -> f64 {
+fn apart(a: &MarchOutcome, b: &MarchOutcome, sign: f64, at: impl Fn(usize) -> usize) -> f64 {
     let mut most = 0.0f64;
     for (i, e) in a.extremes.iter().enumerate() {
         let other = &b.extremes[at(i)];
@@ -131,7 +131,7 @@ fn turned(p: &Problem) -> Problem {
 fn in_other_units(p: &Problem, length: f64, time: f64, mass: f64) -> Problem {
     let force = mass * length / time / time;
     let table = |c: &Curve| {
-        let row = |r: &Row| Row {
+        let row = |r: &GearRow| GearRow {
             travel_m: r.travel_m * length,
             loading_n: r.loading_n * force,
             unloading_n: r.unloading_n * force,
@@ -167,7 +167,7 @@ fn in_other_units(p: &Problem, length: f64, time: f64, mass: f64) -> Problem {
 
 /// Every row of a table split in two that lie on its line.
 fn with_more_rows(p: &Problem) -> Problem {
-    let middle = |a: &Row, b: &Row| Row {
+    let middle = |a: &GearRow, b: &GearRow| GearRow {
         travel_m: 0.5 * (a.travel_m + b.travel_m),
         loading_n: 0.5 * (a.loading_n + b.loading_n),
         unloading_n: 0.5 * (a.unloading_n + b.unloading_n),

@@ -5,7 +5,7 @@ mod gears;
 use gears::train;
 use trainsafe::chain::{Chain, Scene};
 use trainsafe::law::Law;
-use trainsafe::march::{Ask, Bound, Problem, solve};
+use trainsafe::march::{Bound, MarchOptions, Problem, solve};
 use trainsafe::play::{Drive, Play, Rule};
 use trainsafe::solve::taylor;
 
@@ -69,7 +69,7 @@ fn problem(play: &Play) -> Problem {
 #[track_caller]
 fn agree(play: &Play) {
     let linear = taylor::solve(play).expect("short");
-    let ours = solve(&problem(play), &Ask::default());
+    let ours = solve(&problem(play), &MarchOptions::default());
     let ours_bound = match ours.bound {
         Bound::Proven(bound) => bound,
         _ => 1e-12,
@@ -111,7 +111,7 @@ fn cascades() {
         let mut p = play(Drive::rectangle(-4.0, 6.0), damping, Rule::InDraft, true);
         let linear = taylor::solve(&p).expect("short");
         let (coupler, closes) = linear.gap_closes.expect("one closes");
-        let ours = solve(&problem(&p), &Ask::default());
+        let ours = solve(&problem(&p), &MarchOptions::default());
         assert_eq!(ours.closures[0].0, coupler);
         // The other march counts a gap as closed where it is so by more than its bound.
         let late = closes - ours.closures[0].1;

@@ -5,13 +5,13 @@
 
 mod gears;
 use gears::{gear, gear_a, gear_a_dash, let_go, train, wedge};
-use trainsafe::law::{Curve, Law, Row};
-use trainsafe::march::{Ask, Bound, Emergency, Outcome, Problem, solve};
+use trainsafe::law::{Curve, GearRow, Law};
+use trainsafe::march::{Bound, Emergency, MarchOptions, MarchOutcome, Problem, solve};
 use trainsafe::play::Drive;
 
 /// The largest force after the break in shares of the pull, negative in buff.
 fn worst(problem: &Problem, pull: f64) -> f64 {
-    let out = solve(problem, &Ask::default());
+    let out = solve(problem, &MarchOptions::default());
     let of = |e: &trainsafe::march::Extremes| [e.draft.force_n, e.buff.force_n];
     let largest = out.extremes.iter().flat_map(of).filter(|f| f.abs() > pull * (1.0 + 1e-9) || *f < 0.0);
     largest.fold(0.0f64, |a, b| if b.abs() > a.abs() { b } else { a }) / pull
@@ -57,7 +57,7 @@ fn figure_4_with_slack() {
 fn figure_4_itself() {
     let law = Law::Elastic { draft_n_per_m: 1.0, buff_n_per_m: 1.0, slack_m: 0.0 };
     for law in [law, wedge(1.0, 18.0, 0.0, 0.0, 1e3)] {
-        let out = solve(&let_go(50, 1.0, &law, &[1.0], 60.0), &Ask::default());
+        let out = solve(&let_go(50, 1.0, &law, &[1.0], 60.0), &MarchOptions::default());
         let buff =
             out.extremes.iter().map(|e| e.buff).min_by(|a, b| a.force_n.total_cmp(&b.force_n)).expect("50 couplers");
         assert!((buff.force_n + 1.47279347663338).abs() < 1e-14, "{:.16}", buff.force_n);
@@ -72,7 +72,7 @@ fn cars(law: &Law, pulls: &[f64], horizon: f64) -> (Problem, f64) {
 
 /// Unloading a share under the loading curve.
 fn with_friction(c: &Curve, share: f64) -> Curve {
-    let row = |r: &Row| Row { unloading_n: (1.0 - share) * r.loading_n, ..*r };
+    let row = |r: &GearRow| GearRow { unloading_n: (1.0 - share) * r.loading_n, ..*r };
     Curve::new(c.rows().iter().map(row).collect()).expect("a table")
 }
 
@@ -98,7 +98,8 @@ fn shares_of_friction() {
         let law = |slack| wedge(17.9e6, 2e8, share, slack, 1.0);
         row(&[none, mm_25], EIGHT, |n| cars(&law([0.0, 0.025][n]), &[6e5], 40.0));
     }
-    let half = gear_a().rows().iter().map(|r| Row { unloading_n: 0.5 * (r.loading_n + r.unloading_n), ..*r }).collect();
+    let half =
+        gear_a().rows().iter().map(|r| GearRow { unloading_n: 0.5 * (r.loading_n + r.unloading_n), ..*r }).collect();
     of_gear(&Curve::new(half).expect("a table"), slacks, [1.29763475, f64::NAN, 1.11515227]);
 }
 
@@ -121,7 +122,7 @@ fn damped() {
         let law = Law::Elastic { draft_n_per_m: 17.9e6, buff_n_per_m: 17.9e6, slack_m: 0.0 };
         let dashpot = 2.0 * share * (17.9e6f64 * 130e3).sqrt();
         let (problem, pull) = cars(&law, &[6e5], 40.0);
-        let out = solve(&Problem { dashpot_n_s_per_m: vec![dashpot; 105], ..problem }, &Ask::default());
+        let out = solve(&Problem { dashpot_n_s_per_m: vec![dashpot; 105], ..problem }, &MarchOptions::default());
         let largest = out.extremes.iter().flat_map(|e| [e.draft.force_n, -e.buff.force_n]).fold(0.0, f64::max) / pull;
         assert!((largest - want).abs() < EIGHT, "{largest:.12} for {want}");
     }
@@ -160,7 +161,7 @@ fn hauled(law: &Law, dashpot: f64, emergency: bool) -> Problem {
 }
 
 /// Largest draft of the front part, largest buff and draft of the rear part, after the break.
-fn parts(out: &Outcome) -> [f64; 3] {
+fn parts(out: &MarchOutcome) -> [f64; 3] {
     let largest = |r: std::ops::Range<usize>, f: &dyn Fn(usize) -> f64| r.map(f).fold(0.0, f64::max) / 6e5;
     let draft = |i: usize| out.extremes[i].draft.force_n;
     [largest(0..30, &draft), largest(31..105, &|i| -out.extremes[i].buff.force_n), largest(31..105, &draft)]
@@ -178,8 +179,8 @@ fn parting_of_a_hauled_train() {
         (gear(2e8, 0.025, gear_a_dash()), 0.0, [1.007, 0.452, 1.152, 1.370]),
     ];
     for (law, dashpot, want) in trains {
-        let quiet = solve(&hauled(&law, dashpot, false), &Ask::default());
-        let braked = solve(&hauled(&law, dashpot, true), &Ask::default());
+        let quiet = solve(&hauled(&law, dashpot, false), &MarchOptions::default());
+        let braked = solve(&hauled(&law, dashpot, true), &MarchOptions::default());
         let got = [parts(&quiet), parts(&braked)];
         let got = [got[0][0], got[0][1], got[1][0], got[1][1]];
         assert!(got.iter().zip(want).all(|(g, w)| (g - w).abs() < 0.51e-3), "{got:?} for {want:?}");
@@ -195,13 +196,14 @@ fn variants_of_the_brake_wave() {
         let problem = hauled(&law, 0.0, true);
         let build_up = vec![[0.0, 0.0], [third_s, 0.3], [full_s, 1.0]];
         let emergency = problem.emergency.clone().map(|e| Emergency { wave_m_s, build_up, ..e });
-        parts(&solve(&Problem { emergency, ..problem }, &Ask::default()))[1]
+        parts(&solve(&Problem { emergency, ..problem }, &MarchOptions::default()))[1]
     };
     assert!((rear(250.0, 1.5, 8.0) - 1.432).abs() < 0.51e-3);
     assert!((rear(290.0, 1.5, 18.0) - 1.129).abs() < 0.51e-3);
     // The published figure does not tell when the cylinders are at 30 %: here at the same share of the time.
     assert!((rear(290.0, 0.75, 4.0) - 1.736).abs() < 1e-3);
     let cut = Drive::Lines(vec![[3.0, 0.0], [5.0, -6e5], [99.0, -6e5]]);
-    let front = parts(&solve(&Problem { forcing: vec![(0, cut)], ..hauled(&law, 0.0, true) }, &Ask::default()))[0];
+    let front =
+        parts(&solve(&Problem { forcing: vec![(0, cut)], ..hauled(&law, 0.0, true) }, &MarchOptions::default()))[0];
     assert!((front - 1.080).abs() < 0.51e-3);
 }

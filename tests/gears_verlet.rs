@@ -3,11 +3,11 @@
 mod gears;
 use gears::{gear, gear_a, gear_a_dash, let_go, train, verlet, wedge};
 use trainsafe::law::Law;
-use trainsafe::march::{Ask, Problem, solve};
+use trainsafe::march::{MarchOptions, Problem, solve};
 
 /// Largest difference of any coupler's extremes, in shares of the largest force.
 fn apart(problem: &Problem, steps: usize) -> f64 {
-    let ours = solve(problem, &Ask::default());
+    let ours = solve(problem, &MarchOptions::default());
     let theirs = verlet(problem, steps);
     let largest = ours.extremes.iter().flat_map(|e| [e.draft.force_n, -e.buff.force_n]).fold(0.0, f64::max);
     let off = |(e, t): (&trainsafe::march::Extremes, &[f64; 2])| {

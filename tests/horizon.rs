@@ -53,7 +53,7 @@ fn every_shape_is_covered() {
         ("record = \"late.csv\"", 52.1),
     ] {
         let train = parse(&wagons(scenario), dir.path());
-        let only = &train.scenarios[0];
+        let only = &train.scenarios()[0];
         assert_eq!(last_change_s(&train, only, None), change_s, "{scenario}");
         let beyond = horizon_s(&train, only, None) - change_s;
         assert!((beyond / (4.0 * wave(&train).transit_s) - 1.0).abs() < 1e-12, "{scenario}");
@@ -63,7 +63,7 @@ fn every_shape_is_covered() {
     }
     let event = "[[scenario]]\nkind = \"impact\"\nat = \"tail\"\nvehicles = 2\nspeed = \"1 m/s\"";
     let train = parse(&(wagons(RAMP) + event + "\n[[scenario]]\nkind = \"break\"\ncoupler = 3"), dir.path());
-    assert_eq!([1, 2].map(|i| last_change_s(&train, &train.scenarios[i], None)), [0.0, 0.0]);
+    assert_eq!([1, 2].map(|i| last_change_s(&train, &train.scenarios()[i], None)), [0.0, 0.0]);
 }
 
 /// A given horizon that ends too early: what is not seen is named, with a horizon that covers it.

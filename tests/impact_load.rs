@@ -84,7 +84,7 @@ fn a_load_over_the_rating_exceeds_before_the_blow() {
          [[scenario]]\nkind = \"impact\"\nat = \"tail\"\nvehicles = 7\nspeed = \"0.1 m/s\""
     );
     let train = parse(&text);
-    assert!(train.initial_force_n[0] > 1.5e6);
+    assert!(train.initial_force_n()[0] > 1.5e6);
     let found = case(&train);
     assert_eq!(found.couplers[0].initial_force_n, 0.9e6, "1.8 MN over two cars");
     assert!(!codes(&train).contains(&"load-over-rating"));

@@ -4,7 +4,8 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use trainsafe::consist::{self, Train};
+use trainsafe::consist;
+use trainsafe::train::Train;
 use trainsafe::{Options, analyze};
 
 /// What `import` writes and says.
@@ -42,9 +43,9 @@ fn a_whole_table_becomes_the_same_train() {
     let direct = "vehicles = \"yard.csv\"\n[coupler]\nstiffness = \"30 MN/m\"\nrated_load = \"1.2 MN\"\n";
     fs::write(folder.path().join("direct.toml"), direct).expect("written");
     let direct = consist::read(&folder.path().join("direct.toml")).expect("a train");
-    assert_eq!(imported.vehicles.len(), 20);
-    assert_eq!((&imported.vehicles, &imported.couplers), (&direct.vehicles, &direct.couplers));
-    assert_eq!(imported.extras.limits, direct.extras.limits);
+    assert_eq!(imported.vehicles().len(), 20);
+    assert_eq!((imported.vehicles(), imported.couplers()), (direct.vehicles(), direct.couplers()));
+    assert_eq!(imported.extras().limits, direct.extras().limits);
     for line in ["count = 8", "mass = \"118 t\"", "# row 3, column Mass (t), and alike to row 6", "name = \"yard\""] {
         assert!(text.contains(line), "{line}\n{text}");
     }
@@ -70,7 +71,7 @@ fn what_is_missing_is_marked_and_never_made_up() {
     assert!(refused.to_string().contains("[coupler] has no stiffness"), "{refused}");
     let filled = text.replace("# stiffness", "stiffness").replace("# rated_load", "rated_load");
     let train = read(&filled);
-    assert_eq!(train.couplers.iter().map(|c| c.rated_draft_n).collect::<Vec<_>>(), [1.2e6, 1.5e6]);
+    assert_eq!(train.couplers().iter().map(|c| c.rated_draft_n).collect::<Vec<_>>(), [1.2e6, 1.5e6]);
     let (quiet, nothing) = import(folder.path(), &["t.csv", "-q"]);
     assert_eq!((quiet, nothing.as_str()), (text, ""));
 }
@@ -86,11 +87,11 @@ fn odd_cells_come_through() {
     // A share is one of [coupler]'s rating, so none of the table's ratings can stand there.
     assert!(said.contains("missing: coupler.rated_load: given for 2 of 2 couplers"), "{said}");
     let train = read(&text.replace("# stiffness", "stiffness").replace("# rated_load = \"1.5", "rated_load = \"2"));
-    assert_eq!(train.vehicles[0].label, "a \"b\" \\ c");
-    assert!(train.vehicles[0].held);
-    assert_eq!(train.couplers[0].rated_draft_n, 1e6);
-    assert!((train.couplers[0].rated_buff_n - 1.1e6).abs() < 1e-6);
-    assert_eq!(train.couplers[1].rated_draft_n, 0.6 * 2e6);
+    assert_eq!(train.vehicles()[0].label, "a \"b\" \\ c");
+    assert!(train.vehicles()[0].held);
+    assert_eq!(train.couplers()[0].rated_draft_n, 1e6);
+    assert!((train.couplers()[0].rated_buff_n - 1.1e6).abs() < 1e-6);
+    assert_eq!(train.couplers()[1].rated_draft_n, 0.6 * 2e6);
 }
 
 const CONSIST: &str = "SIMISA@@@@@@@@@@JINX0D0t______\n\n\
@@ -135,21 +136,21 @@ fn a_consist_of_open_rails() {
         .replace("# stiffness", "stiffness")
         .replace("# rated_load", "rated_load");
     let train = read(&filled);
-    assert_eq!(train.name, "Coal empties");
-    let masses: Vec<f64> = train.vehicles.iter().map(|v| v.mass_kg).collect();
+    assert_eq!(train.name(), "Coal empties");
+    let masses: Vec<f64> = train.vehicles().iter().map(|v| v.mass_kg).collect();
     let us_ton = 2000.0 * 0.453_592_37;
     assert!((masses[0] - 120.0 * us_ton).abs() < 1e-6 && masses[1..] == [28_500.0, 28_500.0, 30_000.0], "{masses:?}");
-    let lengths: Vec<Option<f64>> = train.vehicles.iter().map(|v| v.length_m).collect();
+    let lengths: Vec<Option<f64>> = train.vehicles().iter().map(|v| v.length_m).collect();
     assert!((lengths[0].expect("a length") - 59.0 * 0.3048).abs() < 1e-9);
     assert_eq!(lengths[1..], [Some(14.5), Some(14.5), None]);
     // Behind the engine its rear coupling, the only one it has, and the hopper's front one; then two rear ones, for the second is flipped.
     let pound_n = 4.448_221_615_260_5;
     let near = |a: f64, b: f64| (a - b).abs() <= 1e-12 * b;
-    assert!(near(train.couplers[0].stiffness_n_per_m, 1.0 / (1.0 / 6e6 + 1.0 / 3e6)), "{:?}", train.couplers[0]);
-    assert!(near(train.couplers[0].rated_draft_n, 400_000.0 * pound_n), "{:?}", train.couplers[0]);
-    assert!(near(train.couplers[1].stiffness_n_per_m, 2e6));
-    assert!(near(train.couplers[1].rated_draft_n, 5e7));
-    assert_eq!(train.couplers[2].stiffness_n_per_m, 30e6);
+    assert!(near(train.couplers()[0].stiffness_n_per_m, 1.0 / (1.0 / 6e6 + 1.0 / 3e6)), "{:?}", train.couplers()[0]);
+    assert!(near(train.couplers()[0].rated_draft_n, 400_000.0 * pound_n), "{:?}", train.couplers()[0]);
+    assert!(near(train.couplers()[1].stiffness_n_per_m, 2e6));
+    assert!(near(train.couplers()[1].rated_draft_n, 5e7));
+    assert_eq!(train.couplers()[2].stiffness_n_per_m, 30e6);
 }
 
 /// A file that Open Rails has of its own includes the game's and goes before it; `--trainset` names other folders.
@@ -166,8 +167,8 @@ fn included_files_and_other_folders() {
     let (text, said) = import(folder.path(), &["coal.con", "--trainset", "more"]);
     assert!(!said.contains("missing"), "{said}");
     let train = read(&text);
-    assert_eq!(train.vehicles.iter().map(|v| v.mass_kg).collect::<Vec<_>>()[1..], [31_200.0; 3]);
-    assert_eq!(train.couplers.len(), 3);
+    assert_eq!(train.vehicles().iter().map(|v| v.mass_kg).collect::<Vec<_>>()[1..], [31_200.0; 3]);
+    assert_eq!(train.couplers().len(), 3);
     assert!(!import(folder.path(), &["coal.con"]).0.contains("31.2"));
 }
 

@@ -33,6 +33,6 @@ fn overrides_of_limits() {
     let text = "[coupler]\nstiffness = \"1 N/m\"\nrated_load = \"9 N\"\nlimits = { fatigue = \"1 N\", proof = \"2 N\" }
         [[vehicle]]\ncount = 3\nmass = \"1 kg\"\n[[coupler_override]]\nat = 2\nlimits = { proof = \"3 N\" }";
     let train = consist::parse(text, Path::new("a.toml")).unwrap_or_else(|e| panic!("{e}"));
-    let limits = [[Some(1.0), Some(2.0), None], [Some(1.0), Some(3.0), None]].map(consist::Limits::both);
-    assert_eq!(train.extras.limits, limits);
+    let limits = [[Some(1.0), Some(2.0), None], [Some(1.0), Some(3.0), None]].map(trainsafe::train::Limits::both);
+    assert_eq!(train.extras().limits, limits);
 }

@@ -3,8 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-use trainsafe::consist::Limits;
 use trainsafe::doubts::doubts;
+use trainsafe::train::Limits;
 use trainsafe::{Analysis, Options, Train, analyze, consist, report};
 
 /// No limit.
@@ -166,7 +166,7 @@ fn overrides_merge_each_capacity_in_each_sense() {
         limits([one, two, None], [one, None, Some(5.0)]),
         limits([Some(0.7), two, None], [Some(0.5), None, None]),
     ];
-    assert_eq!(train.extras.limits, expected);
+    assert_eq!(train.extras().limits, expected);
 }
 
 /// A rating above the load that breaks the coupler is told; at most it equals it.

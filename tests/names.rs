@@ -7,7 +7,7 @@ use std::process::Command;
 
 use trainsafe::Train;
 use trainsafe::consist;
-use trainsafe::scenario::Event;
+use trainsafe::train::Event;
 
 const FRONT: &str = "[coupler]\nstiffness = \"11.1 MN/m\"\nrated_load = \"0.5 MN\"\n[load]\nuniform = \"0.4 MN\"\n";
 
@@ -22,7 +22,7 @@ fn vehicles(groups: &[(&str, usize)]) -> String {
 
 fn labels(groups: &[(&str, usize)]) -> Vec<String> {
     let train = read(&vehicles(groups)).expect("a train");
-    train.vehicles.into_iter().map(|v| v.label).collect()
+    train.vehicles().iter().map(|v| v.label.clone()).collect()
 }
 
 #[test]
@@ -49,10 +49,10 @@ fn couplers_and_vehicles_are_named_by_label() {
                 [[scenario]]\nkind = \"break\"\ncoupler = [{ behind = \"loco\" }, 7]\n\
                 [[scenario]]\nkind = \"pulse\"\nat = \"caboose\"\nforce = \"1 kN\"\nduration = \"1 s\"\n";
     let train = read(&(train + rest)).expect("a train");
-    assert_eq!(train.couplers[39].rated_draft_n, 0.45e6);
-    assert_eq!(train.scenarios[0].event, Event::Break { couplers: vec![40] });
-    assert_eq!(train.scenarios[1].event, Event::Break { couplers: vec![0, 6] });
-    assert!(matches!(train.scenarios[2].event, Event::Pulse { vehicle: 51, .. }));
+    assert_eq!(train.couplers()[39].rated_draft_n, 0.45e6);
+    assert_eq!(train.scenarios()[0].event, Event::Break { couplers: vec![40] });
+    assert_eq!(train.scenarios()[1].event, Event::Break { couplers: vec![0, 6] });
+    assert!(matches!(train.scenarios()[2].event, Event::Pulse { vehicle: 51, .. }));
     let said = consist::describe(&train);
     for line in [
         "by label: coupler 40 is behind \"coal car 39\"\n",
@@ -83,8 +83,8 @@ fn a_label_that_names_none_or_several_is_refused() {
     // The end of the train goes before a label, and a doubt says so.
     let train = vehicles(&[("tail", 1), ("car", 2)]);
     let train = read(&format!("{train}[[scenario]]\n{pulse}\"tail\"\n")).expect("a train");
-    assert!(matches!(train.scenarios[0].event, Event::Pulse { vehicle: 2, .. }));
-    assert_eq!(train.origin.doubts[0].code, "label-head-or-tail");
+    assert!(matches!(train.scenarios()[0].event, Event::Pulse { vehicle: 2, .. }));
+    assert_eq!(train.origin().doubts[0].code, "label-head-or-tail");
 }
 
 /// What a command says of a file with this name and content, on standard error; it is refused.
@@ -202,7 +202,7 @@ fn rise_and_fall_may_be_the_whole_duration() {
         ("50 ms", "50 ms", "0.1 s"),
     ] {
         let train = pulse(rise, fall, duration).expect("a triangle");
-        let Event::Shaped { drive: trainsafe::play::Drive::Lines(points), .. } = &train.scenarios[0].event else {
+        let Event::Shaped { drive: trainsafe::play::Drive::Lines(points), .. } = &train.scenarios()[0].event else {
             panic!("no shape");
         };
         assert!(points.windows(2).all(|p| p[0][0] <= p[1][0]), "{points:?}");

@@ -6,11 +6,10 @@ mod scenes;
 use scenes::*;
 use serde::Deserialize;
 use trainsafe::chain::{Chain, Scene};
-use trainsafe::consist::{Coupler, Extras, Origin, Vehicle};
 use trainsafe::play::Rule;
-use trainsafe::scenario::{Event, Scenario};
 use trainsafe::solve::{Ask, Method, fronts, propagator, solve};
-use trainsafe::{Options, Train, analyze};
+use trainsafe::train::{CouplerSpec, Event, Load, Scenario, TrainSpec, VehicleSpec};
+use trainsafe::{Options, analyze};
 
 /// Figures are given to 1e-10 in force and time.
 const FIGURES: f64 = 1e-10;
@@ -281,28 +280,25 @@ fn two_vehicles_by_hand() {
 /// of a train whose first and last vehicles are held breaks. The time unit is sqrt(80000 / 20e6) s, the force's 0.6 MN.
 #[test]
 fn figure_4_in_si_units() {
-    let vehicle = |held| Vehicle { label: "car".to_owned(), mass_kg: 80e3, held, length_m: None };
-    let coupler = Coupler { stiffness_n_per_m: 20e6, rated_draft_n: 0.6e6, rated_buff_n: 0.6e6 };
-    let mut vehicles = vec![vehicle(false); 52];
-    vehicles[0] = vehicle(true);
-    vehicles[51] = vehicle(true);
+    let wall = VehicleSpec { held: true, ..VehicleSpec::new(80e3) };
+    let vehicles = vec![wall.clone(), VehicleSpec { count: 50, ..VehicleSpec::new(80e3) }, wall];
     let unit = (80e3f64 / 20e6).sqrt();
-    let train = Train {
+    let spec = TrainSpec {
         name: "figure 4".to_owned(),
         vehicles,
-        couplers: vec![coupler; 51],
-        initial_force_n: vec![0.6e6; 51],
+        couplers: vec![CouplerSpec::linear(20e6, 0.6e6); 51],
+        load: Load::Uniform(0.6e6),
         scenarios: vec![Scenario {
             name: "break".to_owned(),
             event: Event::Break { couplers: vec![50] },
             horizon_s: Some(100.0 * unit),
             cascade: Rule::Keep,
             left_out_in_buff: vec![],
-            response: trainsafe::scenario::Response::default(),
+            response: trainsafe::train::Response::default(),
         }],
-        extras: Extras::default(),
-        origin: Origin::default(),
+        ..TrainSpec::default()
     };
+    let train = spec.build().expect("a train");
     let analysis = analyze(&train, &Options::default()).expect("a train that can be analysed");
     let case = &analysis.scenarios[0].cases[0];
     let (due, paper) = (&paper().trend[0].extremum, paper().figure4);

@@ -7,7 +7,7 @@
 mod gears;
 use gears::{curve, gear, gear_a, let_go, train, wedge};
 use trainsafe::law::{Law, Rest};
-use trainsafe::march::{Ask, Outcome, Problem, solve};
+use trainsafe::march::{MarchOptions, MarchOutcome, Problem, solve};
 use trainsafe::play::Drive;
 
 const M: f64 = 130e3;
@@ -20,13 +20,16 @@ fn spring(k: f64, slack_m: f64) -> Law {
 
 /// A capacity of next to nothing in both senses: the first instants at which couplers carry a force. Of what is left of an event,
 /// a stiffness times 1e-15 m, it is some ten times; the instants are late by the capacity over stiffness and speed.
-fn contacts(problem: &Problem, capacity: f64) -> Outcome {
-    solve(problem, &Ask { capacity_n: vec![[capacity; 2]; problem.laws.len()], audit: true, ..Ask::default() })
+fn contacts(problem: &Problem, capacity: f64) -> MarchOutcome {
+    solve(
+        problem,
+        &MarchOptions { capacity_n: vec![[capacity; 2]; problem.laws.len()], audit: true, ..MarchOptions::default() },
+    )
 }
 
 fn forces(problem: &Problem, times: &[f64]) -> Vec<Vec<f64>> {
     let history = (0..problem.laws.len()).collect();
-    solve(problem, &Ask { history, times_s: times.to_vec(), ..Ask::default() }).history
+    solve(problem, &MarchOptions { history, times_s: times.to_vec(), ..MarchOptions::default() }).history
 }
 
 #[track_caller]
@@ -54,7 +57,8 @@ fn bouncing_for_a_minute() {
     let problem = pair(spring(K, 0.025), 1.0, Rest::default(), 60.0);
     let (half, lasts) = (0.21431282468588320731, 0.18931282468588320731);
     let times: Vec<f64> = (0..280).map(|n| 0.0125 + n as f64 * half + 0.5 * lasts).collect();
-    let out = solve(&problem, &Ask { history: vec![0], times_s: times, audit: true, ..Ask::default() });
+    let out =
+        solve(&problem, &MarchOptions { history: vec![0], times_s: times, audit: true, ..MarchOptions::default() });
     for (n, f) in out.history[0].iter().enumerate() {
         // In the middle of a contact the force is flat.
         near(f.abs(), 1078656.5718522276727, 1e-6);
@@ -77,7 +81,7 @@ fn one_cycle() {
         speed_m_s: vec![0.0, -speed],
         ..train(vec![M; 2], vec![law], 1.0)
     };
-    let out = solve(&problem, &Ask { audit: true, ..Ask::default() });
+    let out = solve(&problem, &MarchOptions { audit: true, ..MarchOptions::default() });
     near(out.extremes[0].draft.force_n, 6e5, 1e-8);
     let energy = out.energy.expect("asked for");
     near(energy.end_j, 5100.7346938775510204, 1e-9);
@@ -96,7 +100,7 @@ fn elastic_and_plastic() {
     for (n, want) in [(1, -2e5), (2, -2e5), (3, -2e5), (4, 0.0)] {
         near(force[n], want, 1e-8);
     }
-    let out = solve(&problem, &Ask::default());
+    let out = solve(&problem, &MarchOptions::default());
     near(out.end_speed_m_s[1], -0.12403473458920845619, 1e-15);
 }
 
@@ -151,7 +155,7 @@ fn bottoming() {
     ];
     for (mph, want) in speeds {
         let law = gear(2e8, 0.1, gear_a());
-        let out = solve(&pair(law, mph * MPH, Rest { force_n: 0.0, travel_m: -0.05 }, 0.5), &Ask::default());
+        let out = solve(&pair(law, mph * MPH, Rest { force_n: 0.0, travel_m: -0.05 }, 0.5), &MarchOptions::default());
         near(-out.extremes[0].buff.force_n / want, 1.0, 1e-14);
     }
 }
@@ -164,7 +168,7 @@ fn let_go_of_long_trains() {
     near(forces(&problem, &[t])[59][0] / 6e5, 0.27428571428571428571, 1e-14);
     let problem = let_go(60, 1.0, &spring(1.0, 0.5), &[1.0], 1.9158529851037561578);
     near(forces(&problem, &[1.9158529851037561578])[59][0], 0.0, 1e-15);
-    let out = solve(&problem, &Ask::default());
+    let out = solve(&problem, &MarchOptions::default());
     near(out.end_speed_m_s[60], 1.0922000673310430172, 1e-15);
 }
 

@@ -10,7 +10,7 @@ use sha2::{Digest, Sha256};
 use trainsafe::{Options, analyze, report};
 
 fn page() -> String {
-    let train = common::figure_5();
+    let train = common::built(&common::figure_5());
     let analysis = analyze(&train, &Options::default()).expect("sound");
     let files = report::documents(&train, &analysis, &[report::Format::Html]).expect("written");
     let (_, bytes) = files.into_iter().find(|(name, _)| name == "report.html").expect("a page");

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use trainsafe::doubts::{doubts, idle_options};
+use trainsafe::doubts::doubts;
+use trainsafe::findings::idle_options;
 use trainsafe::{Options, Train, analyze, consist};
 
 fn parse(text: &str) -> Train {
@@ -141,9 +142,9 @@ fn rounding_of_a_cancellation_is_no_load() {
     ] {
         let train = probe(first, others, load);
         assert!(
-            train.initial_force_n.iter().all(|f| *f == 0.0),
+            train.initial_force_n().iter().all(|f| *f == 0.0),
             "{first} {others} {load}: {:?}",
-            train.initial_force_n
+            train.initial_force_n()
         );
         assert_eq!(codes(&train), ["no-load"]);
         assert!(consist::describe(&train).contains("load before the event: none"));
@@ -152,9 +153,9 @@ fn rounding_of_a_cancellation_is_no_load() {
     }
     // A small force that is real stays: 1 N from the one vehicle that is different.
     let train = probe("", "", "[load]\ngrade = \"1.0 %\"");
-    let mut outside_n = train.extras.steady.expect("forces").outside_n;
+    let mut outside_n = train.extras().steady.clone().expect("forces").outside_n;
     outside_n[0] += 1.0;
-    let (forces, _) = consist::steady_forces(&train.vehicles, &train.couplers, &outside_n);
+    let (forces, _) = trainsafe::train::steady_forces(train.vehicles(), train.couplers(), &outside_n);
     assert!((forces[0] - 0.823).abs() < 1e-3, "{forces:?}");
 }
 

@@ -9,7 +9,7 @@ use std::path::Path;
 
 use fleets::{complaint, fleet, rows};
 use tempfile::TempDir;
-use trainsafe::fleet::spread::Law;
+use trainsafe::fleet::spread::Distribution;
 
 /// One car between a held locomotive and the coupler that breaks: the force in coupler 1 is then `load * cos(w t)`, which
 /// within half a period goes from the load in draft to the load in buff and no further.
@@ -91,7 +91,9 @@ fn a_lognormal_law_has_the_mean_and_deviation_that_are_asked_for() {
     let (mu, sigma) = (600e3f64.ln() - 0.05, 0.1f64);
     let mean = (mu + 0.5 * sigma * sigma).exp();
     let sd = mean * (sigma * sigma).exp_m1().sqrt();
-    let Law::LogNormal { mu: found, sigma: spread } = Law::lognormal(mean, sd) else { panic!("no lognormal law") };
+    let Distribution::LogNormal { mu: found, sigma: spread } = Distribution::lognormal(mean, sd) else {
+        panic!("no lognormal law")
+    };
     // A few roundings of numbers near 13.
     assert!((found - mu).abs() < 1e-13 && (spread - sigma).abs() < 1e-13, "{found} {spread}");
 }

@@ -4,7 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use trainsafe::Train;
-use trainsafe::consist::{self, Origin};
+use trainsafe::consist;
+use trainsafe::train::{Origin, TrainSpec};
 
 const FRONT: &str =
     "name = \"tabled\"\n[coupler]\nstiffness = \"30 MN/m\"\nrated_load = \"1 MN\"\n[load]\nuniform = \"60 %\"\n";
@@ -17,12 +18,16 @@ fn read(table: &str, rest: &str) -> Result<Train, String> {
     let shown = folder.path().display().to_string();
     let train = consist::parse(&text, &folder.path().join("train.toml"));
     // Where it comes from is not compared.
-    train.map(|t| Train { origin: Origin::default(), ..t }).map_err(|e| e.to_string().replace(&shown, "HERE"))
+    train.map(of_itself).map_err(|e| e.to_string().replace(&shown, "HERE"))
+}
+
+fn of_itself(train: Train) -> Train {
+    TrainSpec { origin: Origin::default(), ..train.into_spec() }.build().expect("it was one")
 }
 
 fn spelt_out(vehicles: &str) -> Train {
     let train = consist::parse(&format!("{FRONT}{vehicles}"), Path::new("train.toml"));
-    Train { origin: Origin::default(), ..train.unwrap_or_else(|e| panic!("{e}")) }
+    of_itself(train.unwrap_or_else(|e| panic!("{e}")))
 }
 
 #[test]
@@ -118,9 +123,9 @@ error: row 4, column held: a vehicle in the middle of the train is held
         ),
         (
             "mass [t]\n80\n",
-            "error: the table has 1 vehicle
+            "error: the train has one vehicle, so no coupler
 --> HERE/consist.csv
- = help: give it a row for each vehicle, at least two",
+ = help: give it a row or a [[vehicle]] for each vehicle or group alike, from the head: at least two vehicles",
         ),
     ];
     for (table, expected) in cases {
@@ -164,7 +169,7 @@ fn the_template_s_table_can_be_used() {
     let (_, load) = rest.split_once("\n[load]").expect("a load");
     let text = format!("{}\n[load]{load}", front.replace(line, line.trim_start_matches("# ")));
     let train = consist::parse(&text, &folder.path().join("train.toml")).unwrap_or_else(|e| panic!("{e}"));
-    assert_eq!((train.vehicles.len(), train.vehicles[0].held, train.couplers[0].rated_buff_n), (105, true, 2e6));
+    assert_eq!((train.vehicles().len(), train.vehicles()[0].held, train.couplers()[0].rated_buff_n), (105, true, 2e6));
 }
 
 /// A row of sums whose word stands among the numbers of the rows does not hide that these are out of order.

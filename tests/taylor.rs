@@ -2,7 +2,7 @@
 
 use trainsafe::chain::{Chain, Scene};
 use trainsafe::play::{Drive, Play, Rule};
-use trainsafe::solve::taylor::{self, Outcome};
+use trainsafe::solve::taylor::{self, TaylorOutcome};
 use trainsafe::solve::{Ask, Method, solve};
 
 const PI: f64 = std::f64::consts::PI;
@@ -48,7 +48,7 @@ fn play(scene: Scene) -> Play {
     }
 }
 
-fn run(play: &Play) -> Outcome {
+fn run(play: &Play) -> TaylorOutcome {
     taylor::solve(play).expect("short")
 }
 
@@ -139,7 +139,7 @@ struct Extremes {
     buff: (f64, f64),
 }
 
-fn both(out: &Outcome) -> Extremes {
+fn both(out: &TaylorOutcome) -> Extremes {
     let side = |negative: bool| {
         let best = out.springs[0].side(negative).best;
         (best.value, best.at)

@@ -364,8 +364,11 @@ fn what_the_report_prints_is_read_again() {
     ];
     let [stiffness, rating, damping, mass, load] = names.map(fact);
     let again = parse(&file(&stiffness, &rating, &damping, &mass, &load));
-    assert_eq!((again.couplers, again.vehicles, again.extras), (train.couplers, train.vehicles, train.extras));
-    assert_eq!(again.initial_force_n, train.initial_force_n);
+    assert_eq!(
+        (again.couplers(), again.vehicles(), again.extras()),
+        (train.couplers(), train.vehicles(), train.extras())
+    );
+    assert_eq!(again.initial_force_n(), train.initial_force_n());
 }
 
 /// A train in the units of a North American car builder's sheet.
@@ -375,10 +378,10 @@ fn a_train_in_us_units_as_people_write_them() {
                 mass = \"432000 lbs\"\n[[vehicle]]\nmass = \"286 klbs\"\n[load]\nuniform = \"150 klb\"\n";
     let train = consist::parse(text, Path::new("a.toml")).unwrap_or_else(|e| panic!("{e}"));
     let near = |value: f64, expected: f64| assert!((value / expected - 1.0).abs() < 1e-15, "{value} {expected}");
-    near(train.couplers[0].stiffness_n_per_m, 16_987_303.018_908_21);
-    near(train.couplers[0].rated_draft_n, 1_734_806.429_951_595);
-    near(train.extras.dashpot_n_s_per_m[0], 115_400.0);
-    near(train.vehicles[0].mass_kg, 195_951.903_84);
-    near(train.vehicles[1].mass_kg, 129_727.417_82);
-    near(train.initial_force_n[0], 667_233.242_289_075);
+    near(train.couplers()[0].stiffness_n_per_m, 16_987_303.018_908_21);
+    near(train.couplers()[0].rated_draft_n, 1_734_806.429_951_595);
+    near(train.extras().dashpot_n_s_per_m[0], 115_400.0);
+    near(train.vehicles()[0].mass_kg, 195_951.903_84);
+    near(train.vehicles()[1].mass_kg, 129_727.417_82);
+    near(train.initial_force_n()[0], 667_233.242_289_075);
 }

@@ -6,8 +6,9 @@ use std::fs;
 use std::path::Path;
 use std::time::Instant;
 
-use trainsafe::consist::{self, Train};
+use trainsafe::consist;
 use trainsafe::error::InputError;
+use trainsafe::train::Train;
 
 fn read(vehicles: &str) -> Result<Train, InputError> {
     let coupler = "[coupler]\nstiffness = \"30 MN/m\"\nrated_load = \"1 MN\"\nrated_buff = \"110 %\"\n";
@@ -22,13 +23,13 @@ fn xlsx_ods_and_csv_are_the_same_train() {
     assert_eq!(expected.vehicles[1].label, "car, \"long\"");
     for name in ["consist.xlsx", "consist.xlsx#Consist", "consist.ods", "consist.ods#Consist"] {
         let train = read(name).unwrap_or_else(|e| panic!("{name}: {e}"));
-        assert_eq!((&train.vehicles, &train.couplers), (&expected.vehicles, &expected.couplers), "{name}");
+        assert_eq!((train.vehicles(), train.couplers()), (&expected.vehicles, &expected.couplers), "{name}");
         // The grades, of which one is a percentage that binary numbers do not hold.
-        assert_eq!(train.initial_force_n, expected.initial_force_n, "{name}");
-        assert!(train.initial_force_n.iter().any(|f| *f != 0.0));
-        let doubts: Vec<String> = train.origin.doubts.iter().map(ToString::to_string).collect();
+        assert_eq!(train.initial_force_n(), expected.initial_force_n, "{name}");
+        assert!(train.initial_force_n().iter().any(|f| *f != 0.0));
+        let doubts: Vec<String> = train.origin().doubts.iter().map(ToString::to_string).collect();
         assert_eq!(doubts, [format!("the column \"Loaded on\" of {name} is not read")]);
-        let [source] = train.origin.sources.as_slice() else { panic!("{:?}", train.origin.sources) };
+        let [source] = train.origin().sources.as_slice() else { panic!("{:?}", train.origin().sources) };
         assert!(source.path.ends_with(name));
     }
 }

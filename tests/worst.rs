@@ -1,7 +1,7 @@
 //! Asked for the worst alone: what a row of a fleet says is the same to the bit, for a small part of the looks.
 
 use proptest::prelude::*;
-use trainsafe::accuracy::campaign::{row::Row, scene};
+use trainsafe::accuracy::campaign::{row::WorstRow, scene};
 use trainsafe::chain::{Chain, Scene};
 use trainsafe::solve::memo::Memo;
 use trainsafe::solve::watch::SpringPeaks;
@@ -63,7 +63,7 @@ proptest! {
         let peaks: Option<Vec<SpringPeaks>> = solved(&bare, &EVERYTHING).springs.into_iter().collect();
         let scene = rated(bare, &peaks.expect("every spring"), kind, share);
         for method in [None, Some(Method::Fronts), Some(Method::Propagator)] {
-            let by = |ask: Ask| solve(&scene, &Ask { method, ..ask }).ok().map(|s| (Row::of(&scene, &s), s));
+            let by = |ask: Ask| solve(&scene, &Ask { method, ..ask }).ok().map(|s| (WorstRow::of(&scene, &s), s));
             let (Some((all, everything)), Some((row, worst))) = (by(EVERYTHING), by(WORST)) else { continue };
             let (row, all) = (row.expect("all springs"), all.expect("all springs"));
             prop_assert!(row.agrees(&all, &scene), "{:?}: {:?} instead of {:?}", method, row, all);
@@ -75,7 +75,7 @@ proptest! {
         }
         let [all, row] = [EVERYTHING, WORST].map(|ask| {
             let solution = Memo::new(1 << 20).solve(&scene, &ask).expect("a solution");
-            Row::of(&scene, &solution).expect("all springs")
+            WorstRow::of(&scene, &solution).expect("all springs")
         });
         prop_assert!(row.agrees(&all, &scene), "{:?} instead of {:?}", row, all);
     }
@@ -94,7 +94,7 @@ proptest! {
             scene.rated_buff.fill(buff * rating);
             let [all, row] = [EVERYTHING, WORST].map(|ask| {
                 let solution = memo.solve(&scene, &ask).expect("a solution");
-                Row::of(&scene, &solution)
+                WorstRow::of(&scene, &solution)
             });
             prop_assert_eq!(row, all);
         }

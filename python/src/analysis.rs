@@ -8,7 +8,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use trainsafe::findings::{self, CaseFindings, Of, ScenarioFindings, Stop};
-use trainsafe::report::{self, Format, Row};
+use trainsafe::report::{self, CouplerRow, Format};
 use trainsafe::solve::Method;
 use trainsafe::{Analysis, Options, Train};
 
@@ -76,7 +76,7 @@ impl Findings {
     /// Every coupler of every case.
     fn couplers(&self, py: Python<'_>) -> PyResult<Table> {
         py.detach(|| {
-            let rows: Vec<Row> = report::coupler_rows(&self.analysis).collect();
+            let rows: Vec<CouplerRow> = report::coupler_rows(&self.analysis).collect();
             Table::of_rows(&report::coupler_columns(&self.analysis), &rows)
         })
     }
@@ -118,7 +118,7 @@ impl Findings {
         let of = if rod { Of::Rod } else { Of::Event };
         let field = work(py, &Stop::default(), move || {
             let found = &analysis.scenarios[scenario];
-            let index = train.scenarios.iter().position(|s| s.name == found.name)?;
+            let index = train.scenarios().iter().position(|s| s.name == found.name)?;
             findings::field(&train, index, &found.cases[case], of)
         })?;
         let parts = |field: findings::Field| {
@@ -143,9 +143,9 @@ pub fn history<'py>(
     times_s: Vec<f64>,
 ) -> PyResult<Bound<'py, PyBytes>> {
     let train = document.get().train.clone();
-    let couplers = train.couplers.len();
+    let couplers = train.couplers().len();
     let known = |number: usize| (1..=couplers).contains(&number);
-    if !known(coupler) || !broken.is_none_or(known) || scenario >= train.scenarios.len() {
+    if !known(coupler) || !broken.is_none_or(known) || scenario >= train.scenarios().len() {
         return Err(PyValueError::new_err(format!("the train has couplers 1 to {couplers}")));
     }
     if times_s.iter().any(|t| !(*t >= 0.0 && t.is_finite())) || !times_s.is_sorted() {

@@ -8,10 +8,11 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use trainsafe::Train;
-use trainsafe::consist::{self, Coupler, Source};
+use trainsafe::consist;
 use trainsafe::document::Document as Text;
 use trainsafe::doubts::doubts;
 use trainsafe::error::InputError;
+use trainsafe::train::{Coupler, Source};
 
 use crate::errors;
 use crate::table::{Table, whole};
@@ -76,12 +77,12 @@ impl Document {
 
     #[getter]
     fn name(&self) -> &str {
-        &self.train.name
+        self.train.name()
     }
 
     #[getter]
     fn scenarios(&self) -> Vec<String> {
-        self.train.scenarios.iter().map(|s| s.name.clone()).collect()
+        self.train.scenarios().iter().map(|s| s.name.clone()).collect()
     }
 
     /// Doubts as code, scenario and text.
@@ -95,29 +96,29 @@ impl Document {
     }
 
     fn __len__(&self) -> usize {
-        self.train.vehicles.len()
+        self.train.vehicles().len()
     }
 
     /// A row for each vehicle and the coupler behind it.
     fn vehicles(&self) -> PyResult<Table> {
         let train = &self.train;
-        let count = train.vehicles.len();
+        let count = train.vehicles().len();
         let behind = |of: fn(&Coupler) -> f64| -> ArrayRef {
-            Arc::new((0..count).map(|i| train.couplers.get(i).map(of)).collect::<Float64Array>())
+            Arc::new((0..count).map(|i| train.couplers().get(i).map(of)).collect::<Float64Array>())
         };
-        let labels = train.vehicles.iter().map(|v| Some(v.label.as_str()));
+        let labels = train.vehicles().iter().map(|v| Some(v.label.as_str()));
         let columns: [(&str, ArrayRef); 9] = [
             ("vehicle", Arc::new(whole((1..=count).map(Some)))),
             ("label", Arc::new(labels.collect::<StringArray>())),
-            ("mass_kg", Arc::new(train.vehicles.iter().map(|v| Some(v.mass_kg)).collect::<Float64Array>())),
-            ("held", Arc::new(train.vehicles.iter().map(|v| Some(v.held)).collect::<BooleanArray>())),
-            ("length_m", Arc::new(train.vehicles.iter().map(|v| v.length_m).collect::<Float64Array>())),
+            ("mass_kg", Arc::new(train.vehicles().iter().map(|v| Some(v.mass_kg)).collect::<Float64Array>())),
+            ("held", Arc::new(train.vehicles().iter().map(|v| Some(v.held)).collect::<BooleanArray>())),
+            ("length_m", Arc::new(train.vehicles().iter().map(|v| v.length_m).collect::<Float64Array>())),
             ("stiffness_n_per_m", behind(|c| c.stiffness_n_per_m)),
             ("rated_draft_n", behind(|c| c.rated_draft_n)),
             ("rated_buff_n", behind(|c| c.rated_buff_n)),
             (
                 "initial_force_n",
-                Arc::new((0..count).map(|i| train.initial_force_n.get(i).copied()).collect::<Float64Array>()),
+                Arc::new((0..count).map(|i| train.initial_force_n().get(i).copied()).collect::<Float64Array>()),
             ),
         ];
         Table::new(columns.into_iter().map(|(name, array)| (name.to_owned(), array)).collect())

@@ -14,7 +14,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyList};
 use trainsafe::consist::{cell_of_number, cell_of_text};
-use trainsafe::report::{Cells, Column, Row};
+use trainsafe::report::{Cells, Column, CouplerRow};
 
 /// A table of results: columns of text, whole numbers, numbers and flags, with nulls.
 #[pyclass(frozen, module = "trainsafe._native")]
@@ -35,7 +35,7 @@ impl Table {
     }
 
     /// The rows of the couplers of an analysis.
-    pub fn of_rows(columns: &[&'static Column], rows: &[Row]) -> PyResult<Table> {
+    pub fn of_rows(columns: &[&'static Column], rows: &[CouplerRow]) -> PyResult<Table> {
         let array = |column: &&Column| -> ArrayRef {
             match column.cells {
                 Cells::Text(of) => Arc::new(rows.iter().map(of).collect::<StringArray>()),

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::peers::{Marched, Peer};
 use super::reference::{Extreme, Reference, ReferenceError};
-use super::{Effort, INSTANTS, Options, Origin, Row, WATCHED};
+use super::{AccuracyOptions, Effort, INSTANTS, MethodRow, RowOrigin, WATCHED};
 use crate::chain::Scene;
 use crate::solve::dd::Dd;
 use crate::solve::watch::{Side, SpringPeaks};
@@ -27,9 +27,9 @@ pub struct Bench<'a> {
     exact: Vec<Vec<Dd>>,
     force_n: f64,
     rating_n: f64,
-    options: Options,
+    options: AccuracyOptions,
     /// What was measured.
-    pub rows: Vec<Row>,
+    pub rows: Vec<MethodRow>,
     /// What was left out, and why.
     pub left_out: Vec<String>,
 }
@@ -39,7 +39,12 @@ impl<'a> Bench<'a> {
     ///
     /// # Errors
     /// The reference's.
-    pub fn new(scene: &'a Scene, force_n: f64, rating_n: f64, options: Options) -> Result<Bench<'a>, ReferenceError> {
+    pub fn new(
+        scene: &'a Scene,
+        force_n: f64,
+        rating_n: f64,
+        options: AccuracyOptions,
+    ) -> Result<Bench<'a>, ReferenceError> {
         let reference = Reference::new(scene)?;
         let extremes = reference.extremes()?;
         let springs = scene.initial.len();
@@ -82,7 +87,7 @@ impl<'a> Bench<'a> {
     /// A row for a solution, or a wider range of tolerances for the same one among the rows from `from` on.
     fn add(&mut self, method: Option<Method>, tolerance: f64, solution: &Solution, from: usize) {
         let bound_n = solution.error_bound * self.force_n;
-        let same = |row: &&mut Row| {
+        let same = |row: &&mut MethodRow| {
             row.method == solution.method.name()
                 && row.work == Effort::Counted(solution.work)
                 && row.bound_n == Some(bound_n)
@@ -98,7 +103,7 @@ impl<'a> Bench<'a> {
         self.rows.push(row);
     }
 
-    fn our_row(&self, planner: bool, tolerance: f64, solution: &Solution, run_time_s: f64, runs: usize) -> Row {
+    fn our_row(&self, planner: bool, tolerance: f64, solution: &Solution, run_time_s: f64, runs: usize) -> MethodRow {
         let method = solution.method;
         let peaks = solution.springs.iter().zip(&self.extremes).map(|(found, [draft, buff])| match found {
             Some(found) => draft.error_of(found.draft.best.value).max(buff.error_of(found.buff.best.value)),
@@ -112,8 +117,8 @@ impl<'a> Bench<'a> {
             None => 0.0,
         });
         let (peak, force) = (peaks.fold(0.0, f64::max), forces.reduce(|| 0.0, f64::max));
-        Row {
-            origin: if planner { Origin::Planner(method) } else { Origin::Ours(method) },
+        MethodRow {
+            origin: if planner { RowOrigin::Planner(method) } else { RowOrigin::Ours(method) },
             method: method.name(),
             setting: format!("tolerance {tolerance:e}"),
             tolerances: Some([tolerance; 2]),
@@ -149,7 +154,7 @@ impl<'a> Bench<'a> {
         }
     }
 
-    fn peer_row(&self, peer: Peer, marched: &Marched, run_time_s: f64, runs: usize) -> Row {
+    fn peer_row(&self, peer: Peer, marched: &Marched, run_time_s: f64, runs: usize) -> MethodRow {
         let pairs = self.extremes.iter().flatten().zip(marched.extremes.iter().flatten());
         let peak = pairs.map(|(exact, &found)| exact.error_of(found)).fold(0.0, f64::max);
         let instants =
@@ -157,8 +162,8 @@ impl<'a> Bench<'a> {
                 exact.iter().zip(&self.watched).map(|(exact, &i)| difference(found[i], *exact))
             });
         let force = instants.fold(0.0, f64::max);
-        Row {
-            origin: Origin::Peer,
+        MethodRow {
+            origin: RowOrigin::Peer,
             method: peer.name(),
             setting: peer.setting(),
             tolerances: None,
@@ -174,7 +179,7 @@ impl<'a> Bench<'a> {
 }
 
 /// Median run time, s, and the number of runs.
-pub fn timed(options: &Options, run: impl Fn()) -> (f64, usize) {
+pub fn timed(options: &AccuracyOptions, run: impl Fn()) -> (f64, usize) {
     let begin = Instant::now();
     let mut seconds = Vec::with_capacity(options.runs);
     while seconds.is_empty() || seconds.len() < options.runs && begin.elapsed() < options.row_time {

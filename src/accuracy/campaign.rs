@@ -35,7 +35,7 @@ pub struct Trial {
 
 /// One line of the table: a method over all its scenes.
 #[derive(Clone, Debug)]
-pub struct Row {
+pub struct CampaignRow {
     /// The method; `None`: the planner's choice.
     pub method: Option<Method>,
     /// Scenes that it was run on.
@@ -56,7 +56,7 @@ pub struct Row {
     pub needless: usize,
 }
 
-impl Row {
+impl CampaignRow {
     /// The method's name.
     pub fn name(&self) -> &'static str {
         self.method.map_or("(chosen)", Method::name)
@@ -67,7 +67,7 @@ impl Row {
 #[derive(Clone, Debug)]
 pub struct Campaign {
     /// A row per method that was run at all.
-    pub rows: Vec<Row>,
+    pub rows: Vec<CampaignRow>,
     /// Scenes without a reference, and why.
     pub refused: Vec<(u64, ReferenceError)>,
 }
@@ -90,7 +90,7 @@ pub fn run_method(scene: &Scene, method: Option<Method>) -> Option<(Vec<SpringPe
 /// What a row of a fleet says of a scene, if that is not what comes of asking for everything.
 pub fn wrong_row(scene: &Scene, method: Option<Method>) -> Option<String> {
     let [everything, worst] = [Wanted::Everything, Wanted::Worst]
-        .map(|wanted| solved(scene, method, wanted).and_then(|solution| row::Row::of(scene, &solution)));
+        .map(|wanted| solved(scene, method, wanted).and_then(|solution| row::WorstRow::of(scene, &solution)));
     let (everything, worst) = (everything?, worst?);
     (!worst.agrees(&everything, scene)).then(|| format!("{worst:?} instead of {everything:?}"))
 }
@@ -130,13 +130,13 @@ pub fn run(seeds: &[u64]) -> Campaign {
     Campaign { rows: METHODS.iter().filter_map(|&m| row(m, &all)).collect(), refused }
 }
 
-fn row(method: Option<Method>, all: &[Trial]) -> Option<Row> {
+fn row(method: Option<Method>, all: &[Trial]) -> Option<CampaignRow> {
     let trials: Vec<&Trial> = all.iter().filter(|t| t.method == method).collect();
     let ratio = |t: &Trial| t.verdict.error / t.bound;
     let worst = trials.iter().copied().reduce(|a, b| if ratio(b) > ratio(a) { b } else { a })?;
     let mut slack: Vec<f64> = trials.iter().filter(|t| t.verdict.error > 0.0).map(|t| 1.0 / ratio(t)).collect();
     slack.sort_by(f64::total_cmp);
-    Some(Row {
+    Some(CampaignRow {
         method,
         scenes: trials.len(),
         worst: ratio(worst),

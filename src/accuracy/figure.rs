@@ -3,7 +3,7 @@
 //! This crate's methods are filled marks in colours, each with a bar up to the error it claims at most, or estimates; marching methods are
 //! grey, but for those that follow another train.
 
-use super::{Accuracy, Origin, Row};
+use super::{Accuracy, MethodRow, RowOrigin};
 use crate::figures::{Axis, Color, Figure, Panel, Sample, Shape, Stroke};
 use crate::solve::Method;
 
@@ -13,7 +13,7 @@ const FLOOR: f64 = 1e-17;
 const DEFAULT_TOLERANCE: f64 = 1e-9;
 
 /// One of a row's two errors.
-type Measure = fn(&Row) -> f64;
+type Measure = fn(&MethodRow) -> f64;
 
 /// Height of each of the two pairs of axes, in pixels.
 const HEIGHT: f64 = 320.0;
@@ -52,9 +52,9 @@ pub fn figure(accuracy: &Accuracy) -> String {
 }
 
 /// Rows of one method, in the order of their settings.
-fn series(accuracy: &Accuracy) -> Vec<(Look, Vec<&Row>)> {
-    let mut all: Vec<(Look, Vec<&Row>)> = Vec::new();
-    for row in accuracy.rows.iter().filter(|r| !matches!(r.origin, Origin::Planner(_))) {
+fn series(accuracy: &Accuracy) -> Vec<(Look, Vec<&MethodRow>)> {
+    let mut all: Vec<(Look, Vec<&MethodRow>)> = Vec::new();
+    for row in accuracy.rows.iter().filter(|r| !matches!(r.origin, RowOrigin::Planner(_))) {
         match all.last_mut().filter(|(look, _)| look.name == row.method) {
             Some((_, rows)) => rows.push(row),
             None => all.push((look(row), vec![row])),
@@ -63,15 +63,15 @@ fn series(accuracy: &Accuracy) -> Vec<(Look, Vec<&Row>)> {
     all
 }
 
-fn look(row: &Row) -> Look {
+fn look(row: &MethodRow) -> Look {
     let (color, shape, size) = match row.origin {
-        Origin::Ours(method) | Origin::Planner(method) => match method {
+        RowOrigin::Ours(method) | RowOrigin::Planner(method) => match method {
             Method::Fronts => (Color::Buff, Shape::Up, 6.0),
             Method::Modal => (Color::Rod, Shape::Square, 6.0),
             Method::Propagator => (Color::Other, Shape::Diamond, 6.5),
         },
-        Origin::March => (Color::Draft, Shape::Circle, 5.5),
-        Origin::Peer => match row.method {
+        RowOrigin::March => (Color::Draft, Shape::Circle, 5.5),
+        RowOrigin::Peer => match row.method {
             "Verlet with a clamp" => (Color::Quiet, Shape::Circle, 4.0),
             "Runge-Kutta 4 with a clamp" => (Color::Quiet, Shape::Down, 5.0),
             "friction smoothed by speed" => (Color::Buff, Shape::Up, 5.0),
@@ -86,7 +86,7 @@ fn look(row: &Row) -> Look {
 }
 
 /// Where a row is drawn.
-fn place(accuracy: &Accuracy, row: &Row, error_n: f64) -> (f64, f64) {
+fn place(accuracy: &Accuracy, row: &MethodRow, error_n: f64) -> (f64, f64) {
     (row.run_time_s, (error_n / accuracy.rating_n).max(FLOOR))
 }
 
@@ -111,9 +111,9 @@ fn draw(panel: &mut Panel, accuracy: &Accuracy, error_n: Measure, x: (f64, f64))
 }
 
 /// What the planner chose at the tolerance that is used when none is asked for.
-fn planned(accuracy: &Accuracy) -> Option<&Row> {
+fn planned(accuracy: &Accuracy) -> Option<&MethodRow> {
     let default = |[loosest, tightest]: [f64; 2]| (tightest..=loosest).contains(&DEFAULT_TOLERANCE);
-    accuracy.rows.iter().find(|r| matches!(r.origin, Origin::Planner(_)) && r.tolerances.is_some_and(default))
+    accuracy.rows.iter().find(|r| matches!(r.origin, RowOrigin::Planner(_)) && r.tolerances.is_some_and(default))
 }
 
 /// Whole decades around all rows, the same for both errors.

@@ -25,11 +25,11 @@ mod table;
 
 use std::time::Duration;
 
-use crate::consist::Train;
 use crate::play::Rule;
 use crate::report::WriteError;
-use crate::scenario::{self, Event, Part, Scales, Scenario};
+use crate::scenario::{self, Part, Scales};
 use crate::solve::{Method, SolveError, Work};
+use crate::train::{Event, Scenario, Train};
 use bench::Bench;
 use reference::ReferenceError;
 
@@ -46,7 +46,7 @@ const MARCH_TOLERANCE: f64 = 1e-6;
 
 /// How much effort a comparison may take.
 #[derive(Clone, Copy, Debug)]
-pub struct Options {
+pub struct AccuracyOptions {
     /// Timed runs of each method at each setting.
     pub runs: usize,
     /// No further run is begun after this time in one row.
@@ -57,15 +57,15 @@ pub struct Options {
     pub most_look_ups: f64,
 }
 
-impl Default for Options {
+impl Default for AccuracyOptions {
     fn default() -> Self {
-        Options { runs: 5, row_time: Duration::from_secs(2), most_accelerations: 3e9, most_look_ups: 3e8 }
+        AccuracyOptions { runs: 5, row_time: Duration::from_secs(2), most_accelerations: 3e9, most_look_ups: 3e8 }
     }
 }
 
 /// Whose a method is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Origin {
+pub enum RowOrigin {
     /// One of this crate's.
     Ours(Method),
     /// One of this crate's, chosen by its planner.
@@ -78,9 +78,9 @@ pub enum Origin {
 
 /// One method at one setting.
 #[derive(Clone, Debug)]
-pub struct Row {
+pub struct MethodRow {
     /// Whose it is.
-    pub origin: Origin,
+    pub origin: RowOrigin,
     /// Its name.
     pub method: &'static str,
     /// Its setting in words.
@@ -139,7 +139,7 @@ pub struct Accuracy {
     /// The reference's own peaks could be larger by this at most, N; of a march, the largest difference of two references.
     pub doubt_n: f64,
     /// From coarse to fine, method by method.
-    pub rows: Vec<Row>,
+    pub rows: Vec<MethodRow>,
     /// What was left out, and why.
     pub left_out: Vec<String>,
 }
@@ -195,12 +195,12 @@ pub enum AccuracyError {
 /// # Errors
 /// [`AccuracyError`] for an unknown scenario, one that leaves no coupler or changes no force, and a scene that the reference
 /// refuses.
-pub fn run(train: &Train, scenario_name: Option<&str>, options: &Options) -> Result<Accuracy, AccuracyError> {
+pub fn run(train: &Train, scenario_name: Option<&str>, options: &AccuracyOptions) -> Result<Accuracy, AccuracyError> {
     let chosen = choose(train, scenario_name)?;
     if scenario::is_march(train, chosen) {
         return marches(train, chosen, options);
     }
-    let extras = &train.extras;
+    let extras = train.extras();
     if extras.damping_ratio > 0.0 || scenario::beyond_steps(&extras.dashpot_n_s_per_m, &chosen.event) {
         return Err(AccuracyError::BeyondSteps { scenario: chosen.name.clone() });
     }
@@ -216,7 +216,7 @@ pub fn run(train: &Train, scenario_name: Option<&str>, options: &Options) -> Res
     bench.peers();
     let first = part.first_coupler + 1;
     Ok(Accuracy {
-        train: train.name.clone(),
+        train: train.name().to_owned(),
         scenario: chosen.name.clone(),
         is_march: false,
         broken_coupler: broken.map(|b| b + 1),
@@ -230,8 +230,8 @@ pub fn run(train: &Train, scenario_name: Option<&str>, options: &Options) -> Res
 }
 
 /// The comparison of a train that is marched from event to event: nothing breaks later.
-fn marches(train: &Train, chosen: &Scenario, options: &Options) -> Result<Accuracy, AccuracyError> {
-    let last = train.couplers.len();
+fn marches(train: &Train, chosen: &Scenario, options: &AccuracyOptions) -> Result<Accuracy, AccuracyError> {
+    let last = train.couplers().len();
     let broken = match &chosen.event {
         // The longest part of all cases, the first of equals.
         Event::Break { couplers } => couplers.iter().copied().reduce(|a, b| {
@@ -247,7 +247,7 @@ fn marches(train: &Train, chosen: &Scenario, options: &Options) -> Result<Accura
     bench.ours();
     bench.peers();
     Ok(Accuracy {
-        train: train.name.clone(),
+        train: train.name().to_owned(),
         scenario: chosen.name.clone(),
         is_march: true,
         broken_coupler: broken.map(|b| b + 1),
@@ -261,10 +261,10 @@ fn marches(train: &Train, chosen: &Scenario, options: &Options) -> Result<Accura
 }
 
 fn choose<'a>(train: &'a Train, scenario: Option<&str>) -> Result<&'a Scenario, AccuracyError> {
-    let found = train.scenarios.iter().find(|s| scenario.is_none_or(|name| s.name == name));
+    let found = train.scenarios().iter().find(|s| scenario.is_none_or(|name| s.name == name));
     found.ok_or_else(|| AccuracyError::UnknownScenario {
         asked: scenario.unwrap_or_default().to_owned(),
-        known: train.scenarios.iter().map(|s| format!("{:?}", s.name)).collect(),
+        known: train.scenarios().iter().map(|s| format!("{:?}", s.name)).collect(),
     })
 }
 
@@ -282,5 +282,5 @@ fn longest_part(train: &Train, scenario: &Scenario) -> Option<(Option<usize>, Pa
 }
 
 fn largest_rating(train: &Train) -> f64 {
-    train.couplers.iter().map(|c| c.rated_draft_n.max(c.rated_buff_n)).fold(0.0, f64::max)
+    train.couplers().iter().map(|c| c.rated_draft_n.max(c.rated_buff_n)).fold(0.0, f64::max)
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use comfy_table::{CellAlignment, Table, presets};
 
-use super::{Accuracy, AccuracyError, Effort, INSTANTS, Row, WATCHED, figure};
+use super::{Accuracy, AccuracyError, Effort, INSTANTS, MethodRow, WATCHED, figure};
 use crate::report::files::WriteError;
 use crate::report::folder;
 use crate::report::markdown::escape;
@@ -45,7 +45,7 @@ pub fn markdown(accuracy: &Accuracy) -> String {
 }
 
 /// What a method says of its own error: a bound, or else an estimate, said to be one.
-fn claim(row: &Row, none: &str, number: impl Fn(f64) -> String) -> String {
+fn claim(row: &MethodRow, none: &str, number: impl Fn(f64) -> String) -> String {
     let estimate = || row.estimate_n.map(|n| format!("estimate {}", number(n)));
     row.bound_n.map(&number).or_else(estimate).unwrap_or_else(|| none.to_owned())
 }
@@ -191,9 +191,9 @@ pub fn write(accuracy: &Accuracy, dir: &Path) -> Result<(), AccuracyError> {
     Ok(())
 }
 
-fn name(row: &Row) -> String {
+fn name(row: &MethodRow) -> String {
     match row.origin {
-        super::Origin::Planner(_) => format!("planner: {}", row.method),
+        super::RowOrigin::Planner(_) => format!("planner: {}", row.method),
         _ => row.method.to_owned(),
     }
 }

@@ -11,16 +11,14 @@
 
 use std::path::Path;
 
+use super::Files;
 use super::heading::{Content, Wanted};
 use super::keys::APPLICATION_TABLE;
-use super::labels::Labels;
 use super::sheet::{Record, Sheet};
 use super::tree::{Read, Table, Value};
-use super::{Files, Vehicle};
-use crate::doubts::Doubt;
 use crate::error::{InputError, Problem, Problems, printable_path, quoted};
 use crate::keys::Sign;
-use crate::scenario::{Application, Forcing};
+use crate::train::{Application, Doubt, Forcing, Vehicle};
 use crate::units::{self, Amount, Dimension, one_of, shown};
 
 /// Names of applications.
@@ -62,33 +60,13 @@ pub(super) fn application(value: &Value, emergency: bool) -> Read<Application> {
 fn points(value: &Value) -> Read<Vec<[f64; 2]>> {
     let right = "expected rows of a time and a share: [[\"0 s\", \"0 %\"], [\"8 s\", \"100 %\"]]";
     let rows = value.rows(&BUILD_UP, 2, right)?;
-    let points: Vec<[f64; 2]> = rows.iter().map(|row| [row[0], row[1]]).collect();
-    let wrong = |title: &str, help: &str| Err(value.wrong(title, help));
-    if points.len() < 2 {
-        return wrong("build_up has fewer than two rows", right);
-    }
-    if points[0] != [0.0, 0.0] {
-        return wrong("build_up does not start with no force at 0 s", "its first row is [\"0 s\", \"0 %\"]");
-    }
-    if points.windows(2).any(|pair| pair[1][0] <= pair[0][0]) {
-        return wrong("the times of build_up do not rise", "each row is later than the one before");
-    }
-    if points.iter().any(|p| p[1] > 1.0) {
-        return wrong("build_up has a share over 100 %", "100 % is the vehicle's emergency_brake");
-    }
-    if points.windows(2).any(|pair| pair[1][1] < pair[0][1]) {
-        return wrong("the shares of build_up fall", "brakes that release are not computed");
-    }
-    if points.last().is_some_and(|last| last[1] == 0.0) {
-        return wrong("build_up holds no brake force", "its last row is the largest share: [\"8 s\", \"100 %\"]");
-    }
-    Ok(points)
+    Ok(rows.iter().map(|row| [row[0], row[1]]).collect())
 }
 
 /// Tractive efforts that change after the event, as changes of the force on each vehicle.
 pub(super) fn efforts(
     table: &Table,
-    labels: &Labels,
+    vehicles: &[Vehicle],
     traction_n: &[f64],
     path: &Path,
     files: &Files,
@@ -111,7 +89,7 @@ pub(super) fn efforts(
         return Ok(pulls.into_iter().map(course).collect());
     }
     let (file, text) = value.text_beside(path, files, |text| Sheet::open(text, &wanted(), &[0]).is_ok())?;
-    let (courses, doubts) = schedule(&text, &file, labels.vehicles, traction_n).map_err(|bad| value.refer(&bad))?;
+    let (courses, doubts) = schedule(&text, &file, vehicles, traction_n).map_err(|bad| value.refer(&bad))?;
     doubts.into_iter().for_each(|doubt| value.doubt(doubt));
     Ok(courses)
 }

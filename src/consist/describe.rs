@@ -2,10 +2,11 @@
 
 use std::fmt::Write as _;
 
-use super::{LIMITS, Train, Vehicle, describe_laws};
+use super::describe_laws;
 use crate::doubts::doubts;
 use crate::play::Rule;
-use crate::scenario::{Event, Scenario, break_loads, longest_horizon_s, shortest_horizon_s};
+use crate::scenario::{break_loads, longest_horizon_s, shortest_horizon_s};
+use crate::train::{Event, LIMITS, Scenario, Train, Vehicle, count};
 use crate::units::{Dimension, shown};
 
 /// Longer lists of vehicles are told by kind, and longer lists of kinds are cut.
@@ -13,7 +14,7 @@ const LISTED: usize = 12;
 
 /// The train, what will be run on it, and what an engineer should know before, as lines of plain text.
 pub fn describe(train: &Train) -> String {
-    let mut text = format!("{}\n{}\n", train.name, size(train));
+    let mut text = format!("{}\n{}\n", train.name(), size(train));
     for line in vehicles(train) {
         let _ = writeln!(text, "  {line}");
     }
@@ -22,10 +23,10 @@ pub fn describe(train: &Train) -> String {
         let _ = writeln!(text, "  {line}");
     }
     let _ = writeln!(text, "{}\nto be run:", load(train));
-    for scenario in &train.scenarios {
+    for scenario in train.scenarios() {
         let _ = writeln!(text, "  {}: {}", scenario.name, scenario_line(train, scenario));
     }
-    for named in &train.origin.by_label {
+    for named in &train.origin().by_label {
         let _ = writeln!(text, "by label: {named}");
     }
     for doubt in doubts(train) {
@@ -35,24 +36,19 @@ pub fn describe(train: &Train) -> String {
 }
 
 fn size(train: &Train) -> String {
-    let free = train.vehicles.iter().filter(|v| !v.held);
+    let free = train.vehicles().iter().filter(|v| !v.held);
     let mass = shown(free.map(|v| v.mass_kg).sum(), Dimension::Mass);
-    let held = if train.vehicles.iter().any(|v| v.held) { " without what is held" } else { "" };
-    let length: Option<f64> = train.vehicles.iter().map(|v| v.length_m).sum();
+    let held = if train.vehicles().iter().any(|v| v.held) { " without what is held" } else { "" };
+    let length: Option<f64> = train.vehicles().iter().map(|v| v.length_m).sum();
     let length = length.map_or(String::new(), |l| format!(", {} long", shown(l, Dimension::Length)));
-    let [vehicles, couplers] = [count(train.vehicles.len(), "vehicle"), count(train.couplers.len(), "coupler")];
+    let [vehicles, couplers] = [count(train.vehicles().len(), "vehicle"), count(train.couplers().len(), "coupler")];
     format!("{vehicles}, {couplers}, {mass}{held}{length}")
-}
-
-/// A number of things, in English.
-pub(crate) fn count(number: usize, thing: &str) -> String {
-    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
 }
 
 /// Neighbours alike, from the head; in a train of many such groups, its kinds of vehicle.
 fn vehicles(train: &Train) -> Vec<String> {
     let mut groups: Vec<(usize, &Vehicle)> = vec![];
-    for vehicle in &train.vehicles {
+    for vehicle in train.vehicles() {
         match groups.last_mut() {
             Some((count, first)) if alike(first, vehicle) => *count += 1,
             _ => groups.push((1, vehicle)),
@@ -97,17 +93,17 @@ fn couplers(train: &Train) -> String {
         let high = shown(values.iter().copied().fold(0.0, f64::max), dimension);
         if low == high { low } else { format!("{low} to {high}") }
     };
-    let stiffness = range(train.couplers.iter().map(|c| c.stiffness_n_per_m).collect(), Dimension::Stiffness);
-    let draft = range(train.couplers.iter().map(|c| c.rated_draft_n).collect(), Dimension::Force);
-    let buff = range(train.couplers.iter().map(|c| c.rated_buff_n).collect(), Dimension::Force);
-    let damping = match train.extras.dashpot_n_s_per_m.clone() {
-        _ if train.extras.damping_ratio > 0.0 => {
-            format!("; damping ratio {} of every mode", train.extras.damping_ratio)
+    let stiffness = range(train.couplers().iter().map(|c| c.stiffness_n_per_m).collect(), Dimension::Stiffness);
+    let draft = range(train.couplers().iter().map(|c| c.rated_draft_n).collect(), Dimension::Force);
+    let buff = range(train.couplers().iter().map(|c| c.rated_buff_n).collect(), Dimension::Force);
+    let damping = match train.extras().dashpot_n_s_per_m.clone() {
+        _ if train.extras().damping_ratio > 0.0 => {
+            format!("; damping ratio {} of every mode", train.extras().damping_ratio)
         }
         none if none.is_empty() => String::new(),
         some => format!("; dashpots {}", range(some, Dimension::Damping)),
     };
-    let stiffness = match train.extras.laws.is_empty() {
+    let stiffness = match train.extras().laws.is_empty() {
         true => format!("stiffness {stiffness}"),
         false => format!("secant stiffness of loading {stiffness}, for scales of time only"),
     };
@@ -115,15 +111,15 @@ fn couplers(train: &Train) -> String {
 }
 
 fn load(train: &Train) -> String {
-    let low = train.initial_force_n.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = train.initial_force_n.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let low = train.initial_force_n().iter().copied().fold(f64::INFINITY, f64::min);
+    let high = train.initial_force_n().iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let force = |n: f64| match n {
         0.0 => "none".to_owned(),
         n if n > 0.0 => format!("{} in draft", shown(n, Dimension::Force)),
         n => format!("{} in buff", shown(-n, Dimension::Force)),
     };
     let range = if low == high { force(low) } else { format!("{} to {}", force(low), force(high)) };
-    let from = train.extras.steady.as_ref().map_or(String::new(), |steady| match steady.acceleration_m_per_s2 {
+    let from = train.extras().steady.as_ref().map_or(String::new(), |steady| match steady.acceleration_m_per_s2 {
         0.0 => ", from the forces on the vehicles at constant speed".to_owned(),
         a => format!(", from the forces on the vehicles, which accelerate the train by {a:.4} m/s2"),
     });
@@ -132,8 +128,8 @@ fn load(train: &Train) -> String {
 
 /// What is to be added to the load of a train with an impact.
 pub(crate) fn of_parts(train: &Train) -> &'static str {
-    let impact = train.scenarios.iter().any(|s| s.event.kind() == "impact");
-    let loaded = train.initial_force_n.iter().any(|f| *f != 0.0) || train.extras.steady.is_some();
+    let impact = train.scenarios().iter().any(|s| s.event.kind() == "impact");
+    let loaded = train.initial_force_n().iter().any(|f| *f != 0.0) || train.extras().steady.is_some();
     if impact && loaded {
         "; before an impact each part carries its own, and the coupler between them none"
     } else {
@@ -143,7 +139,7 @@ pub(crate) fn of_parts(train: &Train) -> &'static str {
 
 /// What breaks couplers in a cascade, in the first senses of draft and buff.
 fn breaking_loads(train: &Train, senses: usize) -> &'static str {
-    let all = || (0..train.couplers.len()).flat_map(|i| break_loads(train, i).into_iter().take(senses));
+    let all = || (0..train.couplers().len()).flat_map(|i| break_loads(train, i).into_iter().take(senses));
     let ultimate = |(_, key): (f64, &str)| key == LIMITS[2];
     match (all().all(ultimate), all().any(ultimate)) {
         (true, _) => "their ultimate load",
@@ -156,33 +152,33 @@ fn scenario_line(train: &Train, scenario: &Scenario) -> String {
     let (event, cases) = match &scenario.event {
         Event::Break { couplers } => match couplers.as_slice() {
             [b] => {
-                let [ahead, behind] = [&train.vehicles[*b].label, &train.vehicles[*b + 1].label];
+                let [ahead, behind] = [&train.vehicles()[*b].label, &train.vehicles()[*b + 1].label];
                 (format!("coupler {} between {ahead} and {behind} breaks", b + 1), 1)
             }
-            [some @ .., last] if some.len() < 6 && some.len() + 1 < train.couplers.len() => {
+            [some @ .., last] if some.len() < 6 && some.len() + 1 < train.couplers().len() => {
                 let some: Vec<String> = some.iter().map(|b| (b + 1).to_string()).collect();
                 let which = format!("couplers {} and {}", some.join(", "), last + 1);
-                (format!("{which} of {} break, each alone", train.couplers.len()), some.len() + 1)
+                (format!("{which} of {} break, each alone", train.couplers().len()), some.len() + 1)
             }
             many => {
                 let left_out = match scenario.left_out_in_buff.len() {
                     0 => String::new(),
                     n => format!(", and {n} in buff are left out"),
                 };
-                let total = train.couplers.len();
+                let total = train.couplers().len();
                 (format!("{} of {total} couplers break, each alone{left_out}", many.len()), many.len())
             }
         },
         Event::Pulse { vehicle, force_n, duration_s } => {
             let direction = if *force_n > 0.0 { "forward" } else { "backward" };
             let force = shown(force_n.abs(), Dimension::Force);
-            let label = &train.vehicles[*vehicle].label;
+            let label = &train.vehicles()[*vehicle].label;
             (format!("{force} {direction} on {label} for {}", shown(*duration_s, Dimension::Time)), 1)
         }
         Event::Shaped { vehicle, shape, force_n, duration_s, .. } => {
             let direction = if *force_n > 0.0 { "forward" } else { "backward" };
             let [force, lasting] = [shown(force_n.abs(), Dimension::Force), shown(*duration_s, Dimension::Time)];
-            let label = &train.vehicles[*vehicle].label;
+            let label = &train.vehicles()[*vehicle].label;
             (format!("{shape} of up to {force} {direction} on {label}, over after {lasting}"), 1)
         }
         Event::Impact { vehicles, at_head, speed_m_per_s } => {

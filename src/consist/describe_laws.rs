@@ -1,14 +1,13 @@
 //! Couplers with slack and gears, and what brakes and drives do, in words.
 
-use super::Train;
 use crate::law::{Curve, Law};
-use crate::scenario::{Application, Event, Scenario};
+use crate::train::{Application, Event, Scenario, Train, count};
 use crate::units::{Dimension, shown};
 
 /// The laws of couplers that are not linear, each kind once with what it does at the load; empty where all are linear.
 pub(crate) fn laws(train: &Train) -> Vec<String> {
     let mut kinds: Vec<(Vec<usize>, &Law)> = vec![];
-    for (i, law) in train.extras.laws.iter().enumerate() {
+    for (i, law) in train.extras().laws.iter().enumerate() {
         match kinds.iter_mut().find(|(_, known)| *known == law) {
             Some((couplers, _)) => couplers.push(i),
             None => kinds.push((vec![i], law)),
@@ -19,7 +18,7 @@ pub(crate) fn laws(train: &Train) -> Vec<String> {
 
 fn line(train: &Train, couplers: &[usize], law: &Law) -> String {
     let which = match couplers {
-        _ if couplers.len() == train.couplers.len() => "every coupler".to_owned(),
+        _ if couplers.len() == train.couplers().len() => "every coupler".to_owned(),
         [one] => format!("coupler {}", one + 1),
         [first, .., last] => format!("{} couplers from {} to {}", couplers.len(), first + 1, last + 1),
         [] => String::new(),
@@ -65,18 +64,18 @@ fn gear(curve: &Curve) -> String {
 
 /// The travel of the couplers at the load, from the end of the slack, and the pull from which they were let down.
 fn at_the_load(train: &Train, couplers: &[usize], law: &Law) -> String {
-    let load = |&i: &usize| train.initial_force_n[i];
+    let load = |&i: &usize| train.initial_force_n()[i];
     let Some(&most) = couplers.iter().max_by(|a, b| load(a).abs().total_cmp(&load(b).abs())) else {
         return String::new();
     };
-    let force_n = train.initial_force_n[most];
+    let force_n = train.initial_force_n()[most];
     if force_n == 0.0 {
         return "; no load before the event".to_owned();
     }
     let rest = law.rest(&train.history_n(most));
     let travel_m = law.elongation_m(&rest).abs() - 0.5 * law.slack_m();
     let from = train
-        .extras
+        .extras()
         .pulled_to_n
         .get(most)
         .map_or(String::new(), |n| format!(", let down from {}", shown(*n, Dimension::Force)));
@@ -101,11 +100,11 @@ pub(super) fn response(train: &Train, scenario: &Scenario) -> String {
     }
     let efforts = &scenario.response.efforts;
     if let Some(last_s) = efforts.iter().filter_map(|f| f.points.last()).map(|p| p[0]).reduce(f64::max) {
-        let vehicles = super::count(efforts.len(), "vehicle");
+        let vehicles = count(efforts.len(), "vehicle");
         text += &format!("; the tractive effort of {vehicles} changes until {}", shown(last_s, Dimension::Time));
     }
     let braking = scenario.response.emergency.is_some() || matches!(scenario.event, Event::Brake { .. });
-    if let Some(speed) = train.extras.speed_m_per_s.filter(|_| braking) {
+    if let Some(speed) = train.extras().speed_m_per_s.filter(|_| braking) {
         text += &format!("; the train runs at {}", shown(speed, Dimension::Speed));
     }
     text
@@ -124,8 +123,8 @@ pub(crate) fn response_sentences(train: &Train, scenario: &Scenario) -> String {
 pub(crate) fn place(train: &Train, from: &[usize]) -> String {
     match from {
         [0] => "the head".to_owned(),
-        [v] if v + 1 == train.vehicles.len() => "the tail".to_owned(),
-        [v] => format!("vehicle {} ({})", v + 1, train.vehicles[*v].label),
+        [v] if v + 1 == train.vehicles().len() => "the tail".to_owned(),
+        [v] => format!("vehicle {} ({})", v + 1, train.vehicles()[*v].label),
         _ => "both ends".to_owned(),
     }
 }

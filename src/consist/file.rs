@@ -1,24 +1,23 @@
 //! A train file's tables into a train.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::path::Path;
 
-use toml::de::DeTable;
-
-use super::extras::{Extras, LIMITS, Limits, SENSES};
 use super::keys::{BEHIND, COUPLER, TRAIN};
-use super::labels::{Labels, numbered};
-use super::laws::{LawKeys, secant_n_per_m};
-use super::loads::{self, Loads, OwnLoad};
+use super::labels::Labels;
+use super::laws::LawKeys;
+use super::loads::{self, OwnLoad};
 use super::scenarios;
 use super::table::Rows;
-use super::tree::{Found, Read, Table, Value};
-use super::{Coupler, EachCoupler, Files, MOST_VEHICLES, Origin, STDIN, Train};
+use super::tree::{Found, Read, Reported, Table, Value};
+use super::{EachCoupler, Files, STDIN};
 use crate::error::{Problem, printable, quoted};
 use crate::law::Law;
-use crate::play::Rule;
-use crate::scenario::{self, Scenario};
+use crate::train::{
+    CouplerSpec, LIMITS, Limits, Load, MOST_VEHICLES, Origin, PulledTo, SENSES, SpecProblem, Train, TrainSpec,
+    VehicleSpec, many, numbered,
+};
 use crate::units::{Amount, UnitSystem};
 
 /// Reads the whole train, going on after a problem as far as what follows can be judged without it.
@@ -43,122 +42,119 @@ pub(super) fn train(
         }
         None => (spelt_out(found, root)?, vec![]),
     };
-    let own: Vec<OwnLoad> = groups.iter().flat_map(|g| std::iter::repeat_n(g.load, g.count)).collect();
-    let vehicles = numbered(&groups);
-    let labels = Labels::new(&vehicles);
+    let own: Vec<OwnLoad> = groups.iter().flat_map(|g| std::iter::repeat_n(g.load, g.vehicle.count)).collect();
+    let couplers = own.len() - 1;
     let bases = match each {
         Some(each) => {
-            let drawn = |text: &String| drawn_coupler(found, text, path, files);
-            each(vehicles.len() - 1).iter().map(drawn).collect::<Read<_>>()?
+            let mut drawn = Vec::with_capacity(couplers);
+            each(couplers, &mut |tree| drawn.push(base_coupler(&Table::root(found, tree, &TRAIN), path, files)));
+            drawn.into_iter().collect::<Read<_>>()?
         }
-        None => vec![base; vehicles.len() - 1],
+        None => vec![base; couplers],
     };
     let mut ratings = bases.clone();
-    rate_by_table(&mut ratings, &bases, &groups, &behind);
-    if let Some(table) = root.get("vehicles") {
-        for (i, rating) in ratings.iter().enumerate() {
-            in_order(rating.limits, &table, &format!("the table's coupler {}: ", i + 1))?;
-            rating
-                .law
-                .law()
-                .map_err(|(_, title, help)| table.wrong(format!("the table's coupler {}: {title}", i + 1), help))?;
-        }
-    }
-    let ratings = couplers(root, &bases, ratings, &labels, path, files);
-    let mut couplers: Vec<Coupler> = ratings.iter().map(Ratings::coupler).collect();
-    let weakest_n = couplers.iter().map(|c| c.rated_draft_n).fold(f64::INFINITY, f64::min);
-    let laws = laws(root, &ratings)?;
-    let load = loads::read(root, &vehicles, &couplers, !laws.is_empty(), &own, weakest_n);
-    let mut extras = extras(&ratings, laws);
-    extras.emergency_brake_n = loads::emergency_brakes(&own);
-    extras.speed_m_per_s = root.get("speed").map(|v| v.quantity()).transpose()?;
-    extras.damping_ratio = root.get("damping_ratio").map_or(Ok(0.0), |v| v.ratio())?;
-    let initial_force_n: &[f64] = load.as_ref().map_or(&[], |load| &load.couplers_n);
-    let traction_n = &loads::tractions(&own);
-    let context = scenarios::Context {
-        found,
-        labels: &labels,
-        initial_force_n,
-        traction_n,
-        weakest_n,
-        extras: &extras,
-        path,
-        files,
+    rate_by_table(root, &mut ratings, &bases, &groups, &behind)?;
+    let vehicles: Vec<VehicleSpec> = groups.into_iter().map(|group| group.vehicle).collect();
+    let labels = Labels::new(own.len(), || numbered(&vehicles));
+    let overridden = override_couplers(root, &bases, &mut ratings, &labels, path, files);
+    let weakest_n = ratings.iter().map(|r| r.draft_n).fold(f64::INFINITY, f64::min);
+    let load = loads::read(root, &vehicles, &own, &labels, weakest_n);
+    let mut by_label = labels.named.take();
+    drop((bases, labels));
+    let (load, pulled_to) = match load {
+        Ok((load, pulled_to)) => (Ok(load), pulled_to),
+        Err(reported) => (Err(reported), PulledTo::None),
     };
+    let spec = TrainSpec {
+        name: name.as_ref().map_or_else(|_| String::new(), Clone::clone),
+        couplers: specs(ratings),
+        load: load.as_ref().map_or(Load::None, Clone::clone),
+        pulled_to,
+        damping_ratio: root.get("damping_ratio").map_or(Ok(0.0), |v| v.ratio())?,
+        speed_m_per_s: root.get("speed").map(|v| v.quantity()).transpose()?,
+        vehicles,
+        ..TrainSpec::default()
+    };
+    let (train, wrong) = spec.examine();
+    let mut places = Places { found, root, overridden, told: HashSet::new() };
+    let wrong = wrong.into_iter().map(|problem| places.note(problem)).last();
+    let Some(mut train) = train else { return Err(wrong.unwrap_or_else(|| root.wrong("this is no train", ""))) };
+    let labels = Labels::of(&train);
+    let traction_n = &loads::tractions(&own);
+    let context = scenarios::Context { found, labels: &labels, train: &train, traction_n, weakest_n, path, files };
     let scenarios = scenarios::read(root, &context)?;
-    let Loads { couplers_n: initial_force_n, steady, pulled_to_n } = load?;
-    (extras.steady, extras.pulled_to_n) = (steady, pulled_to_n);
-    damping_ratio(root, &extras, &scenarios)?;
-    let largest_n = initial_force_n.iter().copied().map(f64::abs).fold(0.0, f64::max);
-    for (coupler, law) in couplers.iter_mut().zip(&extras.laws) {
-        coupler.stiffness_n_per_m = secant_n_per_m(law, largest_n);
+    by_label.extend(labels.named.take());
+    drop(labels);
+    for problem in train.take(scenarios) {
+        places.note(problem);
     }
     let units = match root.get("units") {
         Some(value) => UnitSystem::from_name(value.word()?).unwrap_or_default(),
         None => found.units(),
     };
-    let origin = Origin { by_label: labels.named.take(), units, ..Origin::default() };
-    Ok(Train { name: name?, initial_force_n, vehicles, couplers, scenarios, extras, origin })
+    name?;
+    load?;
+    Ok(train.with_origin(Origin { by_label, units, ..Origin::default() }))
 }
 
-/// Whether the damping ratio of every mode fits the rest of the train: neither dashpots nor what only they fit.
-fn damping_ratio(root: &Table, extras: &Extras, scenarios: &[Scenario]) -> Read<()> {
-    let (Some(value), ratio) = (root.get("damping_ratio"), extras.damping_ratio) else { return Ok(()) };
-    if ratio > 0.0 && !extras.laws.is_empty() {
-        let help = "a mode of vibration belongs to linear couplers: leave damping_ratio out, or slack, gears and stiffness_in_buff";
-        return Err(value.wrong("damping_ratio in a train whose couplers are not linear", help));
+/// Where the file says what is wrong with the train.
+struct Places<'f> {
+    found: &'f Found,
+    root: &'f Table<'f>,
+    overridden: Overridden,
+    /// What has been noted, by its place: all couplers that have it from there are wrong in the same way.
+    told: HashSet<(Option<Range<usize>>, String)>,
+}
+
+impl Places<'_> {
+    /// Notes a problem at the value that it is about.
+    fn note(&mut self, problem: SpecProblem) -> Reported {
+        let SpecProblem { key, message, help, related, .. } = problem;
+        let (at, whose) = self.place(&key);
+        if !self.told.insert((at.clone(), message.clone())) {
+            return Reported::again();
+        }
+        let message = whose + &message;
+        let Some(at) = at else { return self.found.note(Problem::of_file(message, help)) };
+        let problem = Problem::at(at, message, Some(help));
+        self.found.note(match related.and_then(|(key, label)| Some((self.root.place(&key)?, label))) {
+            Some((other, label)) => problem.and(other, label),
+            None => problem,
+        })
     }
-    if ratio > 0.0 && !extras.dashpot_n_s_per_m.is_empty() {
-        let help = "keep one of them: damping_ratio is of every mode alike, damping of each coupler";
-        return Err(value.wrong("damping_ratio beside dashpots", help));
-    }
-    let beyond = |s: &&Scenario| s.cascade != Rule::Keep || scenario::beyond_steps(&extras.dashpot_n_s_per_m, &s.event);
-    match scenarios.iter().find(beyond).filter(|_| ratio > 0.0) {
-        None => Ok(()),
-        Some(other) => {
-            let title = "damping_ratio is for breaks and rectangular pulses without a cascade";
-            let help = "give [coupler] a damping = \"200 kN*s/m\" instead, for scenario";
-            Err(value.wrong(title, format!("{help} {}", quoted(&other.name))))
+
+    /// The place of a key, and whose it is where the place does not say so.
+    fn place(&self, key: &str) -> (Option<Range<usize>>, String) {
+        let of_coupler = key.strip_prefix("coupler[").and_then(|rest| rest.split_once("]."));
+        let Some((i, keys)) = of_coupler.and_then(|(i, keys)| Some((i.parse::<usize>().ok()?, keys))) else {
+            return (self.root.place(key), String::new());
+        };
+        let own = self.overridden.get(&(i, keys.split('.').next().unwrap_or(keys)));
+        match (own, self.root.get("vehicles")) {
+            (Some([_, value]), _) => (Some(value.clone()), format!("coupler {}: ", i + 1)),
+            (None, Some(table)) => (Some(table.span()), format!("the table's coupler {}: ", i + 1)),
+            (None, None) => (self.root.place(&format!("coupler.{keys}")), String::new()),
         }
     }
 }
 
-/// The law of each coupler; none where all are linear springs.
-fn laws(root: &Table, ratings: &[Ratings]) -> Read<Vec<Law>> {
-    let mut laws: Vec<Option<Law>> = Vec::new();
-    for (i, r) in ratings.iter().enumerate() {
-        let again = if i > 0 && ratings[i - 1].law == r.law { laws.last().cloned() } else { None };
+/// The couplers with their laws.
+fn specs(ratings: Vec<Ratings>) -> Vec<CouplerSpec> {
+    let mut all: Vec<CouplerSpec> = Vec::with_capacity(ratings.len());
+    let mut before: Option<LawKeys> = None;
+    for r in ratings {
+        let again = all.last().filter(|_| before.as_ref() == Some(&r.law)).map(|coupler| coupler.law.clone());
         // What is wrong has been noted where it is given, or replaced.
-        laws.push(again.unwrap_or_else(|| r.law.law().unwrap_or(None)));
+        let law = again.unwrap_or_else(|| r.law.law().unwrap_or(Law::linear(1.0)));
+        let rated_buff_n = match r.buff {
+            Amount::Si(value) => value,
+            Amount::Share(share) => share * r.draft_n,
+        };
+        let (limits, dashpot_n_s_per_m) = (r.limits, r.damping_n_s_per_m);
+        all.push(CouplerSpec { law, rated_draft_n: r.draft_n, rated_buff_n, limits, dashpot_n_s_per_m });
+        before = Some(r.law);
     }
-    if laws.iter().all(Option::is_none) {
-        return Ok(vec![]);
-    }
-    if let Some(i) = ratings.iter().position(|r| r.damping_n_s_per_m > 0.0) {
-        let title = format!("coupler {} has damping in a train whose couplers are not all linear", i + 1);
-        let help = "damping is for trains of linear couplers: leave it out, or slack, gears and stiffness_in_buff";
-        let at = root.get("coupler").map(|coupler| match coupler.table().ok().and_then(|t| t.get("damping")) {
-            Some(damping) => damping.wrong(&*title, help),
-            None => coupler.wrong(&*title, help),
-        });
-        return Err(at.unwrap_or_else(|| root.wrong(title, help)));
-    }
-    let linear = |k: f64| Law::Elastic { draft_n_per_m: k, buff_n_per_m: k, slack_m: 0.0 };
-    let all =
-        laws.into_iter().zip(ratings).map(|(law, r)| law.unwrap_or_else(|| linear(r.coupler().stiffness_n_per_m)));
-    Ok(all.collect())
-}
-
-fn extras(ratings: &[Ratings], laws: Vec<Law>) -> Extras {
-    let some = |any: bool| if any { ratings } else { &[] };
-    let limited = some(ratings.iter().any(|r| r.limits != Limits::default()));
-    let damped = some(ratings.iter().any(|r| r.damping_n_s_per_m > 0.0));
-    Extras {
-        dashpot_n_s_per_m: damped.iter().map(|r| r.damping_n_s_per_m).collect(),
-        limits: limited.iter().map(|r| r.limits).collect(),
-        laws,
-        ..Extras::default()
-    }
+    all
 }
 
 fn stem(path: &Path) -> String {
@@ -241,15 +237,6 @@ fn capacities(value: &Value, table: &Table) -> Read<[Option<f64>; 3]> {
     Ok([fatigue?, proof?, ultimate?])
 }
 
-/// The limits of a coupler, which rise from fatigue to ultimate; `whose` says which coupler's they are.
-fn in_order(limits: Limits, value: &Value, whose: &str) -> Read<Limits> {
-    let right = "the order is fatigue, proof, ultimate, and none is above the next";
-    match limits.disorder() {
-        Some(disorder) => Err(value.wrong(format!("{whose}{disorder}"), right)),
-        None => Ok(limits),
-    }
-}
-
 /// The ratings that hold unless overridden; a share in `buff` is of whichever draft rating the coupler has.
 #[derive(Clone)]
 struct Ratings {
@@ -269,17 +256,6 @@ const PLACEHOLDER: Ratings = Ratings {
     damping_n_s_per_m: 0.0,
 };
 
-impl Ratings {
-    fn coupler(&self) -> Coupler {
-        let rated_buff_n = match self.buff {
-            Amount::Si(value) => value,
-            Amount::Share(share) => share * self.draft_n,
-        };
-        let stiffness_n_per_m = self.law.stiffness_n_per_m.unwrap_or(1.0);
-        Coupler { stiffness_n_per_m, rated_draft_n: self.draft_n, rated_buff_n }
-    }
-}
-
 fn base_coupler(root: &Table, path: &Path, files: &Files) -> Read<Ratings> {
     let value = root.require("coupler", "add a [coupler] table with stiffness and rated_load")?;
     let table = value.table()?;
@@ -294,8 +270,7 @@ fn base_coupler(root: &Table, path: &Path, files: &Files) -> Read<Ratings> {
     let draft =
         table.require("rated_load", "add rated_load = \"1.5 MN\", the capacity in draft").and_then(|v| v.quantity());
     let buff = table.get("rated_buff").map_or(Ok(Amount::Share(1.0)), |v| v.amount());
-    let own = |value: &Value| limits(value).and_then(|limits| in_order(limits, value, ""));
-    let limits = table.get("limits").as_ref().map_or(Ok(Limits::default()), own);
+    let limits = table.get("limits").as_ref().map_or(Ok(Limits::default()), limits);
     Ok(Ratings { law: law?, draft_n: draft?, buff: buff?, limits: limits?, damping_n_s_per_m: damping?.unwrap_or(0.0) })
 }
 
@@ -310,39 +285,45 @@ fn together(table: &Table, law: LawKeys) -> Read<LawKeys> {
     }
 }
 
-/// The `[coupler]` that a study gives one coupler.
-fn drawn_coupler(found: &Found, text: &str, path: &Path, files: &Files) -> Read<Ratings> {
-    let wrong = |e: toml::de::Error| found.note(Problem::of_file(format!("not TOML: {}", e.message()), ""));
-    let root = DeTable::parse(text).map_err(wrong)?;
-    base_coupler(&Table::root(found, root.get_ref(), &TRAIN), path, files)
-}
-
 /// What a table of vehicles says of the couplers behind them.
-fn rate_by_table(ratings: &mut [Ratings], bases: &[Ratings], groups: &[Group], behind: &[OwnKeys]) {
-    let own = groups.iter().zip(behind).flat_map(|(group, own)| std::iter::repeat_n(own, group.count));
+fn rate_by_table(
+    root: &Table,
+    ratings: &mut [Ratings],
+    bases: &[Ratings],
+    groups: &[Group],
+    behind: &[OwnKeys],
+) -> Read<()> {
+    let own = groups.iter().zip(behind).flat_map(|(group, own)| std::iter::repeat_n(own, group.vehicle.count));
     ratings.iter_mut().zip(bases).zip(own).for_each(|((coupler, base), own)| own.apply(base, coupler));
+    let Some(table) = root.get("vehicles") else { return Ok(()) };
+    for (i, rating) in ratings.iter().enumerate() {
+        let wrong = |(_, title, help)| table.wrong(format!("the table's coupler {}: {title}", i + 1), help);
+        rating.law.law().map_err(wrong)?;
+    }
+    Ok(())
 }
 
-fn couplers(
+/// Applies the overrides, and says where each key of each coupler is overridden.
+fn override_couplers(
     root: &Table,
     bases: &[Ratings],
-    mut ratings: Vec<Ratings>,
+    ratings: &mut [Ratings],
     labels: &Labels,
     path: &Path,
     files: &Files,
-) -> Vec<Ratings> {
+) -> Overridden {
     let overrides = root.get("coupler_override").and_then(|v| v.tables().ok());
-    let mut seen = HashMap::new();
+    let mut overridden = HashMap::new();
     for table in overrides.into_iter().flatten() {
         // A problem in it has been noted: the other overrides can be read all the same.
         let own = OwnKeys::read(&table, path, files);
-        let _ = apply_override(&table, own, bases, &mut ratings, labels, &mut seen);
+        let _ = apply_override(&table, own, bases, ratings, labels, &mut overridden);
     }
-    ratings
+    overridden
 }
 
-/// Where each key of each coupler was overridden.
-type Seen = HashMap<(usize, &'static str), Range<usize>>;
+/// Where each key of each coupler was overridden: the key and its value.
+type Overridden = HashMap<(usize, &'static str), [Range<usize>; 2]>;
 
 fn apply_override(
     table: &Table,
@@ -350,7 +331,7 @@ fn apply_override(
     bases: &[Ratings],
     ratings: &mut [Ratings],
     labels: &Labels,
-    seen: &mut Seen,
+    overridden: &mut Overridden,
 ) -> Read<()> {
     // A misspelt key has been noted, and is the reason.
     if COUPLER.names().all(|key| table.key_span(key).is_none()) && !table.has_unknown_keys() {
@@ -361,16 +342,13 @@ fn apply_override(
     let (at, own) = (at?, own?);
     for i in at {
         for key in COUPLER.names() {
-            let Some(span) = table.key_span(key) else { continue };
-            if let Some(earlier) = seen.insert((i, key), span.clone()) {
+            let (Some(span), Some(value)) = (table.key_span(key), table.get(key)) else { continue };
+            if let Some([earlier, _]) = overridden.insert((i, key), [span.clone(), value.span()]) {
                 let title = format!("coupler {} has its {key} overridden twice", i + 1);
                 return Err(table.note_because(span, title, "keep one of the two", earlier, "overridden here before"));
             }
         }
         own.apply(&bases[i], &mut ratings[i]);
-        if let Some(value) = table.get("limits") {
-            in_order(ratings[i].limits, &value, &format!("coupler {}: ", i + 1))?;
-        }
         if own.law.gives_anything() {
             together(table, ratings[i].law.clone())?;
         }
@@ -398,7 +376,7 @@ pub(super) fn coupler_list(value: &Value, labels: &Labels, right: &str) -> Read<
 
 /// A coupler's number, from 1.
 fn coupler(item: &Value, labels: &Labels, right: &str) -> Read<usize> {
-    let count = labels.vehicles.len() - 1;
+    let count = labels.count - 1;
     let Some(table) = item.table_if(&BEHIND) else {
         return item.number(count, |n| format!("the train has no coupler {n}"), right);
     };
@@ -424,44 +402,25 @@ fn tabled(root: &Table, groups: Vec<Group>) -> Read<Vec<Group>> {
 
 /// Vehicles alike that follow each other: a `[[vehicle]]` table, or a row of a table of vehicles.
 pub(super) struct Group {
-    pub(super) label: Option<String>,
-    pub(super) count: usize,
-    pub(super) mass_kg: f64,
-    pub(super) held: bool,
-    pub(super) length_m: Option<f64>,
+    pub(super) vehicle: VehicleSpec,
     load: OwnLoad,
 }
 
 /// The groups of the `[[vehicle]]` tables.
 fn spelt_out(found: &Found, root: &Table) -> Read<Vec<Group>> {
-    let right = "add a [[vehicle]] table for each vehicle or group alike, from the head: at least two vehicles";
     if let Some(table) = root.get("vehicles") {
         return Err(table.wrong_type("expected the name of a table: vehicles = \"consist.csv\""));
     }
-    let Some(value) = root.get("vehicle") else {
-        return Err(found.note(Problem::of_file("the train has no vehicles", right)));
-    };
-    let tables = value.tables()?;
+    let tables = root.get("vehicle").map_or(Ok(vec![]), |value| value.tables())?;
     let groups = tables.iter().map(group).collect::<Vec<_>>().into_iter().collect::<Read<Vec<Group>>>()?;
-    let mut total = 0usize;
-    for (group, table) in groups.iter().zip(&tables) {
-        total = total.saturating_add(group.count);
-        if total > MOST_VEHICLES {
-            let title = format!("the train has more than {MOST_VEHICLES} vehicles up to here");
-            return Err(table.wrong(title, "a train has at most that many"));
-        }
-    }
-    match total {
-        0 => return Err(value.wrong("the train has no vehicles", right)),
-        1 => return Err(tables[0].wrong("the train has one vehicle, so no coupler", right)),
-        _ => {}
-    }
-    for (index, title, help) in wrongly_held(&groups, "a [[vehicle]] of its own, without count") {
-        if let Some(held) = tables[index].get("held") {
-            held.wrong(title, help);
-        }
-    }
-    Ok(groups)
+    let vehicles: Vec<VehicleSpec> = groups.iter().map(|group| group.vehicle.clone()).collect();
+    let wrong = many(&vehicles).into_iter().map(|bad| {
+        found.note(match root.place(&bad.key) {
+            Some(at) => Problem::at(at, bad.message, Some(bad.help)),
+            None => Problem::of_file(bad.message, bad.help),
+        })
+    });
+    wrong.last().map_or(Ok(groups), Err)
 }
 
 /// Reads a group: a `[[vehicle]]`, or a row of a table of vehicles, which has the same keys.
@@ -474,33 +433,16 @@ pub(super) fn group(table: &Table) -> Read<Group> {
     let length = table.get("length").map(|v| v.quantity()).transpose();
     let held = table.get("held").map_or(Ok(false), |v| v.flag());
     let load = loads::own(table, held.as_ref().is_ok_and(|held| *held));
-    let count = count?;
+    let (count, load) = (count?, load.unwrap_or_default());
     Ok(Group {
-        label: label.unwrap_or(None).map(|label| label.trim().to_owned()),
-        count,
-        mass_kg: mass.unwrap_or(1.0),
-        held: held.unwrap_or(false),
-        length_m: length.unwrap_or(None),
-        load: load.unwrap_or_default(),
+        vehicle: VehicleSpec {
+            label: label.unwrap_or(None).map(|label| label.trim().to_owned()),
+            count,
+            mass_kg: mass.unwrap_or(1.0),
+            held: held.unwrap_or(false),
+            length_m: length.unwrap_or(None),
+            emergency_brake_n: load.emergency_brake_n,
+        },
+        load,
     })
-}
-
-/// Groups that cannot be held: each with what is wrong and what would be right.
-pub(super) fn wrongly_held(groups: &[Group], own: &str) -> Vec<(usize, String, String)> {
-    let right = "only the first and the last vehicle of the train can be held";
-    let mut wrong = vec![];
-    for (i, group) in groups.iter().enumerate().filter(|(_, group)| group.held) {
-        if i > 0 && i + 1 < groups.len() {
-            wrong.push((i, "a vehicle in the middle of the train is held".to_owned(), right.to_owned()));
-        } else if group.count > 1 {
-            let title = format!("a group of {} vehicles is held", group.count);
-            wrong.push((i, title, format!("{right}: give it {own}")));
-        }
-    }
-    if let ([Group { held: true, count: 1, .. }, Group { held: true, count: 1, .. }], true) = (groups, wrong.is_empty())
-    {
-        let title = "both vehicles of the train are held, so nothing in it moves";
-        wrong.push((1, title.to_owned(), "hold one of them, or none".to_owned()));
-    }
-    wrong
 }

@@ -16,10 +16,10 @@ use super::Files;
 use super::heading::{Content, Wanted};
 use super::sheet::{Record, Sheet};
 use super::tree::{Read, Value};
-use crate::doubts::Doubt;
 use crate::error::{InputError, Problem, Problems, printable_path, quoted};
 use crate::keys::Sign;
-use crate::law::{Curve, CurveProblem, Row};
+use crate::law::{Curve, CurveProblem, GearRow};
+use crate::train::Doubt;
 use crate::units::{self, Amount, Dimension};
 
 /// More rows than this are refused.
@@ -71,7 +71,7 @@ impl Gear {
                 return Err([format!("{} has no forces of unloading", self.name), help.to_owned()]);
             }
         };
-        let row = |(row, unloading_n): (&[f64; 2], f64)| Row { travel_m: row[0], loading_n: row[1], unloading_n };
+        let row = |(row, unloading_n): (&[f64; 2], f64)| GearRow { travel_m: row[0], loading_n: row[1], unloading_n };
         Curve::new(self.rows.iter().zip(unloading).map(row).collect()).map_err(|bad| self.told(bad))
     }
 

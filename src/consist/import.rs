@@ -7,8 +7,8 @@ mod write;
 use std::path::{Path, PathBuf};
 
 use super::{Files, table};
-use crate::doubts::Doubt;
 use crate::error::InputError;
+use crate::train::Doubt;
 
 /// A train file made from something else.
 #[derive(Clone, Debug)]

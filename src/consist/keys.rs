@@ -2,8 +2,8 @@
 
 use super::brakes::{BUILD_UP, PRESETS};
 use super::gears::COLUMNS;
-use super::{LIMITS, MOST_VEHICLES, SENSES};
 use crate::keys::{Key, Kind, Shape, Sign, Variant};
+use crate::train::{LIMITS, MOST_VEHICLES, SENSES};
 use crate::units::{Dimension, UnitSystem};
 
 const fn quantity(of: Dimension, sign: Sign) -> Kind {

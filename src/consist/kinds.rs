@@ -1,7 +1,13 @@
 //! What a file is that is not what was asked for, so that a message can say it.
 
+use toml::de::DeTable;
+
 use super::{gears, record, table};
-use crate::fleet::study;
+
+/// Whether a text that has been parsed is a study rather than a train.
+pub(crate) fn is_study(root: &DeTable) -> bool {
+    ["trains", "vary"].iter().any(|key| root.contains_key(*key))
+}
 
 /// What a file is that is no text, by its first bytes; the second: a workbook.
 pub(super) fn of_bytes(bytes: &[u8]) -> Option<(&'static str, bool)> {
@@ -40,9 +46,9 @@ pub(super) fn of_text(text: &str) -> Option<&'static str> {
     if start.starts_with("<!") || start.starts_with("<html") || start.starts_with("<?xml") {
         return Some("a web page or XML");
     }
-    if let Ok(root) = toml::de::DeTable::parse(text).map(toml::Spanned::into_inner) {
+    if let Ok(root) = DeTable::parse(text).map(toml::Spanned::into_inner) {
         let train = ["coupler", "vehicle", "scenario"].iter().any(|key| root.contains_key(*key));
-        return match (study::is_study_root(&root), train) {
+        return match (is_study(&root), train) {
             (true, _) => Some("a study"),
             (_, true) => Some("a train file"),
             _ => None,

@@ -1,92 +1,61 @@
 //! Names of vehicles: each has one of its own, and a vehicle or the coupler behind it can be named by it.
 
 use std::cell::{OnceCell, RefCell};
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
-use super::Vehicle;
-use super::file::Group;
 use super::tree::{Read, Value};
 use crate::error::quoted;
+use crate::train::{Train, Vehicle};
 
 /// So many names are compared with one that is unknown.
 const COMPARED: usize = 20_000;
 
-/// The groups spelt out, with numbers after a label that more than one vehicle has. No two vehicles have the same name: numbers are left
-/// out that would make the label of another.
-pub(super) fn numbered(groups: &[Group]) -> Vec<Vehicle> {
-    let mut totals: HashMap<&str, usize> = HashMap::new();
-    for group in groups {
-        *totals.entry(group.label.as_deref().unwrap_or_default()).or_default() += group.count;
-    }
-    let places = groups.iter().scan(0, |next, group| {
-        *next += group.count;
-        Some((*next - group.count, group))
-    });
-    let nameless: Vec<usize> =
-        places.filter(|(_, g)| g.label.is_none()).flat_map(|(first, g)| first..first + g.count).collect();
-    let by_place = |place: usize| format!("vehicle {}", place + 1);
-    let taken: HashSet<String> = nameless.into_iter().map(by_place).collect();
-    let free = |name: &str| !totals.contains_key(name) && !taken.contains(name);
-    let mut used: HashMap<&str, usize> = HashMap::new();
-    let mut vehicles = Vec::new();
-    for group in groups {
-        for _ in 0..group.count {
-            let label = match group.label.as_deref() {
-                None => {
-                    let name = by_place(vehicles.len());
-                    let mut others =
-                        std::iter::once(name.clone()).chain((1..).map(|i| format!("{name} (no label {i})")));
-                    others.find(|name| !totals.contains_key(name.as_str())).unwrap_or(name)
-                }
-                Some(label) if totals.get(label) == Some(&1) && !taken.contains(label) => label.to_owned(),
-                Some(label) => {
-                    let number = used.entry(label).or_default();
-                    loop {
-                        *number += 1;
-                        let name = format!("{label} {number}");
-                        if free(&name) {
-                            break name;
-                        }
-                    }
-                }
-            };
-            vehicles.push(Vehicle { label, mass_kg: group.mass_kg, held: group.held, length_m: group.length_m });
-        }
-    }
-    vehicles
-}
-
-/// The vehicles by their names.
+/// The vehicles by their names, which are made when one is asked for.
 pub(super) struct Labels<'v> {
-    pub(super) vehicles: &'v [Vehicle],
-    by_label: OnceCell<HashMap<&'v str, usize>>,
+    /// How many vehicles there are.
+    pub(super) count: usize,
+    names: Box<dyn Fn() -> Vec<Vehicle> + 'v>,
+    vehicles: OnceCell<Vec<Vehicle>>,
+    by_label: OnceCell<HashMap<String, usize>>,
     /// What has been named so far, in words.
     pub(super) named: RefCell<Vec<String>>,
 }
 
 impl<'v> Labels<'v> {
-    pub(super) fn new(vehicles: &'v [Vehicle]) -> Self {
-        Labels { vehicles, by_label: OnceCell::new(), named: RefCell::default() }
+    pub(super) fn new(count: usize, names: impl Fn() -> Vec<Vehicle> + 'v) -> Self {
+        let (vehicles, by_label) = (OnceCell::new(), OnceCell::new());
+        Labels { count, names: Box::new(names), vehicles, by_label, named: RefCell::default() }
+    }
+
+    /// Those of a train.
+    pub(super) fn of(train: &'v Train) -> Self {
+        Labels::new(train.vehicles().len(), || train.vehicles().to_vec())
+    }
+
+    /// The vehicles with their names.
+    pub(super) fn vehicles(&self) -> &[Vehicle] {
+        self.vehicles.get_or_init(&self.names)
     }
 
     /// The vehicle that a value names, as an index from 0; `or` is what is right beside a label.
     pub(super) fn vehicle(&self, value: &Value, label: &str, or: &str) -> Read<usize> {
-        let all = self.by_label.get_or_init(|| self.vehicles.iter().enumerate().map(|(i, v)| (&*v.label, i)).collect());
-        if let Some(&index) = all.get(label) {
+        let vehicles = self.vehicles();
+        let all = || vehicles.iter().enumerate().map(|(i, v)| (v.label.clone(), i)).collect();
+        if let Some(&index) = self.by_label.get_or_init(all).get(label) {
             return Ok(index);
         }
         let numbered = |v: &&Vehicle| {
             let number = v.label.strip_prefix(label).and_then(|rest| rest.strip_prefix(' '));
             number.is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()))
         };
-        let some: Vec<&Vehicle> = self.vehicles.iter().filter(numbered).collect();
+        let some: Vec<&Vehicle> = vehicles.iter().filter(numbered).collect();
         if let [first, .., last] = some.as_slice() {
             let title = format!("{} vehicles have the label {}", some.len(), quoted(label));
             let help = format!("give one with its number, from {} to {}", quoted(&first.label), quoted(&last.label));
             return Err(value.wrong(title, help));
         }
         let mut near: Vec<(usize, &str)> =
-            self.vehicles.iter().take(COMPARED).map(|v| (distance(label, &v.label), &*v.label)).collect();
+            vehicles.iter().take(COMPARED).map(|v| (distance(label, &v.label), &*v.label)).collect();
         near.sort();
         let near: Vec<String> = near.iter().take(3).map(|(_, name)| quoted(name)).collect();
         let help = format!("the nearest labels are {}; or give {or}", near.join(", "));

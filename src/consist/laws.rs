@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::Files;
 use super::gears::{self, Gear};
 use super::tree::{Read, Table};
-use crate::law::{Law, LawProblem, Row};
+use crate::law::Law;
 
 /// The keys, of `[coupler]` and of what differs from it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -93,11 +93,11 @@ impl LawKeys {
         }
     }
 
-    /// The law; `None` for one linear spring.
+    /// The law.
     ///
     /// # Errors
-    /// What does not go together.
-    pub(super) fn law(&self) -> Result<Option<Law>, Wrong> {
+    /// Keys that do not go together.
+    pub(super) fn law(&self) -> Result<Law, Wrong> {
         let slack_m = self.slack_m.unwrap_or(0.0);
         let Some(gear) = &self.gear else {
             let given = [self.gear_in_buff.is_some(), self.friction.is_some(), self.solid_n_per_m.is_some()];
@@ -106,12 +106,8 @@ impl LawKeys {
                 return Err((key, format!("{key} without a gear"), help.to_owned()));
             }
             let draft = self.stiffness_n_per_m.unwrap_or(1.0);
-            let law = Law::Elastic {
-                draft_n_per_m: draft,
-                buff_n_per_m: self.stiffness_in_buff_n_per_m.unwrap_or(draft),
-                slack_m,
-            };
-            return Ok(Some(law).filter(|law| !law.is_linear()));
+            let buff_n_per_m = self.stiffness_in_buff_n_per_m.unwrap_or(draft);
+            return Ok(Law::Elastic { draft_n_per_m: draft, buff_n_per_m, slack_m });
         };
         if self.stiffness_in_buff_n_per_m.is_some() {
             let help = "give the table of buff with gear_in_buff = \"buffers.csv\"";
@@ -125,15 +121,7 @@ impl LawKeys {
         let curve = |key, gear: &Gear| gear.curve(self.friction).map_err(|[title, help]| (key, title, help));
         let draft = curve("gear", gear)?;
         let buff = self.gear_in_buff.as_ref().map_or(Ok(draft.clone()), |gear| curve("gear_in_buff", gear))?;
-        let law = Law::Gear { solid_n_per_m, slack_m, draft, buff };
-        law.check().map_err(|bad| {
-            let (key, help) = match bad {
-                LawProblem::NegativeBesideSlack(_) => ("gear", "give it 0 or more, or leave slack out"),
-                _ => ("gear", "with these two curves the force would fall while the coupler gets longer"),
-            };
-            (key, bad.to_string(), help.to_owned())
-        })?;
-        Ok(Some(law))
+        Ok(Law::Gear { solid_n_per_m, slack_m, draft, buff })
     }
 
     fn friction_is_used(&self, gear: &Gear) -> Result<(), Wrong> {
@@ -143,20 +131,5 @@ impl LawKeys {
         }
         let title = "friction beside a gear that has forces of unloading".to_owned();
         Err(("friction", title, "keep one of them: friction stands for the column unloading".to_owned()))
-    }
-}
-
-/// Stiffness that stands for a coupler's law where one number is asked for, N/m: the secant of loading up to a force in draft, without
-/// the slack; up to the last row of its table where the force is 0.
-pub(super) fn secant_n_per_m(law: &Law, force_n: f64) -> f64 {
-    match law {
-        Law::Elastic { draft_n_per_m, .. } => *draft_n_per_m,
-        Law::Gear { draft, slack_m, .. } => {
-            let last_n = draft.rows().last().map_or(1.0, |row: &Row| row.loading_n);
-            // Near a preload only what is in series gives way, which says nothing of the gear.
-            let preload_n = draft.rows().first().map_or(0.0, |row| row.loading_n);
-            let force_n = if force_n > 0.0 { force_n.max(2.0 * preload_n) } else { last_n };
-            force_n / (law.elongation_m(&law.rest(&[force_n])) - 0.5 * slack_m)
-        }
     }
 }

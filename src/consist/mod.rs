@@ -1,13 +1,9 @@
-//! The train as an engineer describes it, in SI units and validated.
-//!
-//! Vehicles and couplers are indexed from 0 in the code and numbered from 1, from the head, wherever a user sees them:
-//! coupler `i` joins vehicle `i` and vehicle `i + 1`. Forces are positive in tension (draft), negative in compression
-//! (buff).
+//! Files that describe trains: the train file (TOML), tables of vehicles (CSV, workbooks), gears and records; all of them end in
+//! [`TrainSpec::build`](crate::train::TrainSpec::build).
 
 mod brakes;
 mod describe;
 mod describe_laws;
-mod extras;
 mod file;
 mod gears;
 mod heading;
@@ -28,99 +24,22 @@ pub(crate) mod tree;
 mod workbook;
 
 use std::path::Path;
-use std::sync::Arc;
 
 use toml::de::DeTable;
 
-use crate::doubts::Doubt;
 use crate::error::{InputError, Problem};
-use crate::fleet::study;
-use crate::scenario::Scenario;
-use crate::units::UnitSystem;
+use crate::train::{Origin, Train};
 
 pub use describe::describe;
-pub(crate) use describe::{count, of_parts};
+pub(crate) use describe::of_parts;
 pub(crate) use describe_laws::{application, laws, place, response_sentences as response};
-pub use extras::{Extras, LIMITS, Limits, SENSES, Steady};
 pub use import::{Imported, import};
-pub use loads::steady_forces;
+pub(crate) use kinds::is_study;
 pub use numbers::{cell_of_number, cell_of_text};
-pub use text::{Files, Source};
+pub use text::Files;
 
 /// A commented train file to start from, with every key explained; it runs as it is.
 pub const TEMPLATE: &str = include_str!("template.toml");
-
-/// More vehicles than this are refused.
-pub(crate) const MOST_VEHICLES: usize = 1_000_000;
-
-/// A vehicle: a rigid mass between couplers.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Vehicle {
-    /// What a report calls it: the file's `label`, numbered where the train has it more than once (`"ore car 7"`), or
-    /// `"vehicle 12"` by its place.
-    pub label: String,
-    /// Mass, kg; finite and > 0.
-    pub mass_kg: f64,
-    /// Keeps its speed whatever the couplers do; only ever the first or the last vehicle. Its mass plays no part.
-    pub held: bool,
-    /// Length over couplers, m, where the file gives one.
-    pub length_m: Option<f64>,
-}
-
-/// A coupler: the whole connection between two vehicles, as one linear spring with two ratings.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Coupler {
-    /// Stiffness, N/m; finite and > 0. Of a coupler whose law is not linear ([`Extras::laws`]) the secant of loading at the train's
-    /// largest load, which gives scales of time and no force.
-    pub stiffness_n_per_m: f64,
-    /// Capacity in tension, N; finite and > 0.
-    pub rated_draft_n: f64,
-    /// Capacity in compression, N (a positive number); finite and > 0.
-    pub rated_buff_n: f64,
-}
-
-/// A validated train with what is to be run on it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Train {
-    /// The file's `name`.
-    pub name: String,
-    /// From the head; at least two.
-    pub vehicles: Vec<Vehicle>,
-    /// `vehicles.len() - 1` of them.
-    pub couplers: Vec<Coupler>,
-    /// Force in each coupler in the steady state before the event, N, draft positive.
-    pub initial_force_n: Vec<f64>,
-    /// At least one.
-    pub scenarios: Vec<Scenario>,
-    /// What it has beyond linear springs under a given load; all absent by default.
-    pub extras: Extras,
-    /// Where it comes from; empty for a train that was not read from files.
-    pub origin: Origin,
-}
-
-impl Train {
-    /// The forces that a coupler went to, one after the other, before the event, N: the pull from which it was let down, if there
-    /// was one, and its load.
-    pub fn history_n(&self, coupler: usize) -> Vec<f64> {
-        let pulled = self.extras.pulled_to_n.get(coupler).copied();
-        pulled.into_iter().chain([self.initial_force_n[coupler]]).collect()
-    }
-}
-
-/// Where a train comes from.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Origin {
-    /// Every file that was read for it.
-    pub sources: Vec<Source>,
-    /// What its reader found that is probably not meant; part of [`doubts`](crate::doubts::doubts).
-    pub doubts: Vec<Doubt>,
-    /// What the file names by a label, with its number: `coupler 41 is behind "coal car 40"`.
-    pub by_label: Vec<String>,
-    /// The text of the train file.
-    pub text: Arc<str>,
-    /// The units of reports: those that the file asks for, or in which most of its quantities are written.
-    pub units: UnitSystem,
-}
 
 /// Reads a train file.
 ///
@@ -162,8 +81,8 @@ pub fn read_from(input: &mut dyn std::io::Read, path: &Path) -> Result<Train, In
 ///     uniform = "40 %"
 /// "#;
 /// let train = trainsafe::consist::parse(text, Path::new("three.toml"))?;
-/// assert_eq!(train.couplers[0].stiffness_n_per_m, 30e6);
-/// assert_eq!(train.initial_force_n, [0.6e6, 0.6e6]);
+/// assert_eq!(train.couplers()[0].stiffness_n_per_m, 30e6);
+/// assert_eq!(train.initial_force_n(), [0.6e6, 0.6e6]);
 ///
 /// let wrong = trainsafe::consist::parse(&text.replace("MN/m", "MN"), Path::new("three.toml")).unwrap_err();
 /// assert!(wrong.to_string().contains("stiffness has \"MN\", a unit of force"));
@@ -177,31 +96,36 @@ pub fn parse(text: &str, path: &Path) -> Result<Train, InputError> {
 ///
 /// # Errors
 /// As for [`parse`].
-pub fn parse_with(text: &str, path: &Path, files: &Files) -> Result<Train, InputError> {
-    parse_drawn(text, path, files, None)
-}
-
-/// Texts of `[coupler]`, one for each coupler, for a train with so many couplers.
-pub(crate) type EachCoupler<'a> = &'a dyn Fn(usize) -> Vec<String>;
-
-/// The same with a `[coupler]` for each coupler, where there are any, in the place of the file's one. What a table of vehicles or
-/// a `[[coupler_override]]` says of a coupler holds over its own `[coupler]` as it does over the common one.
-pub(crate) fn parse_drawn(
-    text: &str,
-    path: &Path,
-    files: &Files,
-    each: Option<EachCoupler>,
-) -> Result<Train, InputError> {
+pub(crate) fn parse_with(text: &str, path: &Path, files: &Files) -> Result<Train, InputError> {
     if text.trim().is_empty() {
         let help = "`trainsafe new` prints one to start from";
         return Err(InputError::of_file(path, "the train file is empty", help));
     }
     let parsed = DeTable::parse(text).map_err(|e| not_train(text, path).unwrap_or_else(|| not_toml(e, text, path)))?;
-    if study::is_study_root(parsed.get_ref()) {
+    if is_study(parsed.get_ref()) {
         return Err(not_train(text, path).unwrap_or_else(|| InputError::of_file(path, "this is a study", "")));
     }
+    read_tree(parsed.get_ref(), text, path, files, None)
+}
+
+/// Hands trees with a `[coupler]` over, one for each coupler of a train with so many couplers.
+pub(crate) type EachCoupler<'a> = &'a dyn Fn(usize, &mut dyn FnMut(&DeTable));
+
+/// Reads the tree of a train file, whose places are those of the text; with a `[coupler]` for each coupler, where there are any, in
+/// the place of the file's one. What a table of vehicles or a `[[coupler_override]]` says of a coupler holds over its own `[coupler]`
+/// as it does over the common one.
+///
+/// # Errors
+/// As for [`parse`].
+pub(crate) fn read_tree(
+    tree: &DeTable,
+    text: &str,
+    path: &Path,
+    files: &Files,
+    each: Option<EachCoupler>,
+) -> Result<Train, InputError> {
     let found = tree::Found::default();
-    let root = tree::Table::root(&found, parsed.get_ref(), &keys::TRAIN);
+    let root = tree::Table::root(&found, tree, &keys::TRAIN);
     let named = root.get("vehicles").filter(|value| value.as_text().is_some());
     let rows = match named.map(|value| value.text_beside(path, files, table::is_table)) {
         Some(Ok((beside, text))) => Ok(Some(table::parse(&text, &beside, path, files)?)),
@@ -212,9 +136,10 @@ pub(crate) fn parse_drawn(
     let (problems, doubts) = found.into_parts();
     match train {
         Ok(train) if problems.is_empty() => {
-            Ok(Train { origin: Origin { sources: files.list(), doubts, text: text.into(), ..train.origin }, ..train })
+            let origin = Origin { sources: files.list(), doubts, text: text.into(), ..train.origin().clone() };
+            Ok(train.with_origin(origin))
         }
-        _ => Err(InputError::new(path, text, problems).with_keys(parsed.get_ref())),
+        _ => Err(InputError::new(path, text, problems).with_keys(tree)),
     }
 }
 

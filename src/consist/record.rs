@@ -7,8 +7,8 @@ use std::path::Path;
 
 use super::heading::{Content, Wanted, only_unit};
 use super::sheet::{ABOVE, NoSheet, Record, Sheet};
-use crate::doubts::Doubt;
 use crate::error::{InputError, Problem, Problems, printable_path, quoted};
+use crate::train::Doubt;
 use crate::units::{self, Amount, Dimension, shown};
 
 /// What a record holds.

@@ -1,36 +1,25 @@
 //! A train file's `[[scenario]]` tables.
 
-use std::collections::HashMap;
-use std::ops::Range;
 use std::path::Path;
 
 use super::file::coupler_list;
 use super::keys::SCENARIO;
 use super::labels::Labels;
 use super::tree::{Found, Read, Table, Value};
-use super::{Extras, Files, brakes, record};
-use crate::doubts::Doubt;
+use super::{Files, brakes, record};
 use crate::error::quoted;
 use crate::play::{Drive, Rule};
-use crate::scenario::{Event, Response, Scenario};
+use crate::train::{Doubt, Event, MOST_CASES, MOST_SCENARIOS, Response, Scenario, Train};
 use crate::units::{Amount, Dimension, shown};
-
-/// More breaks than this, over all scenarios, are refused.
-const MOST_CASES: usize = 1_000_000;
-
-/// More scenarios than this are refused: each has figures of its own.
-const MOST_SCENARIOS: usize = 1000;
 
 /// What a scenario is read against.
 pub(super) struct Context<'a, 'v> {
     pub found: &'a Found,
     pub labels: &'a Labels<'v>,
-    /// Force in each coupler before the event, N; none where it could not be read.
-    pub initial_force_n: &'a [f64],
+    /// The train without scenarios.
+    pub train: &'a Train,
     /// Tractive effort of each vehicle, N.
     pub traction_n: &'a [f64],
-    /// All else that the train has, but for its steady state.
-    pub extras: &'a Extras,
     /// The smallest capacity in draft, N.
     pub weakest_n: f64,
     /// The train file.
@@ -38,63 +27,35 @@ pub(super) struct Context<'a, 'v> {
     pub files: &'a Files,
 }
 
-impl Context<'_, '_> {
-    /// Whether a coupler carries buff, so that its vehicles stay pressed together when it breaks, and that is not computed. In a train
-    /// with slack or gears it is.
-    fn in_buff(&self, coupler: usize) -> bool {
-        self.extras.laws.is_empty() && self.initial_force_n.get(coupler).is_some_and(|force| *force < 0.0)
-    }
-
-    /// Every coupler in turn, and those that are left out because they carry buff.
-    fn each(&self, buff_breaks: bool) -> (Event, Vec<usize>) {
-        let all = 0..self.labels.vehicles.len() - 1;
-        let (left_out, couplers) = all.partition(|&i| !buff_breaks && self.in_buff(i));
-        (Event::Break { couplers }, left_out)
-    }
-}
-
-/// The scenarios, or each coupler in turn if there are none.
+/// The scenarios that the file has.
 pub(super) fn read(root: &Table, context: &Context) -> Read<Vec<Scenario>> {
     let tables = root.get("scenario").map_or(Ok(vec![]), |v| v.tables())?;
-    if tables.is_empty() {
-        let (event, left_out_in_buff) = context.each(false);
-        let name = default_name(&event, &left_out_in_buff, context.labels.vehicles.len());
-        let response = Response::default();
-        return Ok(vec![Scenario { name, event, horizon_s: None, cascade: Rule::Keep, left_out_in_buff, response }]);
-    }
-    if let Some(beyond) = tables.get(MOST_SCENARIOS) {
-        let title = format!("the train file has {} scenarios", tables.len());
-        return Err(
-            beyond.wrong(title, format!("it has at most {MOST_SCENARIOS}; a list of couplers breaks each in turn"))
-        );
-    }
-    let (mut scenarios, mut cases) = (vec![], 0);
-    for table in &tables {
-        let scenario = scenario(table, context);
-        if let Ok(Unnamed { event: Event::Break { couplers }, .. }) = &scenario {
+    let mut cases = 0;
+    let mut scenarios = vec![];
+    // One more than may be: more are refused, and need not be read for that.
+    for table in tables.iter().take(MOST_SCENARIOS + 1) {
+        let scenario = scenario(table, context).unwrap_or_else(|_| stand_in());
+        if let Event::Break { couplers } = &scenario.event {
             cases += couplers.len();
         }
-        if cases > MOST_CASES {
-            let title = format!("the scenarios have more than {MOST_CASES} breaks up to here");
-            return Err(table.wrong(title, "a train file has at most that many"));
-        }
         scenarios.push(scenario);
+        if cases > MOST_CASES {
+            break;
+        }
     }
-    named(scenarios.into_iter().collect::<Read<_>>()?, context.labels.vehicles.len())
+    Ok(scenarios)
 }
 
-/// A scenario that may have no name yet.
-struct Unnamed<'s> {
-    name: Option<(&'s str, Value<'s>)>,
-    event: Event,
-    left_out_in_buff: Vec<usize>,
-    horizon_s: Option<f64>,
-    cascade: Rule,
-    response: Response,
+/// Stands in for a scenario that was wrong, so that the others are still looked at.
+fn stand_in() -> Scenario {
+    let event = Event::Break { couplers: vec![0] };
+    let (name, response) = (String::new(), Response::default());
+    Scenario { name, event, horizon_s: None, cascade: Rule::Keep, left_out_in_buff: vec![], response }
 }
 
-fn scenario<'s>(table: &Table<'s>, context: &Context) -> Read<Unnamed<'s>> {
-    let name = table.get("name").map(|v| v.name().map(|text| (text, v.clone()))).transpose();
+/// A scenario; without a name where the table gives none.
+fn scenario(table: &Table, context: &Context) -> Read<Scenario> {
+    let name = table.get("name").map_or(Ok(""), |v| v.name());
     let horizon = table.get("horizon").map(|v| v.quantity()).transpose();
     let kind =
         table.require("kind", "add kind = \"break\", kind = \"pulse\", kind = \"impact\" or kind = \"brake\"")?;
@@ -104,7 +65,7 @@ fn scenario<'s>(table: &Table<'s>, context: &Context) -> Read<Unnamed<'s>> {
     let event = match kind {
         // With an unreadable flag nothing is said of couplers in buff.
         "break" => break_of(table, context, breaking.as_ref().map_or(true, |(_, in_buff)| *in_buff)),
-        "impact" => impact(table, context.labels.vehicles.len()).map(|event| (event, vec![])),
+        "impact" => impact(table, context.labels.count).map(|event| (event, vec![])),
         "brake" => brake(table, context).map(|event| (event, vec![])),
         _ => pulse(table, context).map(|event| (event, vec![])),
     };
@@ -114,15 +75,16 @@ fn scenario<'s>(table: &Table<'s>, context: &Context) -> Read<Unnamed<'s>> {
     if let Event::Break { couplers } = &event
         && buff_breaks
         && cascade == Rule::Keep
-        && !couplers.iter().any(|&b| context.in_buff(b))
+        && !couplers.iter().any(|&b| context.train.in_buff(b))
     {
-        let what = name.as_ref().map_or("a scenario".to_owned(), |(name, _)| name.to_string());
+        let what = if name.is_empty() { "a scenario" } else { name };
         let text = format!(
             "buff_breaks of {what} changes nothing: no coupler that breaks in it carries buff, and it has no cascade"
         );
         table.doubt(Doubt::of_train("buff-breaks-unused", text));
     }
-    Ok(Unnamed { name, event, left_out_in_buff, horizon_s, cascade, response })
+    let name = name.to_owned();
+    Ok(Scenario { name, event, left_out_in_buff, horizon_s, cascade, response })
 }
 
 /// Which couplers break that pass their rating, and whether couplers in buff break.
@@ -163,22 +125,22 @@ fn with_article(word: &str) -> String {
 /// The couplers that break, and those of "each" that are left out because they carry buff.
 fn break_of(table: &Table, context: &Context, buff_breaks: bool) -> Read<(Event, Vec<usize>)> {
     let labels = context.labels;
-    let count = labels.vehicles.len() - 1;
+    let count = labels.count - 1;
     let right = format!("expected a coupler's number from 1 to {count}, a list of them, or \"each\"");
     let value = table.require("coupler", &right)?;
     let couplers = match value.as_text() {
-        Some("each") => return Ok(context.each(buff_breaks)),
+        Some("each") => return Ok(context.train.each(buff_breaks)),
         Some(text) => return Err(value.wrong_word(text, right)),
         None => coupler_list(&value, labels, &right)?,
     };
     let pressed = |(item, &i): (Value, &usize)| {
-        let force = shown(-context.initial_force_n[i], Dimension::Force);
+        let force = shown(-context.train.initial_force_n()[i], Dimension::Force);
         let title =
             format!("coupler {} carries {force} in buff, so its vehicles stay pressed together when it breaks", i + 1);
         let help = "choose a coupler in draft, or add buff_breaks = true to compute it as if the parts could pass through each other";
         item.wrong(title, help)
     };
-    let in_buff = |(_, i): &(Value, &usize)| !buff_breaks && context.in_buff(**i);
+    let in_buff = |(_, i): &(Value, &usize)| !buff_breaks && context.train.in_buff(**i);
     match value.items().zip(&couplers).filter(in_buff).map(pressed).last() {
         Some(reported) => Err(reported),
         None => Ok((Event::Break { couplers }, vec![])),
@@ -186,7 +148,7 @@ fn break_of(table: &Table, context: &Context, buff_breaks: bool) -> Read<(Event,
 }
 
 fn pulse(table: &Table, context: &Context) -> Read<Event> {
-    let vehicle = struck(table, context);
+    let vehicle = place(table, context, "").map(|(_, vehicle)| vehicle);
     if let Some(record) = table.get("record") {
         return recorded(table, &record, vehicle?, context);
     }
@@ -271,51 +233,17 @@ fn response(table: &Table, kind: &str, context: &Context) -> Read<Response> {
         return Ok(Response::default());
     }
     let emergency = match table.get("emergency").filter(|_| kind == "break") {
-        Some(value) => brakes::application(&value, true).and_then(|a| braked(&value, context).map(|()| Some(a))),
+        Some(value) => brakes::application(&value, true).map(Some),
         None => Ok(None),
     };
-    let Context { labels, traction_n, path, files, .. } = context;
-    let efforts = brakes::efforts(table, labels, traction_n, path, files);
-    let (emergency, efforts) = (emergency?, efforts?);
-    if let Some(key) = ["cut_power", "throttle"].into_iter().find_map(|key| table.get(key)) {
-        undamped(&key, context)?;
-    }
-    Ok(Response { emergency, efforts })
-}
-
-/// Notes what a brake application needs and the train does not have.
-fn braked(value: &Value, context: &Context) -> Read<()> {
-    let name = value.name_of_key();
-    let vehicles = context.labels.vehicles;
-    if let Some(v) = vehicles.iter().find(|v| v.length_m.is_none()) {
-        let title = format!("{name} needs the length of every vehicle, and {} has none", quoted(&v.label));
-        return Err(value.wrong(title, "add length = \"17.6 m\" to it: an application takes its time along the train"));
-    }
-    if context.extras.emergency_brake_n.is_empty() {
-        let title = format!("{name} in a train in which no vehicle has an emergency_brake");
-        return Err(value.wrong(title, "add emergency_brake = \"45 kN\", the full brake force, to the vehicles"));
-    }
-    if context.extras.speed_m_per_s.is_none() {
-        let title = format!("{name} needs the train's speed");
-        return Err(
-            value.wrong(title, "add speed = \"50 km/h\" at the top of the file: brakes act as long as a vehicle runs")
-        );
-    }
-    undamped(value, context)
-}
-
-/// Notes a damping ratio, with which forces that change over time on several vehicles are not computed.
-fn undamped(value: &Value, context: &Context) -> Read<()> {
-    if context.extras.damping_ratio == 0.0 {
-        return Ok(());
-    }
-    let title = format!("{} in a train with a damping_ratio", value.name_of_key());
-    Err(value.wrong(title, "give [coupler] a damping = \"200 kN*s/m\" in its place, or a gear with friction"))
+    let Context { train, traction_n, path, files, .. } = context;
+    let efforts = brakes::efforts(table, train.vehicles(), traction_n, path, files);
+    Ok(Response { emergency: emergency?, efforts: efforts? })
 }
 
 /// A brake application and where it starts.
 fn brake(table: &Table, context: &Context) -> Read<Event> {
-    let vehicles = context.labels.vehicles.len();
+    let vehicles = context.labels.count;
     let both = table.get("at").filter(|at| at.as_text() == Some("both ends"));
     let from = match both {
         Some(_) => Ok(vec![0, vehicles - 1]),
@@ -340,25 +268,13 @@ fn brake(table: &Table, context: &Context) -> Read<Event> {
     };
     let Some((value, emergency)) = value else { unreachable!("one of the two is there") };
     let application = brakes::application(&value, emergency);
-    braked(&value, context)?;
     Ok(Event::Brake { from: from?, emergency, application: application? })
-}
-
-/// The vehicle that a pulse strikes, as an index from 0.
-fn struck(table: &Table, context: &Context) -> Read<usize> {
-    let (value, vehicle) = place(table, context, "")?;
-    if context.labels.vehicles[vehicle].held {
-        return Err(
-            value.wrong("the pulse strikes a held vehicle, which no force moves", "choose a vehicle that is not held")
-        );
-    }
-    Ok(vehicle)
 }
 
 /// The vehicle that `at` names, as an index from 0; `more` is what else it could be.
 fn place<'s>(table: &Table<'s>, context: &Context, more: &str) -> Read<(Value<'s>, usize)> {
-    let Context { labels, found, .. } = context;
-    let vehicles = labels.vehicles;
+    let Context { labels, found, train, .. } = context;
+    let vehicles = train.vehicles();
     let right =
         format!("expected {more}\"head\", \"tail\", a vehicle's number from 1 to {} or its label", vehicles.len());
     let value = table.require("at", &right)?;
@@ -383,70 +299,4 @@ fn place<'s>(table: &Table<'s>, context: &Context, more: &str) -> Read<(Value<'s
         None => value.number(vehicles.len(), |n| format!("the train has no vehicle {n}"), &right)? - 1,
     };
     Ok((value, vehicle))
-}
-
-/// Gives names to those without one and notes those that are given twice.
-fn named(scenarios: Vec<Unnamed>, vehicles: usize) -> Read<Vec<Scenario>> {
-    let mut taken: HashMap<String, Range<usize>> = HashMap::new();
-    for (name, value) in scenarios.iter().filter_map(|s| s.name.as_ref()) {
-        if let Some(earlier) = taken.insert((*name).to_owned(), value.span()) {
-            let title = format!("two scenarios are named {}", quoted(name));
-            return Err(value.wrong_because(
-                title,
-                "give each scenario a name of its own",
-                earlier,
-                "named here before",
-            ));
-        }
-    }
-    let name_one = |scenario: Unnamed| {
-        let name = match scenario.name {
-            Some((name, _)) => name.to_owned(),
-            None => {
-                let plain = default_name(&scenario.event, &scenario.left_out_in_buff, vehicles);
-                let again = (2..).map(|i| format!("{plain} ({i})"));
-                let mut candidates = std::iter::once(plain.clone()).chain(again);
-                let free = candidates.find(|name| !taken.contains_key(name)).unwrap_or(plain);
-                taken.insert(free.clone(), 0..0);
-                free
-            }
-        };
-        let Unnamed { event, left_out_in_buff, horizon_s, cascade, response, .. } = scenario;
-        Scenario { name, event, horizon_s, cascade, left_out_in_buff, response }
-    };
-    Ok(scenarios.into_iter().map(name_one).collect())
-}
-
-/// What the breaks of every coupler are called.
-const EACH: &str = "each coupler breaks in turn";
-
-/// What a scenario is called that has no name.
-fn default_name(event: &Event, left_out: &[usize], vehicles: usize) -> String {
-    match event {
-        Event::Break { .. } if !left_out.is_empty() => EACH.to_owned(),
-        Event::Break { couplers } => match couplers.as_slice() {
-            [one] => format!("break of coupler {}", one + 1),
-            all if all.len() + 1 == vehicles => EACH.to_owned(),
-            [some @ .., last] if some.len() < 6 => {
-                let some: Vec<String> = some.iter().map(|c| (c + 1).to_string()).collect();
-                format!("break of couplers {} and {} in turn", some.join(", "), last + 1)
-            }
-            many => format!("break of {} couplers in turn", many.len()),
-        },
-        Event::Pulse { vehicle: 0, .. } | Event::Shaped { vehicle: 0, .. } => "pulse at the head".to_owned(),
-        Event::Pulse { vehicle, .. } | Event::Shaped { vehicle, .. } => match vehicle + 1 {
-            last if last == vehicles => "pulse at the tail".to_owned(),
-            number => format!("pulse at vehicle {number}"),
-        },
-        Event::Impact { at_head, .. } => format!("impact at the {}", if *at_head { "head" } else { "tail" }),
-        Event::Brake { from, emergency, .. } => {
-            let what = if *emergency { "emergency brakes" } else { "service brakes" };
-            match from.as_slice() {
-                [0] => format!("{what} from the head"),
-                [v] if v + 1 == vehicles => format!("{what} from the tail"),
-                [v] => format!("{what} from vehicle {}", v + 1),
-                _ => format!("{what} from both ends"),
-            }
-        }
-    }
 }

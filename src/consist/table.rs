@@ -17,15 +17,15 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::file::{Group, OwnKeys, group, wrongly_held};
+use super::Files;
+use super::file::{Group, OwnKeys, group};
 use super::heading::{Content, Wanted, normal, only_unit};
 use super::keys::{OVERRIDE, VEHICLE};
 use super::sheet::{ABOVE, Record, Sheet};
 use super::tree::{Found, Table};
-use super::{Files, MOST_VEHICLES};
-use crate::doubts::Doubt;
 use crate::error::{InputError, Problem, Problems, printable_path, quoted};
 use crate::keys::{Kind, Shape};
+use crate::train::{Doubt, MOST_VEHICLES, VehicleSpec, held, many};
 use crate::units::{Dimension, one_of};
 
 /// The vehicles of a table, in groups, and what it says of the coupler behind each.
@@ -208,7 +208,7 @@ pub(super) fn listed(text: &str, path: &Path) -> Result<(Vec<ListedRow>, Vec<Dou
     }
     let records: Vec<Record> = reader.sheet.rows().collect();
     let list = records.iter().zip(&rows.groups).map(|(record, group)| {
-        let mut listed = ListedRow { row: record.row, count: group.count, vehicle: vec![], coupler: vec![] };
+        let mut listed = ListedRow { row: record.row, count: group.vehicle.count, vehicle: vec![], coupler: vec![] };
         for (slot, _, entry) in reader.values(record) {
             let heading = reader.sheet.columns[slot].as_ref().map_or_else(String::new, |column| column.heading.clone());
             let cell = ListedCell { key: reader.slots[slot].path.join("."), value: entry.toml(), heading };
@@ -298,7 +298,7 @@ impl<'t> Reader<'t> {
                 continue;
             };
             self.told(record, found);
-            if group.held {
+            if group.vehicle.held {
                 seen.push(Seen {
                     row: rows.groups.len(),
                     held: self.sheet.place(record, self.held),
@@ -447,21 +447,12 @@ impl<'t> Reader<'t> {
     }
 
     /// What is wrong with the rows as a train.
-    fn check(&mut self, rows: &Rows, held: &[Seen]) {
-        let total = rows.groups.iter().fold(0usize, |sum, group| sum.saturating_add(group.count));
-        let help = "give it a row for each vehicle, at least two";
-        match total {
-            0 => self.problems.note(Problem::of_file("the table has no vehicles", help)),
-            1 => self.problems.note(Problem::of_file("the table has 1 vehicle", help)),
-            n if n > MOST_VEHICLES => {
-                let title = format!("the table has more than {MOST_VEHICLES} vehicles");
-                self.problems.note(Problem::of_file(title, "a train has at most that many"));
-            }
-            _ => {}
-        }
-        for (index, title, help) in wrongly_held(&rows.groups, "a row of its own") {
-            if let Some(seen) = held.iter().find(|seen| seen.row == index) {
-                let problem = Problem::at(seen.held.clone(), title, Some(help));
+    fn check(&mut self, rows: &Rows, seen: &[Seen]) {
+        let vehicles: Vec<VehicleSpec> = rows.groups.iter().map(|group| group.vehicle.clone()).collect();
+        many(&vehicles).into_iter().for_each(|bad| self.problems.note(Problem::of_file(bad.message, bad.help)));
+        for bad in held(&vehicles) {
+            if let Some(seen) = seen.iter().find(|seen| bad.key == format!("vehicle[{}].held", seen.row)) {
+                let problem = Problem::at(seen.held.clone(), bad.message, Some(bad.help));
                 self.problems.note(problem.after(&seen.label));
             }
         }
@@ -487,7 +478,7 @@ impl<'t> Reader<'t> {
         let [low, high] =
             [numbers.iter().map(|n| n.1).min(), numbers.iter().map(|n| n.1).max()].map(Option::unwrap_or_default);
         // The numbers of vehicles are spread wide; those of places are not.
-        let vehicles = groups.iter().map(|group| group.count as i64).sum::<i64>();
+        let vehicles = groups.iter().map(|group| group.vehicle.count as i64).sum::<i64>();
         let heading = self.sheet.columns[place].as_ref().map_or(String::new(), |c| c.heading.clone());
         if numbers.is_empty() || high.saturating_sub(low) > 2 * vehicles + 10 {
             let text =
@@ -504,7 +495,7 @@ impl<'t> Reader<'t> {
         }
         let gap = |pair: &&[(usize, i64)]| {
             let ((before, a), (here, b)) = (pair[0], pair[1]);
-            here == before + 1 && b != a + 1 && b != a + groups[before].count as i64
+            here == before + 1 && b != a + 1 && b != a + groups[before].vehicle.count as i64
         };
         if let Some(&[(_, a), (here, b)]) = numbers.windows(2).find(gap) {
             let row = records[here].row;
@@ -524,7 +515,7 @@ impl<'t> Reader<'t> {
         }
         let row = record.row;
         let behind = rows.behind.len().checked_sub(2).map(|at| (&rows.behind[at], &rows.behind[at + 1]));
-        if behind.is_some_and(|(before, last)| last.gives_anything() && before != last) && last.count == 1 {
+        if behind.is_some_and(|(before, last)| last.gives_anything() && before != last) && last.vehicle.count == 1 {
             let text = format!(
                 "row {row} of {} is the last vehicle's: what it says of the coupler behind is not used",
                 self.name
@@ -546,9 +537,10 @@ impl<'t> Reader<'t> {
 
 /// A row that is probably the sum of the others and no vehicle, and why: the last or the first one by its mass, any by its label.
 fn sums(groups: &[Group]) -> Option<(usize, &'static str)> {
+    let groups: Vec<&VehicleSpec> = groups.iter().map(|group| &group.vehicle).collect();
     let near = |sum: f64, value: f64| (sum - value).abs() <= 1e-3 * value;
     let is_sum = |at: usize| {
-        let sum = |of: &dyn Fn(&Group) -> f64| {
+        let sum = |of: &dyn Fn(&VehicleSpec) -> f64| {
             groups.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, g)| of(g)).sum::<f64>()
         };
         let lengths = groups[at].length_m.is_none_or(|length| {
@@ -558,7 +550,7 @@ fn sums(groups: &[Group]) -> Option<(usize, &'static str)> {
         let masses = [sum(&|g| g.mass_kg), sum(&|g| g.mass_kg * g.count as f64)];
         lengths && masses.iter().any(|sum| near(*sum, groups[at].mass_kg))
     };
-    let says_so = |group: &Group| {
+    let says_so = |group: &&VehicleSpec| {
         let label = group.label.as_deref().unwrap_or_default().trim_end_matches(':').to_lowercase();
         SUMS.contains(&label.as_str())
     };

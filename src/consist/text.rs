@@ -10,6 +10,7 @@ use sha2::{Digest, Sha256};
 
 use super::kinds;
 use crate::error::{InputError, printable_path};
+use crate::train::Source;
 
 /// Larger train files and studies are refused unread, and larger tables and records: their trees take up to 75 times the memory, and
 /// what is read of a table little more than the table.
@@ -20,15 +21,6 @@ const LARGEST_TABLE: u64 = 16 << 20;
 const MOST_LISTED: usize = 10_000;
 
 const GIVE_TRAIN: &str = "give the path of a train file; `trainsafe new` prints one to start from";
-
-/// A file that was read, or that could not be.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Source {
-    /// Its path, as the train file or the user names it.
-    pub path: PathBuf,
-    /// SHA-256 of its bytes; of what stands in the way, where it could not be read.
-    pub sha256: [u8; 32],
-}
 
 /// A text, or what is wrong with the file and what would be right.
 type Text = Result<Arc<str>, [String; 2]>;

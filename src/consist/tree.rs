@@ -1,16 +1,18 @@
 //! Reading a spanned TOML tree: every getter knows where its value stands and what would be right there.
 
+use std::borrow::Cow;
 use std::cell::{Cell, RefCell};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::Files;
-use crate::doubts::Doubt;
 use crate::error::{InputError, Problem, Problems, is_obeyed, printable_path, quoted};
 use crate::keys::{Key, Kind, LONGEST_NAME, Shape, Sign};
+use crate::train::Doubt;
 use crate::units::{self, Amount, Dimension, UnitSystem, one_of};
 
 /// What to do about a path of Windows between double quotes.
@@ -32,6 +34,13 @@ pub(crate) struct Reported(());
 
 /// A value, or a problem that has been noted.
 pub(crate) type Read<T> = Result<T, Reported>;
+
+impl Reported {
+    /// Of a problem that has been noted for something else at the same place.
+    pub(super) fn again() -> Reported {
+        Reported(())
+    }
+}
 
 impl Found {
     /// The units in which most quantities are written.
@@ -128,6 +137,25 @@ impl<'s> Table<'s> {
     /// The place of a key, if it is there.
     pub(crate) fn key_span(&self, key: &str) -> Option<Range<usize>> {
         self.table.get_key_value(key).map(|(k, _)| k.span())
+    }
+
+    /// The place of what a path names, such as `vehicle[3].mass`, or else of the innermost table on its way.
+    pub(crate) fn place(&self, path: &str) -> Option<Range<usize>> {
+        let mut table = self.table;
+        let mut at = None;
+        for step in path.split('.') {
+            let (name, index) = step.split_once('[').map_or((step, None), |(name, index)| (name, Some(index)));
+            let Some(value) = table.get(name) else { break };
+            let index = index.and_then(|index| index.strip_suffix(']')?.parse::<usize>().ok());
+            let item = match (value.get_ref(), index) {
+                (DeValue::Array(items), Some(index)) => items.get(index).unwrap_or(value),
+                _ => value,
+            };
+            at = Some(item.span());
+            let DeValue::Table(inner) = item.get_ref() else { break };
+            table = inner;
+        }
+        at
     }
 
     /// The value of a key that must be there.
@@ -310,14 +338,14 @@ impl<'s> Value<'s> {
     /// A list of rows of quantities, each of at least `least` of these; `right` says what is expected.
     pub(super) fn rows(&self, of: &[(&str, Dimension, Sign)], least: usize, right: &str) -> Read<Vec<Vec<f64>>> {
         let DeValue::Array(rows) = self.value else { return Err(self.wrong_type(right)) };
-        let row = |row: &'s toml::Spanned<DeValue<'s>>| {
+        let row = |row: &'s Spanned<DeValue<'s>>| {
             let row = self.item(row);
             let DeValue::Array(cells) = row.value else { return Err(row.wrong_type(right)) };
             if !(least..=of.len()).contains(&cells.len()) {
                 let title = format!("a row of {} has {} values", self.key.name, cells.len());
                 return Err(row.wrong(title, right));
             }
-            let cell = |(cell, (_, of, sign)): (&'s toml::Spanned<DeValue<'s>>, &(&str, Dimension, Sign))| {
+            let cell = |(cell, (_, of, sign)): (&'s Spanned<DeValue<'s>>, &(&str, Dimension, Sign))| {
                 row.item(cell).amount_of(*of, *sign, false).map(|(Amount::Si(value) | Amount::Share(value))| value)
             };
             cells.iter().zip(of).map(cell).collect()
@@ -404,17 +432,10 @@ impl<'s> Value<'s> {
         let amount = units::parse(text, dimension, share)
             .map_err(|bad| self.wrong(format!("{} {}", self.key.name, bad.found), bad.right))?;
         let (Amount::Si(value) | Amount::Share(value)) = amount;
-        let found = match sign {
-            Sign::Positive | Sign::NotNegative if value < 0.0 => "is negative",
-            Sign::Positive | Sign::NonZero if value == 0.0 => "is zero",
-            _ => return Ok(amount),
-        };
-        let right = match sign {
-            Sign::Positive => "expected more than zero",
-            Sign::NotNegative => "expected zero or more",
-            _ => "expected a force other than zero",
-        };
-        Err(self.wrong(format!("{} {found}", self.key.name), right))
+        match sign.refuses(value) {
+            Some([found, right]) => Err(self.wrong(format!("{} {found}", self.key.name), right)),
+            None => Ok(amount),
+        }
     }
 
     /// The items of a list, or the value itself as the only one.
@@ -426,7 +447,7 @@ impl<'s> Value<'s> {
         list.into_iter().flat_map(|items| items.iter()).map(|item| self.item(item)).chain(alone)
     }
 
-    fn item(&self, item: &'s toml::Spanned<DeValue<'s>>) -> Value<'s> {
+    fn item(&self, item: &'s Spanned<DeValue<'s>>) -> Value<'s> {
         Value { found: self.found, key: self.key, value: item.get_ref(), span: item.span() }
     }
 
@@ -451,6 +472,47 @@ impl<'s> Value<'s> {
             DeValue::Array(items) => items.iter().map(|item| self.item(item).table_of(shape)).collect(),
             _ => Err(self.wrong_type(right())),
         }
+    }
+}
+
+/// Hands a tree of values over as the reader takes it, with no places.
+pub(crate) fn without_places<R>(table: &toml::Table, read: impl FnOnce(&DeTable) -> R) -> R {
+    let mut numbers = vec![];
+    table.values().for_each(|value| note_numbers(value, &mut numbers));
+    read(&table_without_places(table, &mut numbers.iter()))
+}
+
+/// The numbers of a value in its order, as TOML writes them.
+fn note_numbers(value: &toml::Value, numbers: &mut Vec<String>) {
+    match value {
+        toml::Value::Integer(_) | toml::Value::Float(_) => numbers.push(value.to_string()),
+        toml::Value::Array(items) => items.iter().for_each(|item| note_numbers(item, numbers)),
+        toml::Value::Table(table) => table.values().for_each(|value| note_numbers(value, numbers)),
+        toml::Value::String(_) | toml::Value::Boolean(_) | toml::Value::Datetime(_) => {}
+    }
+}
+
+fn table_without_places<'t>(table: &'t toml::Table, numbers: &mut std::slice::Iter<'t, String>) -> DeTable<'t> {
+    let entry = |(key, value): (&'t String, &'t toml::Value)| {
+        (Spanned::new(0..0, Cow::Borrowed(key.as_str())), Spanned::new(0..0, value_without_places(value, numbers)))
+    };
+    table.iter().map(entry).collect()
+}
+
+fn value_without_places<'t>(value: &'t toml::Value, numbers: &mut std::slice::Iter<'t, String>) -> DeValue<'t> {
+    match value {
+        toml::Value::String(text) => DeValue::String(Cow::Borrowed(text)),
+        toml::Value::Integer(_) | toml::Value::Float(_) => match numbers.next().map(|text| DeValue::parse(text)) {
+            Some(Ok(number)) => number.into_inner(),
+            _ => unreachable!("{value} is a number of TOML"),
+        },
+        toml::Value::Boolean(flag) => DeValue::Boolean(*flag),
+        toml::Value::Datetime(date) => DeValue::Datetime(*date),
+        toml::Value::Array(items) => {
+            let item = |item: &'t toml::Value| Spanned::new(0..0, value_without_places(item, numbers));
+            DeValue::Array(items.iter().map(item).collect())
+        }
+        toml::Value::Table(table) => DeValue::Table(table_without_places(table, numbers)),
     }
 }
 

@@ -1,10 +1,8 @@
 //! Doubts about scenarios.
 
-use super::{Doubt, more, overloaded};
-use crate::consist::Train;
-use crate::scenario::{
-    self, Event, Scenario, horizon_s, initial_force_n, last_change_s, longest_horizon_s, longest_transit_s,
-};
+use super::overloaded;
+use crate::scenario::{self, horizon_s, initial_force_n, last_change_s, longest_horizon_s, longest_transit_s};
+use crate::train::{Doubt, Event, Scenario, Train, more};
 use crate::units::{Dimension, shown};
 
 /// Speeds over this are doubtful, m/s: 200 km/h.
@@ -26,11 +24,11 @@ pub(super) fn of_scenario(train: &Train, scenario: &Scenario) -> Vec<Doubt> {
 
 fn breaks(train: &Train, scenario: &Scenario, couplers: &[usize]) -> Vec<(&'static str, String)> {
     let mut found = vec![];
-    let load = |b: usize| train.initial_force_n[b];
-    if train.couplers.len() == 1 && !couplers.is_empty() {
+    let load = |b: usize| train.initial_force_n()[b];
+    if train.couplers().len() == 1 && !couplers.is_empty() {
         found.push(("nothing-left", "once its only coupler is broken the train has none left to look at".to_owned()));
     } else if couplers.iter().any(|&b| load(b) == 0.0) {
-        let advice = if train.extras.steady.is_some() {
+        let advice = if train.extras().steady.is_some() {
             "check the forces on the vehicles: a tractive_effort, a brake_force or a held vehicle may be missing"
         } else {
             "give [load] a uniform force"
@@ -80,7 +78,7 @@ fn pulse(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
         };
         let whole_s = horizon_s(train, &Scenario { horizon_s: None, ..scenario.clone() }, None);
         found.push(("pulse-beyond-horizon", format!("the pulse {unseen}; a horizon of {} covers it", time(whole_s))));
-        if train.vehicles.iter().all(|v| !v.held) {
+        if train.vehicles().iter().all(|v| !v.held) {
             let text =
                 "the force does not end within the horizon and nothing holds the train, so it is pulled along for ever";
             found.push(("force-never-ends", format!("{text}; hold an end, or let the force end")));
@@ -102,13 +100,13 @@ fn impact(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
     let mut found = vec![];
     let before = initial_force_n(train, &scenario.event);
     found.extend(overloaded(train, &before).map(|text| ("load-over-rating", text)));
-    let joint = scenario.event.joint(train.vehicles.len());
+    let joint = scenario.event.joint(train.vehicles().len());
     let (Some(joint), Event::Impact { speed_m_per_s, .. }) = (joint, &scenario.event) else { return found };
     if *speed_m_per_s > FAST_M_PER_S {
         let speed = shown(*speed_m_per_s, Dimension::Speed);
         found.push(("speed", format!("the vehicles arrive at {speed}, over 200 km/h; check the number and its unit")));
     }
-    if let Some(&c) = train.extras.dashpot_n_s_per_m.get(joint).filter(|c| **c > 0.0) {
+    if let Some(&c) = train.extras().dashpot_n_s_per_m.get(joint).filter(|c| **c > 0.0) {
         let force = shown(c * speed_m_per_s, Dimension::Force);
         let text = format!(
             "the dashpot of coupler {} carries {force} at the instant of contact, its damping times the speed, while the force of \

@@ -1,9 +1,7 @@
 //! Doubts about slack, gears, the pull before and brakes.
 
-use super::{Doubt, more};
-use crate::consist::Train;
 use crate::law::{Curve, Law};
-use crate::scenario::Event;
+use crate::train::{Doubt, Event, Train, more};
 use crate::units::{Dimension, shown};
 
 /// Every doubt about a train's laws, and keys that change nothing in it.
@@ -15,16 +13,16 @@ pub(super) fn of_train(train: &Train) -> Vec<Doubt> {
 /// A gear that the load, or the pull before, has closed.
 fn closed(train: &Train) -> Option<Doubt> {
     let force_n = |i: usize| {
-        train.history_n(i).into_iter().fold(train.initial_force_n[i], |a, f| if f.abs() > a.abs() { f } else { a })
+        train.history_n(i).into_iter().fold(train.initial_force_n()[i], |a, f| if f.abs() > a.abs() { f } else { a })
     };
-    let over = |i: &usize| match &train.extras.laws[*i] {
+    let over = |i: &usize| match &train.extras().laws[*i] {
         Law::Gear { draft, buff, .. } => {
             let f = force_n(*i);
             f.abs() > last_n(if f < 0.0 { buff } else { draft })
         }
         Law::Elastic { .. } => false,
     };
-    let mut over = (0..train.extras.laws.len()).filter(over);
+    let mut over = (0..train.extras().laws.len()).filter(over);
     let first = over.next()?;
     let text = format!(
         "the load closes the gear of coupler {}{}: {} is over the last row of its table",
@@ -49,7 +47,7 @@ fn elastic(train: &Train) -> Option<Doubt> {
         Law::Gear { draft, buff, slack_m, .. } => *slack_m > 0.0 && (begins_elastic(draft) || begins_elastic(buff)),
         Law::Elastic { slack_m, .. } => *slack_m > 0.0,
     };
-    let mut all = (0..train.extras.laws.len()).filter(|&i| is(&train.extras.laws[i]));
+    let mut all = (0..train.extras().laws.len()).filter(|&i| is(&train.extras().laws[i]));
     let first = all.next()?;
     let text = format!(
         "coupler {}{} has slack and no friction at small forces, where vehicles rattle: small differences grow, and forces can be told for a \
@@ -62,16 +60,15 @@ fn elastic(train: &Train) -> Option<Doubt> {
 
 /// A pull before that no coupler remembers.
 fn no_memory(train: &Train) -> Option<Doubt> {
-    let gears = train.extras.laws.iter().any(|law| matches!(law, Law::Gear { .. }));
+    let gears = train.extras().laws.iter().any(|law| matches!(law, Law::Gear { .. }));
     let text = "pulled_to changes nothing: only a gear with friction remembers the pull before";
-    (!train.extras.pulled_to_n.is_empty() && !gears).then(|| Doubt::of_train("pulled-to-unused", text))
+    (!train.extras().pulled_to_n.is_empty() && !gears).then(|| Doubt::of_train("pulled-to-unused", text))
 }
 
 /// Keys of brakes in a train none of whose scenarios applies any.
 fn without_brakes(train: &Train) -> Vec<Doubt> {
-    let applies =
-        |s: &crate::scenario::Scenario| s.response.emergency.is_some() || matches!(s.event, Event::Brake { .. });
-    if train.scenarios.iter().any(applies) {
+    let applies = |s: &crate::train::Scenario| s.response.emergency.is_some() || matches!(s.event, Event::Brake { .. });
+    if train.scenarios().iter().any(applies) {
         return vec![];
     }
     let told = |given: bool, code: &'static str, key: &str| {
@@ -80,7 +77,7 @@ fn without_brakes(train: &Train) -> Vec<Doubt> {
         );
         given.then(|| Doubt::of_train(code, text))
     };
-    let speed = told(train.extras.speed_m_per_s.is_some(), "speed-unused", "speed");
-    let brake = told(!train.extras.emergency_brake_n.is_empty(), "emergency-brake-unused", "emergency_brake");
+    let speed = told(train.extras().speed_m_per_s.is_some(), "speed-unused", "speed");
+    let brake = told(!train.extras().emergency_brake_n.is_empty(), "emergency-brake-unused", "emergency_brake");
     speed.into_iter().chain(brake).collect()
 }

@@ -1,7 +1,6 @@
 //! Numbers of a train that no railway has: probably a wrong unit or a slip.
 
-use super::{Doubt, more};
-use crate::consist::{Train, Vehicle};
+use crate::train::{Doubt, Train, Vehicle, more};
 use crate::units::{Dimension, shown};
 
 /// Masses of vehicles, kg: 5 t and 400 t.
@@ -33,11 +32,11 @@ pub(super) fn of_train(train: &Train) -> Vec<Doubt> {
 /// slip of a unit in a railway's numbers makes both so small.
 fn in_own_units(train: &Train) -> bool {
     let small = |v: &Vehicle| v.held || v.mass_kg <= UNIT_KG;
-    train.vehicles.iter().all(small) && train.couplers.iter().all(|c| c.stiffness_n_per_m <= UNIT_N_PER_M)
+    train.vehicles().iter().all(small) && train.couplers().iter().all(|c| c.stiffness_n_per_m <= UNIT_N_PER_M)
 }
 
 fn masses(train: &Train) -> Option<Doubt> {
-    let mut odd = train.vehicles.iter().filter(|v| !v.held && !(LIGHT_KG..=HEAVY_KG).contains(&v.mass_kg));
+    let mut odd = train.vehicles().iter().filter(|v| !v.held && !(LIGHT_KG..=HEAVY_KG).contains(&v.mass_kg));
     let first = odd.next()?;
     let mass = shown(first.mass_kg, Dimension::Mass);
     let others = more(odd.count(), "vehicle");
@@ -49,21 +48,21 @@ fn masses(train: &Train) -> Option<Doubt> {
 }
 
 fn soft(train: &Train) -> Option<Doubt> {
-    let mut soft = (0..train.couplers.len()).filter(|&i| train.couplers[i].stiffness_n_per_m < SOFT_N_PER_M);
+    let mut soft = (0..train.couplers().len()).filter(|&i| train.couplers()[i].stiffness_n_per_m < SOFT_N_PER_M);
     let first = soft.next()?;
     let text = format!(
         "the stiffness of coupler {}{} is {}, under 1 MN/m; check the number and its unit (kN/m for kN/mm?)",
         first + 1,
         more(soft.count(), "coupler"),
-        shown(train.couplers[first].stiffness_n_per_m, Dimension::Stiffness)
+        shown(train.couplers()[first].stiffness_n_per_m, Dimension::Stiffness)
     );
     Some(Doubt::of_train("soft-coupler", text))
 }
 
 fn ratings(train: &Train) -> Option<Doubt> {
-    let both = |i: usize| [train.couplers[i].rated_draft_n, train.couplers[i].rated_buff_n];
+    let both = |i: usize| [train.couplers()[i].rated_draft_n, train.couplers()[i].rated_buff_n];
     let odd = |i: usize| both(i).into_iter().find(|n| !(WEAK_N..=STRONG_N).contains(n));
-    let mut all = (0..train.couplers.len()).filter_map(|i| Some((i, odd(i)?)));
+    let mut all = (0..train.couplers().len()).filter_map(|i| Some((i, odd(i)?)));
     let (first, rating_n) = all.next()?;
     let text = format!(
         "coupler {}{} is rated {}, under 50 kN or over 10 MN; check the number and its unit",
@@ -75,9 +74,9 @@ fn ratings(train: &Train) -> Option<Doubt> {
 }
 
 fn stretch(train: &Train) -> Option<Doubt> {
-    let stretch_m = |i: usize| train.initial_force_n[i].abs() / train.couplers[i].stiffness_n_per_m;
-    let lengths = |i: usize| [i, i + 1].into_iter().filter_map(|v| train.vehicles[v].length_m);
-    let mut long = (0..train.couplers.len()).filter(|&i| stretch_m(i) > lengths(i).fold(STRETCH_M, f64::min));
+    let stretch_m = |i: usize| train.initial_force_n()[i].abs() / train.couplers()[i].stiffness_n_per_m;
+    let lengths = |i: usize| [i, i + 1].into_iter().filter_map(|v| train.vehicles()[v].length_m);
+    let mut long = (0..train.couplers().len()).filter(|&i| stretch_m(i) > lengths(i).fold(STRETCH_M, f64::min));
     let first = long.next()?;
     let text = format!(
         "the load changes the length of coupler {}{} by {}, more than 0.5 m or a vehicle's length; check the load, the stiffness \
@@ -96,7 +95,7 @@ fn counted_in_label(train: &Train) -> Option<Doubt> {
         let rest = rest.trim_start().strip_prefix(['x', '×'])?;
         if rest.starts_with(char::is_whitespace) { number.parse::<usize>().ok().filter(|n| *n > 1) } else { None }
     };
-    let labels = || train.vehicles.iter().map(|v| v.label.as_str());
+    let labels = || train.vehicles().iter().map(|v| v.label.as_str());
     let said = |label: &&str| number(label).is_some_and(|n| labels().filter(|l| number(l) == Some(n)).count() < n);
     let first = labels().find(said)?;
     let text =
@@ -105,7 +104,7 @@ fn counted_in_label(train: &Train) -> Option<Doubt> {
 }
 
 fn acceleration(train: &Train) -> Option<Doubt> {
-    let a = train.extras.steady.as_ref()?.acceleration_m_per_s2;
+    let a = train.extras().steady.as_ref()?.acceleration_m_per_s2;
     let text = format!(
         "the train accelerates at {a:.2} m/s2 before the event, over 0.3 m/s2; check the forces on the vehicles, or hold an end to \
          keep its speed"
@@ -115,9 +114,9 @@ fn acceleration(train: &Train) -> Option<Doubt> {
 
 /// A damping ratio of every mode is easily taken for that of a dashpot.
 fn modal_damping(train: &Train) -> Option<Doubt> {
-    let ratio = train.extras.damping_ratio;
-    let mass = train.vehicles.iter().filter(|v| !v.held).map(|v| v.mass_kg).fold(f64::INFINITY, f64::min);
-    let dashpot = 2.0 * ratio * (train.couplers.first()?.stiffness_n_per_m * mass).sqrt();
+    let ratio = train.extras().damping_ratio;
+    let mass = train.vehicles().iter().filter(|v| !v.held).map(|v| v.mass_kg).fold(f64::INFINITY, f64::min);
+    let dashpot = 2.0 * ratio * (train.couplers().first()?.stiffness_n_per_m * mass).sqrt();
     let text = format!(
         "damping_ratio = {ratio} damps every mode of vibration by that share, which no device does and which takes off more than \
          dashpots of that ratio; the published 0.05 to 0.26 are dashpots' c / 2 sqrt(k m): for them give [coupler] damping = {:?}",

@@ -5,11 +5,11 @@ use std::collections::BTreeSet;
 use serde::Serialize;
 
 use super::{GapClosure, Options};
-use crate::consist::Train;
 use crate::march;
 use crate::play::Rule;
-use crate::scenario::{self, Scales, Scenario};
+use crate::scenario::{self, Scales};
 use crate::solve::{SolveError, taylor};
+use crate::train::{Scenario, Train};
 
 /// The course of a cascade.
 #[derive(Clone, Debug, Serialize)]
@@ -106,7 +106,7 @@ pub(super) fn find(
             time_s: at.time * scales.time_s,
             time_uncertainty_s: at.uncertainty * scales.time_s,
             coupler: i + 1,
-            between: [train.vehicles[i].label.clone(), train.vehicles[i + 1].label.clone()],
+            between: [train.vehicles()[i].label.clone(), train.vehicles()[i + 1].label.clone()],
             force_n,
             breaks_at: loads(i)[usize::from(force_n < 0.0)].1,
             together: at.springs.len() > 1,
@@ -119,11 +119,11 @@ pub(super) fn find(
     // What comes after the sequence is in doubt is certain of no coupler.
     let certain = outcome.open.map_or(f64::INFINITY, |(_, t)| t);
     let over = |i: &usize| !gone(*i) && outcome.springs[*i].buff.first_over.is_some_and(|t| t < certain);
-    let kept_in_buff = (0..train.couplers.len()).filter(over).map(|i| i + 1).collect();
+    let kept_in_buff = (0..train.couplers().len()).filter(over).map(|i| i + 1).collect();
     Ok(Some(CascadeFindings {
         buff_breaks: scenario.cascade == Rule::InBoth,
         breaks_at: breaks_at(train, scenario.cascade),
-        pieces: pieces(train.vehicles.len(), gone),
+        pieces: pieces(train.vehicles().len(), gone),
         breaks,
         kept_in_buff,
         undecided_from_s: outcome.open.map(|(_, t)| t * scales.time_s),
@@ -139,7 +139,7 @@ pub(super) fn find(
 /// The keys that give the loads that break couplers.
 fn breaks_at(train: &Train, rule: Rule) -> Vec<&'static str> {
     let senses = if rule == Rule::InBoth { 2 } else { 1 };
-    let loads = (0..train.couplers.len()).flat_map(|i| scenario::break_loads(train, i).into_iter().take(senses));
+    let loads = (0..train.couplers().len()).flat_map(|i| scenario::break_loads(train, i).into_iter().take(senses));
     let keys: BTreeSet<_> = loads.map(|l| l.1).collect();
     keys.into_iter().rev().collect()
 }
@@ -161,7 +161,7 @@ fn marched(
         time_s: p.time_s,
         time_uncertainty_s: p.uncertainty_s,
         coupler: p.coupler + 1,
-        between: [train.vehicles[p.coupler].label.clone(), train.vehicles[p.coupler + 1].label.clone()],
+        between: [train.vehicles()[p.coupler].label.clone(), train.vehicles()[p.coupler + 1].label.clone()],
         force_n: p.force_n,
         breaks_at: loads(p.coupler)[usize::from(p.force_n < 0.0)].1,
         together: outcome.partings.iter().any(|other| other != p && other.time_s == p.time_s),
@@ -169,7 +169,7 @@ fn marched(
     };
     let breaks: Vec<CascadeBreak> = outcome.partings.iter().filter(|p| Some(p.coupler) != broken).map(one).collect();
     let gone = |i: usize| Some(i) == broken || breaks.iter().any(|b| b.coupler == i + 1);
-    let whole = || (0..train.couplers.len()).filter(|i| !gone(*i));
+    let whole = || (0..train.couplers().len()).filter(|i| !gone(*i));
     let over_n = |i: usize, side: usize| {
         let peaks = &outcome.extremes[i];
         [(peaks.draft.force_n, peaks.draft.time_s), (-peaks.buff.force_n, peaks.buff.time_s)][side].0 - loads(i)[side].0
@@ -181,7 +181,7 @@ fn marched(
     CascadeFindings {
         buff_breaks: scenario.cascade == Rule::InBoth,
         breaks_at: breaks_at(train, scenario.cascade),
-        pieces: pieces(train.vehicles.len(), gone),
+        pieces: pieces(train.vehicles().len(), gone),
         kept_in_buff: whole().filter(|&i| over_n(i, 1) > margin_n).map(|i| i + 1).collect(),
         undecided_from_s: open.map(at_s).or(super::march::ending(&outcome).map(|end| end.at_s)),
         undecided_coupler: open.map(|i| i + 1),

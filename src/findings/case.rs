@@ -7,12 +7,12 @@ use super::{
     CaseFindings, GapClosure, Options, RodFindings, Seen, ask, cascade, coupler_findings, first_passage,
     largest_rating_n, limits, load_search, march, safe_factor, safe_speed, worst,
 };
-use crate::consist::Train;
 use crate::play::Rule;
 use crate::rod::Rod;
-use crate::scenario::{self, Event, Part, Scales, Scenario};
+use crate::scenario::{self, Part, Scales};
 use crate::solve::memo::Memo;
 use crate::solve::{SolveError, Wanted};
+use crate::train::{Event, Scenario, Train};
 
 /// Why a march has no safe load factor.
 const NO_FACTOR: &str = "with slack, friction or brakes forces do not grow in proportion to their cause";
@@ -49,7 +49,7 @@ impl<'a> Case<'a> {
 
     /// Whether steps of force on undamped chains cannot stand for it.
     fn beyond_steps(&self) -> bool {
-        scenario::beyond_steps(&self.train.extras.dashpot_n_s_per_m, &self.scenario.event)
+        scenario::beyond_steps(&self.train.extras().dashpot_n_s_per_m, &self.scenario.event)
     }
 
     /// Extremes of every coupler up to a time.
@@ -90,7 +90,7 @@ impl<'a> Case<'a> {
 
     /// What an elastic rod would have said, where there is one.
     fn rod(&self) -> Option<RodFindings> {
-        let none = self.is_march() || self.beyond_steps() || self.train.extras.damping_ratio > 0.0;
+        let none = self.is_march() || self.beyond_steps() || self.train.extras().damping_ratio > 0.0;
         let parts = || scenario::parts(self.train, &self.scenario.event, self.broken, self.horizon_s);
         if none { None } else { rod_findings(&parts()) }
     }
@@ -177,14 +177,14 @@ fn solved_by_parts(train: &Train, parts: &[Part], options: &Options, memo: &Memo
     let (mut method, mut reason, mut telling) = ("none", "no coupler is left to watch".to_owned(), (false, 0));
     let (mut error_bound_n, mut left_out) = (0.0f64, Vec::new());
     for part in parts {
-        let solution = match train.extras.damping_ratio {
+        let solution = match train.extras().damping_ratio {
             0.0 => memo.solve(&part.scene, &ask)?,
             ratio => general::damped(&part.scene, ratio, &ask)?,
         };
         let tells = (solution.error_bound > ask.tolerance, part.scene.initial.len());
         if tells > telling {
             telling = tells;
-            method = if train.extras.damping_ratio > 0.0 { "damped-modes" } else { solution.method.name() };
+            method = if train.extras().damping_ratio > 0.0 { "damped-modes" } else { solution.method.name() };
             reason = solution.reason.clone();
         }
         error_bound_n = error_bound_n.max(solution.error_bound * scales.force_n);

@@ -3,10 +3,10 @@
 use rayon::prelude::*;
 
 use super::{AnalyzeError, Options, ask, cases, chosen, first_passage, general, map, march, safe_speed};
-use crate::consist::Train;
 use crate::play::Rule;
-use crate::scenario::{self, Scenario};
+use crate::scenario;
 use crate::solve::{self, SolveError, damped_modes};
+use crate::train::{Scenario, Train};
 
 /// The longest that an analysis may take by its estimate, s.
 const MOST_SECONDS: f64 = 3600.0;
@@ -32,7 +32,7 @@ pub fn memory_bytes(train: &Train, options: &Options) -> Result<usize, AnalyzeEr
         several => several.saturating_mul(OF_SEVERAL),
     };
     let each: usize = chosen(train, options)?.iter().map(of_scenario).fold(0, usize::saturating_add);
-    Ok(each.saturating_mul(train.couplers.len()))
+    Ok(each.saturating_mul(train.couplers().len()))
 }
 
 /// Estimated time of [`super::analyze`] on one core, s, from the count of its work.
@@ -92,12 +92,12 @@ fn solved_s(
     until_s: f64,
     options: &Options,
 ) -> Result<f64, SolveError> {
-    if scenario::beyond_steps(&train.extras.dashpot_n_s_per_m, &scenario.event) {
+    if scenario::beyond_steps(&train.extras().dashpot_n_s_per_m, &scenario.event) {
         return Ok(general::estimate_s(train, scenario, broken, until_s, Rule::Keep));
     }
     let ask = ask(train, options);
     let parts = scenario::parts(train, &scenario.event, broken, until_s);
-    if train.extras.damping_ratio > 0.0 {
+    if train.extras().damping_ratio > 0.0 {
         return Ok(parts.iter().map(|p| damped_modes::estimate_s(&p.scene)).sum());
     }
     parts.iter().map(|p| solve::estimate_s(&p.scene, &ask)).sum()

@@ -1,12 +1,12 @@
 //! Force in every coupler over time: what a picture of the wave shows.
 
 use super::CaseFindings;
-use crate::consist::Train;
-use crate::march::{self, Ask};
+use crate::march::{self, MarchOptions};
 use crate::play::Rule;
 use crate::rod::Rod;
 use crate::scenario::{self, Scales};
 use crate::solve::field;
+use crate::train::Train;
 
 /// Values that are kept: a picture has no room for more, and a page would be slow with them.
 const KEPT: usize = 400_000;
@@ -113,8 +113,8 @@ fn middle(of: &[f64]) -> f64 {
 /// Up to the horizon, or as far as is affordable. Every coupler's exact largest draft and buff are among the values, whatever
 /// the instants in between.
 pub fn field(train: &Train, scenario: usize, case: &CaseFindings, of: Of) -> Option<Field> {
-    let couplers = train.couplers.len();
-    let marched = train.scenarios.get(scenario).is_some_and(|s| scenario::is_march(train, s));
+    let couplers = train.couplers().len();
+    let marched = train.scenarios().get(scenario).is_some_and(|s| scenario::is_march(train, s));
     let looked = if marched { LOOKED_IN_MARCH } else { LOOKED };
     let times_s = instants(train, case.horizon_s, looked)?;
     let couplers_per_row = couplers.div_ceil(ROWS);
@@ -124,7 +124,7 @@ pub fn field(train: &Train, scenario: usize, case: &CaseFindings, of: Of) -> Opt
     let share = vec![f32::NAN; rows * columns.len()];
     let mut field = Field { couplers_per_row, instants_per_column, times_s: columns, share };
     let use_of = |coupler: usize, force_n: f64| {
-        let c = &train.couplers[coupler];
+        let c = &train.couplers()[coupler];
         (force_n / if force_n < 0.0 { c.rated_buff_n } else { c.rated_draft_n }) as f32
     };
     let mut see = |instant: usize, coupler: usize, force_n: f64| {
@@ -150,7 +150,7 @@ pub fn field(train: &Train, scenario: usize, case: &CaseFindings, of: Of) -> Opt
 /// Even instants from 0 to the horizon, or as far as there may be enough of them.
 fn instants(train: &Train, horizon_s: f64, looked: f64) -> Option<Vec<f64>> {
     let unit_s = scenario::wave(train).time_unit_s;
-    let most = (looked / train.couplers.len() as f64).min(MOST_INSTANTS);
+    let most = (looked / train.couplers().len() as f64).min(MOST_INSTANTS);
     let units = (horizon_s / unit_s).min(most / SPARSEST);
     let count = (PER_UNIT * units).clamp(FEWEST, most.max(FEWEST));
     let to = horizon_s.min(units * unit_s);
@@ -168,7 +168,7 @@ fn compute(
     times_s: &[f64],
     see: &mut dyn FnMut(usize, usize, f64),
 ) -> bool {
-    let scenario = &train.scenarios[index];
+    let scenario = &train.scenarios()[index];
     let scales = Scales::of(train);
     let broken = case.broken_coupler.map(|b| b - 1);
     let times: Vec<f64> = times_s.iter().map(|t| t / scales.time_s).collect();
@@ -177,7 +177,11 @@ fn compute(
     if scenario::is_march(train, scenario) {
         let rule = if of == Of::Cascade { scenario.cascade } else { Rule::Keep };
         let problem = scenario::march(train, scenario, broken, [until_s; 2], rule);
-        let ask = Ask { history: (0..train.couplers.len()).collect(), times_s: times_s.to_vec(), ..Ask::default() };
+        let ask = MarchOptions {
+            history: (0..train.couplers().len()).collect(),
+            times_s: times_s.to_vec(),
+            ..MarchOptions::default()
+        };
         if of != Of::Rod {
             let histories = march::solve(&problem, &ask).history;
             for (i, forces_n) in histories.iter().enumerate().filter(|(i, _)| of == Of::Cascade || Some(*i) != broken) {
@@ -186,12 +190,12 @@ fn compute(
         }
         return of != Of::Rod;
     }
-    if of == Of::Cascade || scenario::beyond_steps(&train.extras.dashpot_n_s_per_m, &scenario.event) {
+    if of == Of::Cascade || scenario::beyond_steps(&train.extras().dashpot_n_s_per_m, &scenario.event) {
         let rule = if of == Of::Cascade { scenario.cascade } else { Rule::Keep };
         let play = scenario::play(train, scenario, broken, until_s, rule);
         return of != Of::Rod && field::of_play(&play, &times, &mut |t, i, f| see(t, i, f * scales.force_n));
     }
-    let damping_ratio = train.extras.damping_ratio;
+    let damping_ratio = train.extras().damping_ratio;
     scenario::parts(train, &scenario.event, broken, until_s).iter().all(|part| {
         let mut see = |t: usize, i: usize, f: f64| see(t, part.first_coupler + i, f * scales.force_n);
         if of != Of::Rod {

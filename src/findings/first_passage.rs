@@ -12,9 +12,9 @@ use serde::Serialize;
 use super::case::Case;
 use super::march::Marched;
 use super::{CouplerFindings, of_number, worst};
-use crate::consist::Train;
-use crate::scenario::{self, Scenario};
+use crate::scenario;
 use crate::solve::{SolveError, Wanted};
+use crate::train::{Scenario, Train};
 
 /// One coupler's largest forces over the first passage, t = 0 included.
 #[derive(Clone, Debug, PartialEq, Serialize)]

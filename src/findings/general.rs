@@ -3,10 +3,10 @@
 use super::march::Marched;
 use super::{CouplerFindings, Options, Seen, coupler_findings, worst};
 use crate::chain::Scene;
-use crate::consist::Train;
 use crate::play::Rule;
-use crate::scenario::{self, Event, Scales, Scenario};
+use crate::scenario::{self, Scales};
 use crate::solve::{Ask, Method, Solution, SolveError, damped_modes, taylor};
+use crate::train::{Event, Scenario, Train};
 
 /// What was found of every coupler.
 pub(super) struct Solved {
@@ -97,7 +97,7 @@ fn reason(train: &Train, event: &Event) -> &'static str {
     match event {
         Event::Impact { .. } => "the train is set in motion by speeds, not by a force",
         Event::Shaped { .. } => "the force changes while it acts",
-        _ if !train.extras.dashpot_n_s_per_m.is_empty() => "dashpots couple the modes",
+        _ if !train.extras().dashpot_n_s_per_m.is_empty() => "dashpots couple the modes",
         _ => "nothing else fits",
     }
 }

@@ -1,29 +1,29 @@
 //! Forces over time, for figures.
 
 use crate::chain::Scene;
-use crate::consist::Train;
-use crate::march::{self, Ask, Outcome};
+use crate::march::{self, MarchOptions, MarchOutcome};
 use crate::play::Rule;
 use crate::rod::Rod;
 use crate::scenario::{self, Part, Scales};
 use crate::solve::{self, damped_modes, taylor};
+use crate::train::Train;
 
 /// Force in one coupler at given times, N, draft positive: what a figure shows.
 ///
 /// `scenario` is an index into the train's scenarios; `broken` and `coupler` are indices from 0. Right to a line's width.
 pub fn history(train: &Train, scenario: usize, broken: Option<usize>, coupler: usize, times_s: &[f64]) -> Vec<f64> {
-    let event = &train.scenarios[scenario].event;
-    if scenario::is_march(train, &train.scenarios[scenario]) {
+    let event = &train.scenarios()[scenario].event;
+    if scenario::is_march(train, &train.scenarios()[scenario]) {
         return marched(train, scenario, broken, coupler, times_s).history.pop().unwrap_or_default();
     }
-    if scenario::beyond_steps(&train.extras.dashpot_n_s_per_m, event) {
-        let (scales, scenario) = (Scales::of(train), &train.scenarios[scenario]);
+    if scenario::beyond_steps(&train.extras().dashpot_n_s_per_m, event) {
+        let (scales, scenario) = (Scales::of(train), &train.scenarios()[scenario]);
         let horizon_s = scenario::horizon_s(train, scenario, broken);
         let times: Vec<f64> = times_s.iter().map(|t| t / scales.time_s).collect();
         let forces = taylor::history(&scenario::play(train, scenario, broken, horizon_s, Rule::Keep), coupler, &times);
         return forces.into_iter().map(|f| f * scales.force_n).collect();
     }
-    let forces = in_part(train, scenario, broken, coupler, times_s, |scene, i, t| match train.extras.damping_ratio {
+    let forces = in_part(train, scenario, broken, coupler, times_s, |scene, i, t| match train.extras().damping_ratio {
         0.0 => Some(solve::history(scene, i, t)),
         ratio => Some(damped_modes::Damped::new(scene, ratio).history(i, t)),
     });
@@ -38,16 +38,16 @@ pub fn loop_of(
     coupler: usize,
     times_s: &[f64],
 ) -> Option<Vec<[f64; 2]>> {
-    train.extras.laws.get(coupler).filter(|law| !law.is_linear())?;
+    train.extras().laws.get(coupler).filter(|law| !law.is_linear())?;
     let outcome = marched(train, scenario, broken, coupler, times_s);
     let (elongations, forces) = (outcome.elongations.first()?, outcome.history.first()?);
     Some(elongations.iter().zip(forces).map(|(q, f)| [*q, *f]).collect())
 }
 
-fn marched(train: &Train, scenario: usize, broken: Option<usize>, coupler: usize, times_s: &[f64]) -> Outcome {
+fn marched(train: &Train, scenario: usize, broken: Option<usize>, coupler: usize, times_s: &[f64]) -> MarchOutcome {
     let horizon_s = times_s.iter().copied().fold(0.0, f64::max);
-    let problem = scenario::march(train, &train.scenarios[scenario], broken, [horizon_s; 2], Rule::Keep);
-    let ask = Ask { history: vec![coupler], times_s: times_s.to_vec(), ..Ask::default() };
+    let problem = scenario::march(train, &train.scenarios()[scenario], broken, [horizon_s; 2], Rule::Keep);
+    let ask = MarchOptions { history: vec![coupler], times_s: times_s.to_vec(), ..MarchOptions::default() };
     march::solve(&problem, &ask)
 }
 
@@ -59,7 +59,7 @@ pub fn rod_history(
     coupler: usize,
     times_s: &[f64],
 ) -> Option<Vec<f64>> {
-    if train.extras.damping_ratio > 0.0 {
+    if train.extras().damping_ratio > 0.0 {
         return None;
     }
     in_part(train, scenario, broken, coupler, times_s, |scene, i, t| Some(Rod::new(scene)?.history(i, t)))
@@ -74,8 +74,8 @@ fn in_part(
     times_s: &[f64],
     ask: impl Fn(&Scene, usize, &[f64]) -> Option<Vec<f64>>,
 ) -> Option<Vec<f64>> {
-    let scenario = &train.scenarios[scenario];
-    let beyond = scenario::beyond_steps(&train.extras.dashpot_n_s_per_m, &scenario.event);
+    let scenario = &train.scenarios()[scenario];
+    let beyond = scenario::beyond_steps(&train.extras().dashpot_n_s_per_m, &scenario.event);
     if beyond || scenario::is_march(train, scenario) {
         return None;
     }

@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use super::{CouplerFindings, of_number};
-use crate::consist::{LIMITS, SENSES, Train};
 use crate::solve::SolveError;
+use crate::train::{LIMITS, SENSES, Train};
 
 /// A coupler's largest forces against its other capacities.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -21,7 +21,7 @@ pub struct LimitFindings {
 
 /// Whether a coupler may pass one of its limits while it is under its rating: then a bound under the rating leaves limits open.
 pub(crate) fn any_below_rating(train: &Train) -> bool {
-    train.couplers.iter().zip(&train.extras.limits).any(|(coupler, limits)| {
+    train.couplers().iter().zip(&train.extras().limits).any(|(coupler, limits)| {
         let ratings = [coupler.rated_draft_n, coupler.rated_buff_n];
         let below =
             |(rating, limits): (f64, [Option<f64>; 3])| limits.into_iter().flatten().any(|limit| limit < rating);
@@ -81,7 +81,7 @@ pub(super) fn find(
     error_bound_n: f64,
     solve: impl Fn(&Train) -> Result<Vec<CouplerFindings>, SolveError>,
 ) -> Result<(), SolveError> {
-    if train.extras.limits.is_empty() {
+    if train.extras().limits.is_empty() {
         return Ok(());
     }
     let (mut all, mut open): (Vec<Vec<LimitInSense>>, Vec<AtTheLoad>) = (Vec::new(), Vec::new());
@@ -111,7 +111,7 @@ fn largest_n(c: &CouplerFindings) -> [f64; 2] {
 /// A coupler's largest forces against each of its capacities.
 fn against(train: &Train, c: &CouplerFindings, error_bound_n: f64) -> Vec<LimitInSense> {
     let largest = largest_n(c);
-    let limits = train.extras.limits.get(c.coupler - 1).copied().unwrap_or_default();
+    let limits = train.extras().limits.get(c.coupler - 1).copied().unwrap_or_default();
     let mut entries = Vec::new();
     for (sense, capacities) in limits.in_senses().into_iter().enumerate() {
         for (limit, limit_n) in LIMITS.into_iter().zip(capacities).filter_map(|(name, n)| Some((name, n?))) {
@@ -133,7 +133,7 @@ fn settle(
     open: &mut Vec<AtTheLoad>,
     solve: &impl Fn(&Train) -> Result<Vec<CouplerFindings>, SolveError>,
 ) -> Result<(), SolveError> {
-    let mut rated = Train { couplers: train.couplers.clone(), ..train.clone() };
+    let mut rated = train.couplers().to_vec();
     let mut asked: Vec<(AtTheLoad, usize)> = Vec::new();
     let mut later = Vec::new();
     for at in open.drain(..) {
@@ -143,11 +143,11 @@ fn settle(
             later.push(at);
             continue;
         }
-        let coupler = &mut rated.couplers[couplers[at.place].coupler - 1];
+        let coupler = &mut rated[couplers[at.place].coupler - 1];
         *[&mut coupler.rated_draft_n, &mut coupler.rated_buff_n][side] = limit.limit_n;
         asked.push((at, side));
     }
-    let found = solve(&rated)?;
+    let found = solve(&train.with_couplers(rated))?;
     for (at, side) in asked {
         let number = couplers[at.place].coupler;
         all[at.place][at.entry].passed = of_number(&found, number).and_then(|c| c.exceeds_in[side]);

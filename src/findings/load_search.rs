@@ -8,11 +8,11 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::Options;
-use crate::consist::Train;
-use crate::march::{self, Ask};
+use crate::march::{self, MarchOptions};
 use crate::play::Rule;
-use crate::scenario::{self, Event, Scenario};
+use crate::scenario;
 use crate::solve::Wanted;
+use crate::train::{Event, Scenario, Train};
 
 /// Factors of the grid: so many, so far apart.
 const GRID: usize = 8;
@@ -48,7 +48,7 @@ pub(super) fn estimate_s(
         return None;
     }
     let problem = scenario::march(train, scenario, broken, [until_s; 2], Rule::Keep);
-    let all_s = (GRID + HALVINGS) as f64 * march::estimate_s(&problem, &Ask::default());
+    let all_s = (GRID + HALVINGS) as f64 * march::estimate_s(&problem, &MarchOptions::default());
     (all_s <= MOST_S).then_some(all_s)
 }
 
@@ -61,9 +61,9 @@ pub(super) fn find(
     options: &Options,
 ) -> Option<LoadSearch> {
     estimate_s(train, scenario, broken, until_s, options)?;
-    let ask = Ask {
-        capacity_n: train.couplers.iter().map(|c| [c.rated_draft_n, c.rated_buff_n]).collect(),
-        ..Ask::default()
+    let ask = MarchOptions {
+        capacity_n: train.couplers().iter().map(|c| [c.rated_draft_n, c.rated_buff_n]).collect(),
+        ..MarchOptions::default()
     };
     let problem = |factor: f64| {
         let (train, scenario) = multiplied(train, scenario, factor);
@@ -88,10 +88,11 @@ pub(super) fn find(
 /// The train and the scenario with the load before a break, the force of a pulse, or the speed of an impact so many times as large.
 /// The load is multiplied with the tractive efforts that make it, so that an effort that is cut is as well; brakes are what they are.
 fn multiplied(train: &Train, scenario: &Scenario, factor: f64) -> (Train, Scenario) {
-    let (mut train, mut scenario) = (train.clone(), scenario.clone());
+    let mut scenario = scenario.clone();
+    let is_break = matches!(scenario.event, Event::Break { .. });
+    let train = if is_break { train.with_load_times(factor) } else { train.clone() };
     match &mut scenario.event {
         Event::Break { .. } => {
-            train.initial_force_n.iter_mut().chain(&mut train.extras.pulled_to_n).for_each(|f| *f *= factor);
             let points = scenario.response.efforts.iter_mut().flat_map(|f| &mut f.points);
             points.for_each(|p| p[1] *= factor);
         }

@@ -5,11 +5,11 @@ use serde::Serialize;
 
 use super::case::Case;
 use super::{Options, safe_factor};
-use crate::consist::Train;
 use crate::rod::Rod;
-use crate::scenario::{self, Event, Part, Scenario};
+use crate::scenario::{self, Part};
 use crate::solve::SolveError;
 use crate::solve::memo::Memo;
+use crate::train::{Event, Scenario, Train};
 
 /// Durations in a pulse's map.
 const DURATIONS: usize = 33;
@@ -86,7 +86,7 @@ pub(super) fn find(
 
 /// Couplers in a map of breaks: every one but those in buff, which do not part, unless the event breaks them.
 fn mapped(train: &Train, event: &Event) -> Vec<usize> {
-    let mut mapped: Vec<bool> = train.initial_force_n.iter().map(|force| *force >= 0.0).collect();
+    let mut mapped: Vec<bool> = train.initial_force_n().iter().map(|force| *force >= 0.0).collect();
     if let Event::Break { couplers } = event {
         couplers.iter().for_each(|&b| mapped[b] = true);
     }
@@ -116,7 +116,7 @@ fn lasting(event: &Event, duration: f64) -> Event {
 
 /// The rod's safe factor: `None` where there is no rod, or nothing bounds it.
 fn rod_factor(train: &Train, scenario: &Scenario, broken: Option<usize>) -> Option<f64> {
-    let extras = &train.extras;
+    let extras = train.extras();
     if extras.damping_ratio > 0.0 || scenario::beyond_steps(&extras.dashpot_n_s_per_m, &scenario.event) {
         return None;
     }

@@ -4,11 +4,11 @@ use super::general::Solved;
 use super::{
     CouplerFindings, Ending, Options, Seen, coupler_findings, first_passage, largest_rating_n, load_search, worst,
 };
-use crate::consist::Train;
-use crate::march::{self, Ask, Bound, Extremes, Outcome, Problem};
+use crate::march::{self, Bound, Extremes, MarchOptions, MarchOutcome, Problem};
 use crate::play::Rule;
-use crate::scenario::{self, Scenario};
+use crate::scenario;
 use crate::solve::SolveError;
+use crate::train::{Scenario, Train};
 
 /// The error that forces may have, as a share of the largest rating, where less is asked for: a march that goes on until its
 /// estimate passes what is asked for ends late enough for every use.
@@ -33,11 +33,11 @@ pub(super) fn tolerance_n(train: &Train, options: &Options) -> f64 {
 }
 
 /// What is asked of a march: forces as good as the options want them, and when they pass the ratings.
-pub(super) fn ask(train: &Train, options: &Options) -> Ask {
-    Ask {
-        capacity_n: train.couplers.iter().map(|c| [c.rated_draft_n, c.rated_buff_n]).collect(),
+pub(super) fn ask(train: &Train, options: &Options) -> MarchOptions {
+    MarchOptions {
+        capacity_n: train.couplers().iter().map(|c| [c.rated_draft_n, c.rated_buff_n]).collect(),
         tolerance_n: Some(tolerance_n(train, options)),
-        ..Ask::default()
+        ..MarchOptions::default()
     }
 }
 
@@ -91,17 +91,17 @@ pub(super) fn solved(
 }
 
 /// Where a march ended before its horizon, and why.
-pub(super) fn ending(outcome: &Outcome) -> Option<Ending> {
+pub(super) fn ending(outcome: &MarchOutcome) -> Option<Ending> {
     let stop = outcome.stopped.map(|(vehicle, at_s)| Ending { at_s, stopped_vehicle: Some(vehicle + 1) });
     let lost = outcome.predictable_until_s.map(|at_s| Ending { at_s, stopped_vehicle: None });
     [stop, lost].into_iter().flatten().reduce(|a, b| if b.at_s < a.at_s { b } else { a })
 }
 
 /// What is seen of one coupler's force.
-fn seen(train: &Train, outcome: &Outcome, i: usize, extremes: Extremes, error_n: Option<&[f64; 2]>) -> Seen {
+fn seen(train: &Train, outcome: &MarchOutcome, i: usize, extremes: Extremes, error_n: Option<&[f64; 2]>) -> Seen {
     let factor = if matches!(outcome.bound, Bound::Estimated(_)) { MARGIN } else { 1.0 };
     let margins = error_n.map_or([f64::INFINITY; 2], |of| of.map(|n| factor * n));
-    let c = &train.couplers[i];
+    let c = &train.couplers()[i];
     let largest = [(extremes.draft.force_n, extremes.draft.time_s), (-extremes.buff.force_n, extremes.buff.time_s)];
     let ratings = [c.rated_draft_n, c.rated_buff_n];
     let exceeds = |side: usize| {
@@ -150,7 +150,7 @@ pub(super) fn estimate_s(
 }
 
 fn reason(train: &Train, options: &Options) -> String {
-    let why = if train.extras.laws.is_empty() {
+    let why = if train.extras().laws.is_empty() {
         "forces from outside change on several vehicles"
     } else {
         "couplers with slack or gears change their stiffness while they move"

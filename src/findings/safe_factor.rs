@@ -1,8 +1,7 @@
 //! How far the cause may grow: the largest factor on it at which no coupler exceeds.
 
 use super::CouplerFindings;
-use crate::consist::Train;
-use crate::scenario::Event;
+use crate::train::{Event, Train};
 
 /// The factor up to which a force that grows by `growth` stays within its `room` below the rating, in the same unit; `None` where
 /// it does not grow.
@@ -33,8 +32,8 @@ pub(super) fn safe_load_factor(
         [draft, buff]
     });
     let bounded = left_out.iter().map(|&(index, bound)| {
-        let coupler = &train.couplers[index];
-        let initial = if proportional { 0.0 } else { train.initial_force_n[index].abs() };
+        let coupler = &train.couplers()[index];
+        let initial = if proportional { 0.0 } else { train.initial_force_n()[index].abs() };
         // |F - F(0)| <= bound + |F(0)|
         let grown = factor(coupler.rated_draft_n.min(coupler.rated_buff_n), initial, bound + 2.0 * initial);
         // Up to 1 the force lies between those of before and with the event, and both are under the rating.

@@ -7,12 +7,12 @@ use serde::Serialize;
 use super::case::Case;
 use super::general::{self, Solved};
 use super::{CaseFindings, Options, march};
-use crate::consist::{Extras, Train};
-use crate::law::{Curve, Law, Row};
+use crate::law::{Curve, GearRow, Law};
 use crate::play::Rule;
-use crate::scenario::{self, Event, Response, Scenario};
+use crate::scenario;
 use crate::solve::memo::Memo;
 use crate::solve::{SolveError, Wanted};
+use crate::train::{Event, Response, Scenario, Train};
 
 /// Damping ratios of a dashpot, c / (2 √(k m)): the range that is published for draft gears, and a value between.
 const RATIOS: [f64; 3] = [0.05, 0.14, 0.26];
@@ -100,24 +100,23 @@ impl Variant {
 
     /// The changed train and scenario; `None` where the change would be none, or mean nothing for this train.
     fn of(self, train: &Train, scenario: &Scenario) -> Option<(Train, Scenario)> {
-        let extras = || train.extras.clone();
-        let with = |extras: Extras| Some((Train { extras, ..train.clone() }, scenario.clone()));
-        let has_laws = !train.extras.laws.is_empty();
+        let with = |train: Train| Some((train, scenario.clone()));
+        let has_laws = !train.extras().laws.is_empty();
         match self {
-            Variant::LinearCouplers if has_laws => with(Extras { laws: vec![], pulled_to_n: vec![], ..extras() }),
+            Variant::LinearCouplers if has_laws => with(train.with_laws(vec![]).with_pulled_to(vec![])),
             Variant::WithoutBrakes if scenario.response != Response::default() => {
                 let event = matches!(scenario.event, Event::Break { .. });
                 event.then(|| (train.clone(), Scenario { response: Response::default(), ..scenario.clone() }))
             }
-            Variant::LetDown if has_friction(train) && train.extras.pulled_to_n.is_empty() => {
-                let pulled_to_n = train.initial_force_n.iter().map(|f| LET_DOWN * f).collect::<Vec<f64>>();
+            Variant::LetDown if has_friction(train) && train.extras().pulled_to_n.is_empty() => {
+                let pulled_to_n = train.initial_force_n().iter().map(|f| LET_DOWN * f).collect::<Vec<f64>>();
                 let is_pulled = pulled_to_n.iter().all(|f| *f >= 0.0) && pulled_to_n.iter().any(|f| *f > 0.0);
-                is_pulled.then(|| with(Extras { pulled_to_n, ..extras() }))?
+                is_pulled.then(|| with(train.with_pulled_to(pulled_to_n)))?
             }
             Variant::GenericGears | Variant::GenericGearsAndSlack if !has_laws && is_of_common_size(train) => {
                 let slack_m = if self == Variant::GenericGears { 0.0 } else { GENERIC_SLACK_M };
-                let laws = vec![generic_gears(slack_m)?; train.couplers.len()];
-                with(Extras { laws, dashpot_n_s_per_m: vec![], ..extras() })
+                let laws = vec![generic_gears(slack_m)?; train.couplers().len()];
+                with(train.with_laws(laws).with_dashpots(vec![]))
             }
             _ => None,
         }
@@ -125,7 +124,7 @@ impl Variant {
 }
 
 fn generic_gears(slack_m: f64) -> Option<Law> {
-    let row = |[travel, loading, unloading]: [f64; 3]| Row {
+    let row = |[travel, loading, unloading]: [f64; 3]| GearRow {
         travel_m: 1e-3 * travel,
         loading_n: 1e3 * loading,
         unloading_n: 1e3 * unloading,
@@ -140,14 +139,14 @@ fn has_friction(train: &Train) -> bool {
         Law::Gear { draft, buff, .. } => draft.lost_share() > 0.0 || buff.lost_share() > 0.0,
         Law::Elastic { .. } => false,
     };
-    train.extras.laws.iter().any(loses)
+    train.extras().laws.iter().any(loses)
 }
 
 /// Whether generic gears fit: vehicles of the masses that have them, a load under their last row, no damping of the modes.
 fn is_of_common_size(train: &Train) -> bool {
     let last_n = 1e3 * GENERIC_GEARS[GENERIC_GEARS.len() - 1][1];
-    let masses = train.vehicles.iter().filter(|v| !v.held).all(|v| GENERIC_MASSES_KG.contains(&v.mass_kg));
-    masses && train.initial_force_n.iter().all(|f| f.abs() < last_n) && train.extras.damping_ratio == 0.0
+    let masses = train.vehicles().iter().filter(|v| !v.held).all(|v| GENERIC_MASSES_KG.contains(&v.mass_kg));
+    masses && train.initial_force_n().iter().all(|f| f.abs() < last_n) && train.extras().damping_ratio == 0.0
 }
 
 /// The case whose worst coupler has the largest utilisation; of alike ones the first.
@@ -186,13 +185,13 @@ pub(super) fn damping(
     cases: &[CaseFindings],
     options: &Options,
 ) -> Result<Vec<DampingFindings>, SolveError> {
-    let has_losses = train.extras.damping_ratio > 0.0 || !train.extras.dashpot_n_s_per_m.is_empty();
+    let has_losses = train.extras().damping_ratio > 0.0 || !train.extras().dashpot_n_s_per_m.is_empty();
     let worst = worst_case(cases).filter(|_| !has_losses && !scenario::is_march(train, scenario));
     let Some(worst) = worst else { return Ok(Vec::new()) };
     let one = |&damping_ratio: &f64| {
-        let critical = (0..train.couplers.len()).map(|i| critical_n_s_per_m(train, i));
+        let critical = (0..train.couplers().len()).map(|i| critical_n_s_per_m(train, i));
         let dashpot_n_s_per_m = critical.map(|c| damping_ratio * c).collect();
-        let damped = Train { extras: Extras { dashpot_n_s_per_m, ..train.extras.clone() }, ..train.clone() };
+        let damped = train.with_dashpots(dashpot_n_s_per_m);
         let found = solved(&damped, scenario, worst, options).transpose()?;
         Some(found.map(|found| DampingFindings { damping_ratio, found }))
     };
@@ -232,9 +231,9 @@ fn solved(
 
 /// Critical damping of a coupler between its lighter vehicle and a wall, 2 √(k m), N s/m; 0 between two held vehicles.
 pub(crate) fn critical_n_s_per_m(train: &Train, coupler: usize) -> f64 {
-    let live = [coupler, coupler + 1].into_iter().map(|v| &train.vehicles[v]).filter(|v| !v.held);
+    let live = [coupler, coupler + 1].into_iter().map(|v| &train.vehicles()[v]).filter(|v| !v.held);
     let mass = live.map(|v| v.mass_kg).fold(f64::INFINITY, f64::min);
-    if mass.is_finite() { 2.0 * (train.couplers[coupler].stiffness_n_per_m * mass).sqrt() } else { 0.0 }
+    if mass.is_finite() { 2.0 * (train.couplers()[coupler].stiffness_n_per_m * mass).sqrt() } else { 0.0 }
 }
 
 #[cfg(test)]

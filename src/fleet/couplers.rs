@@ -8,11 +8,11 @@ use super::parquet_file::{self, Column, plain};
 use super::rows::{FRONT, Place};
 use super::study::Study;
 use super::variation;
-use crate::consist::Train;
 use crate::findings::CaseFindings;
 use crate::report::cells::text;
-use crate::report::couplers_csv::{COLUMNS, Row};
+use crate::report::couplers_csv::{COLUMNS, CouplerRow};
 use crate::report::files::{self, WriteError};
+use crate::train::Train;
 
 /// The couplers of a chunk's cases.
 pub struct Couplers {
@@ -38,7 +38,7 @@ impl Couplers {
     /// Adds those of a case.
     pub fn add(&mut self, place: &Place, train: &Train, scenario: &str, case: &CaseFindings) {
         let variation = place.variation.map(|v| v.to_string()).unwrap_or_default();
-        let front = [text(&place.file), text(&train.name), train.vehicles.len().to_string(), variation];
+        let front = [text(&place.file), text(train.name()), train.vehicles().len().to_string(), variation];
         let before: Vec<&str> = front.iter().chain(&place.inputs).map(String::as_str).collect();
         for coupler in &case.couplers {
             let row = Row { scenario, case, coupler };

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::plan::Words;
 use super::summary::Summary;
-use crate::consist::count;
+use crate::train::count;
 
 /// Lines on standard error, at most.
 const LINES: usize = 20;
@@ -49,7 +49,7 @@ pub fn lines(summary: &Summary, words: &Words) -> Vec<String> {
 
 /// The same of a share of a run, whose rows are not summed up.
 pub fn lines_of_share(words: &Words) -> Vec<String> {
-    let line = |((file, code), (_, doubt)): (&(String, String), &(usize, crate::doubts::Doubt))| {
+    let line = |((file, code), (_, doubt)): (&(String, String), &(usize, crate::train::Doubt))| {
         format!("{file}: {doubt} [{code}]")
     };
     let mut lines: Vec<String> = words.iter().take(LINES).map(line).collect();

@@ -82,7 +82,7 @@ fn look(plan: &Plan, case: u64, start: Instant) -> Result<Option<Looked>, FleetE
     let Ok(train) = plan.load(unit)?.train else { return Ok(None) };
     let load = from.elapsed().as_secs_f64();
     let mut before = 0;
-    for scenario in &train.scenarios {
+    for scenario in train.scenarios() {
         let all = findings::cases(&scenario.event);
         if let Some(&broken) = all.get(index - before) {
             let pair = [broken, all[all.len() - 1 - (index - before)]];

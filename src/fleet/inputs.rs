@@ -134,7 +134,7 @@ impl Inputs {
         let survey = &self.surveys[file];
         if let Some(why) = &survey.without_effect {
             let inputs = self.study.as_ref().map_or(0, |study| study.inputs.len());
-            return Ok(Varied { cells: vec![String::new(); inputs], train: Err(why.clone()) });
+            return Ok(Varied { cells: vec![String::new(); inputs], train: Err(why.clone()), tree: None });
         }
         let base = self.base(file);
         let varied = match &self.study {
@@ -152,7 +152,7 @@ impl Inputs {
             None => {
                 let text = base.text.as_ref().map_err(Clone::clone);
                 let train = text.and_then(|text| consist::parse_with(text, &base.path, &base.files));
-                Varied { cells: vec![], train: train.map_err(|e| e.brief()) }
+                Varied { cells: vec![], train: train.map_err(|e| e.brief()), tree: None }
             }
         };
         match base.files.list().into_iter().find(|source| !survey.sources.contains(source)) {

@@ -49,7 +49,7 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 
 pub use claims::Worker;
-pub use outputs::Format;
+pub use outputs::FleetFormat;
 pub use progress::{Count, Telling};
 
 use crate::error::{InputError, printable_path};
@@ -111,7 +111,7 @@ pub struct Request {
     /// Go on with the run that the folder holds.
     pub resume: bool,
     /// Files to write, besides `fleet.csv` and `errors.csv`.
-    pub formats: Vec<Format>,
+    pub formats: Vec<FleetFormat>,
     /// Trains, the worst, whose full reports are written as well.
     pub reports: usize,
     /// Keep every coupler of every case too, in `couplers/`.

@@ -51,7 +51,7 @@ pub mod paths {
 /// Lists of files with their checksums.
 pub mod sources {
     use super::{Deserialize, Name, Serialize};
-    use crate::consist::Source;
+    use crate::train::Source;
     use serde::{Deserializer, Serializer};
 
     pub fn serialize<S: Serializer>(sources: &[Source], to: S) -> Result<S::Ok, S::Error> {

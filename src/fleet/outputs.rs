@@ -15,7 +15,7 @@ const HTML: &str = "fleet.html";
 
 /// A kind of file that a run can write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
+pub enum FleetFormat {
     /// `fleet.csv` and `errors.csv`, which are always written: the others are made from them.
     Csv,
     /// `fleet.md` and its figures.
@@ -26,32 +26,32 @@ pub enum Format {
     Html,
 }
 
-impl Format {
+impl FleetFormat {
     /// All of them.
-    pub const ALL: [Format; 4] = [Format::Csv, Format::Md, Format::Parquet, Format::Html];
+    pub const ALL: [FleetFormat; 4] = [FleetFormat::Csv, FleetFormat::Md, FleetFormat::Parquet, FleetFormat::Html];
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
         match self {
-            Format::Csv => "csv",
-            Format::Md => "md",
-            Format::Parquet => "parquet",
-            Format::Html => "html",
+            FleetFormat::Csv => "csv",
+            FleetFormat::Md => "md",
+            FleetFormat::Parquet => "parquet",
+            FleetFormat::Html => "html",
         }
     }
 
     /// The one of that name.
-    pub fn from_name(name: &str) -> Option<Format> {
-        Format::ALL.into_iter().find(|f| f.name() == name)
+    pub fn from_name(name: &str) -> Option<FleetFormat> {
+        FleetFormat::ALL.into_iter().find(|f| f.name() == name)
     }
 
     /// Files of its own, without the tables.
     fn files(self) -> &'static [&'static str] {
         match self {
-            Format::Csv => &[],
-            Format::Md => &[MARKDOWN, sections::SAFE_FACTORS, probability::INFLUENCES],
-            Format::Parquet => &[PARQUET],
-            Format::Html => &[HTML],
+            FleetFormat::Csv => &[],
+            FleetFormat::Md => &[MARKDOWN, sections::SAFE_FACTORS, probability::INFLUENCES],
+            FleetFormat::Parquet => &[PARQUET],
+            FleetFormat::Html => &[HTML],
         }
     }
 }
@@ -61,7 +61,7 @@ impl Format {
 /// # Errors
 /// [`FleetError::Usage`] with how to build one that can.
 pub fn can_write(request: &Request) -> Result<(), FleetError> {
-    if (request.couplers || request.formats.contains(&Format::Parquet)) && !cfg!(feature = "parquet") {
+    if (request.couplers || request.formats.contains(&FleetFormat::Parquet)) && !cfg!(feature = "parquet") {
         let why = "this trainsafe was built without Parquet: build it with `cargo install --path . --features parquet`";
         return Err(FleetError::Usage(why.to_owned()));
     }
@@ -77,21 +77,21 @@ pub fn write(
     dir: &Path,
     run: &Run,
     summary: &Summary,
-    formats: &[Format],
+    formats: &[FleetFormat],
     links: &HashMap<String, String>,
 ) -> Result<Option<PathBuf>, FleetError> {
     #[cfg(feature = "parquet")]
-    if formats.contains(&Format::Parquet) {
+    if formats.contains(&FleetFormat::Parquet) {
         super::parquet_file::write(&dir.join(super::join::ROWS), run, summary, &dir.join(PARQUET))?;
     }
     let before = sections::before(run, summary);
     let mut report = None;
-    if formats.contains(&Format::Md) {
+    if formats.contains(&FleetFormat::Md) {
         let text = fleet_md::markdown(run, summary, &before);
         let figures = before.iter().filter_map(|s| s.figure.as_ref()).map(|f| Ok((f.file, f.svg.clone())));
         report = Some(put(dir, figures.chain([text.map(|text| (MARKDOWN, text))]))?);
     }
-    if formats.contains(&Format::Html) {
+    if formats.contains(&FleetFormat::Html) {
         let text = page::page(run, summary, &before, links);
         report = Some(put(dir, [text.map(|text| (HTML, text))].into_iter())?);
     }
@@ -115,8 +115,8 @@ fn put(
 }
 
 /// Removes files of an earlier run that this one does not write anew.
-pub fn remove_others(dir: &Path, formats: &[Format]) {
-    for format in Format::ALL.into_iter().filter(|f| !formats.contains(f)) {
+pub fn remove_others(dir: &Path, formats: &[FleetFormat]) {
+    for format in FleetFormat::ALL.into_iter().filter(|f| !formats.contains(f)) {
         for name in format.files() {
             // Most often there is none.
             let _ = fs::remove_file(dir.join(name));

@@ -10,11 +10,11 @@ use super::inputs::Inputs;
 use super::rows::{self, Chunk};
 use super::variation::Varied;
 use super::{FleetError, Request};
-use crate::consist::Train;
-use crate::doubts::{self, Doubt, doubts};
+use crate::doubts::doubts;
 use crate::findings::{self, Options, cases};
 use crate::solve::Wanted;
 use crate::solve::memo::Memo;
+use crate::train::{Doubt, Train};
 
 /// Chunks that a run is cut into, if they keep within the limits that follow.
 const CHUNKS: u64 = 1000;
@@ -180,7 +180,7 @@ impl<'a> Plan<'a> {
             self.options.stop.check()?;
             match findings::case_findings(&train, scenario, broken, &self.options, self.memo) {
                 Ok(case) => {
-                    let found = doubts::found(scenario, std::slice::from_ref(&case));
+                    let found = findings::found(scenario, std::slice::from_ref(&case));
                     self.keep(&cell, variation, &found);
                     rows.add(&place, &train, scenario, &case, &found);
                 }
@@ -192,6 +192,6 @@ impl<'a> Plan<'a> {
 }
 
 /// The cases of a train: each scenario with each coupler that breaks in it.
-fn all_cases(train: &Train) -> impl Iterator<Item = (&crate::scenario::Scenario, Option<usize>)> {
-    train.scenarios.iter().flat_map(|s| cases(&s.event).into_iter().map(move |broken| (s, broken)))
+fn all_cases(train: &Train) -> impl Iterator<Item = (&crate::train::Scenario, Option<usize>)> {
+    train.scenarios().iter().flat_map(|s| cases(&s.event).into_iter().map(move |broken| (s, broken)))
 }

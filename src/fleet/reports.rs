@@ -41,6 +41,12 @@ pub fn write(
         let varied = inputs.load(file, variation.map_or(0, |v| v - 1))?;
         // It was one when its rows were made.
         let Ok(train) = varied.train else { continue };
+        // A table that was read can be written.
+        let text = varied.tree.and_then(|tree| toml::to_string(&tree).ok());
+        let train = match text {
+            Some(text) => train.with_text(&text),
+            None => train,
+        };
         let analysis = match findings::analyze(&train, options) {
             Ok(analysis) => analysis,
             Err(e) => {

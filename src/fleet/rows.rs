@@ -1,10 +1,9 @@
 //! Rows of `fleet.csv` and `errors.csv`.
 
-use crate::consist::Train;
-use crate::doubts::Doubt;
 use crate::findings::CaseFindings;
 use crate::report::cells::{number, optional, text};
-use crate::scenario::Scenario;
+use crate::train::Doubt;
+use crate::train::{Scenario, Train};
 
 /// Columns before those of a study's inputs.
 pub const FRONT: [&str; 4] = ["file", "train", "vehicles", "variation"];
@@ -125,7 +124,7 @@ impl Chunk {
 
     /// A case that was computed, and the doubts that it has.
     pub fn add(&mut self, place: &Place, train: &Train, scenario: &Scenario, case: &CaseFindings, found: &[Doubt]) {
-        let front = [text(&place.file), text(&train.name), train.vehicles.len().to_string(), whole(place.variation)];
+        let front = [text(&place.file), text(train.name()), train.vehicles().len().to_string(), whole(place.variation)];
         let inputs = place.inputs.iter().map(|cell| text_or_number(cell));
         let codes = place.codes(scenario, found);
         #[cfg(feature = "parquet")]

@@ -17,9 +17,9 @@ pub enum Spread {
     /// These values, all as likely in draws.
     Values(Vec<toml::Value>),
     /// A distribution, in SI units or as a share.
-    Law {
+    Distribution {
         /// Which.
-        law: Law,
+        law: Distribution,
         /// What it measures.
         dimension: Dimension,
         /// Its parameters are shares, and so are its draws.
@@ -31,7 +31,7 @@ pub enum Spread {
 
 /// A distribution of one number.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Law {
+pub enum Distribution {
     /// All between two limits as likely.
     Uniform {
         /// Lower limit.
@@ -73,22 +73,22 @@ pub enum Law {
     },
 }
 
-impl Law {
+impl Distribution {
     /// The lognormal law whose own mean and standard deviation are these:
     ///
     /// ```text
     /// sigma^2 = ln(1 + (sd / mean)^2)      mu = ln(mean) - sigma^2 / 2
     /// ```
-    pub fn lognormal(mean: f64, sd: f64) -> Law {
+    pub fn lognormal(mean: f64, sd: f64) -> Distribution {
         let variance = (sd / mean).powi(2).ln_1p();
-        Law::LogNormal { mu: mean.ln() - 0.5 * variance, sigma: variance.sqrt() }
+        Distribution::LogNormal { mu: mean.ln() - 0.5 * variance, sigma: variance.sqrt() }
     }
 
     /// Whether its limits are in order.
     pub fn is_ordered(&self) -> bool {
         match *self {
-            Law::Uniform { low, high } => low < high,
-            Law::Triangular { low, mode, high } => low <= mode && mode <= high && low < high,
+            Distribution::Uniform { low, high } => low < high,
+            Distribution::Triangular { low, mode, high } => low <= mode && mode <= high && low < high,
             _ => true,
         }
     }
@@ -97,11 +97,11 @@ impl Law {
     pub fn quantile(&self, p: f64) -> f64 {
         let normal = || -std::f64::consts::SQRT_2 * erfc_inv(2.0 * p);
         match *self {
-            Law::Uniform { low, high } => low + (high - low) * p,
-            Law::Normal { mean, sd } => mean + sd * normal(),
-            Law::LogNormal { mu, sigma } => (mu + sigma * normal()).exp(),
-            Law::Weibull { location, scale, shape } => location + scale * (-(-p).ln_1p()).powf(1.0 / shape),
-            Law::Triangular { low, mode, high } => {
+            Distribution::Uniform { low, high } => low + (high - low) * p,
+            Distribution::Normal { mean, sd } => mean + sd * normal(),
+            Distribution::LogNormal { mu, sigma } => (mu + sigma * normal()).exp(),
+            Distribution::Weibull { location, scale, shape } => location + scale * (-(-p).ln_1p()).powf(1.0 / shape),
+            Distribution::Triangular { low, mode, high } => {
                 let rising = (mode - low) / (high - low);
                 if p < rising {
                     low + (p * (high - low) * (mode - low)).sqrt()
@@ -113,21 +113,21 @@ impl Law {
     }
 }
 
-impl Law {
+impl Distribution {
     /// The probability of a value below 0.
     pub fn below_zero(&self) -> f64 {
         match *self {
-            Law::Uniform { low, high } => (-low / (high - low)).clamp(0.0, 1.0),
-            Law::Normal { mean, sd } => 0.5 * erfc(mean / (sd * std::f64::consts::SQRT_2)),
-            Law::LogNormal { .. } => 0.0,
-            Law::Weibull { location, scale, shape } => {
+            Distribution::Uniform { low, high } => (-low / (high - low)).clamp(0.0, 1.0),
+            Distribution::Normal { mean, sd } => 0.5 * erfc(mean / (sd * std::f64::consts::SQRT_2)),
+            Distribution::LogNormal { .. } => 0.0,
+            Distribution::Weibull { location, scale, shape } => {
                 if location < 0.0 {
                     -(-(-location / scale).powf(shape)).exp_m1()
                 } else {
                     0.0
                 }
             }
-            Law::Triangular { low, mode, high } => match (low < 0.0, mode < 0.0) {
+            Distribution::Triangular { low, mode, high } => match (low < 0.0, mode < 0.0) {
                 (false, _) => 0.0,
                 (true, false) => low * low / ((high - low) * (mode - low)),
                 (true, true) => 1.0 - high.max(0.0).powi(2) / ((high - low) * (high - mode)),
@@ -140,7 +140,7 @@ impl Spread {
     /// The probability of a draw that its key cannot take; 0 for a list, whose values are looked at one by one.
     pub fn impossible(&self) -> f64 {
         match self {
-            Spread::Law { law, not_negative: true, .. } => law.below_zero(),
+            Spread::Distribution { law, not_negative: true, .. } => law.below_zero(),
             _ => 0.0,
         }
     }
@@ -149,7 +149,7 @@ impl Spread {
     pub fn count(&self) -> usize {
         match self {
             Spread::Values(list) => list.len(),
-            Spread::Law { .. } => 1,
+            Spread::Distribution { .. } => 1,
         }
     }
 
@@ -157,7 +157,7 @@ impl Spread {
     pub fn at(&self, p: f64) -> toml::Value {
         match self {
             Spread::Values(list) => list[((p * list.len() as f64) as usize).min(list.len() - 1)].clone(),
-            Spread::Law { law, dimension, share, .. } => {
+            Spread::Distribution { law, dimension, share, .. } => {
                 // The lowest draws of a distribution with a trace below zero are all the same possible one.
                 let least = 2.0 * self.impossible();
                 written(law.quantile(p.max(least)), *dimension, *share)
@@ -172,7 +172,7 @@ impl Spread {
                 (0..PROBES).map(|i| list[i * (list.len() - 1) / (PROBES - 1)].clone()).collect()
             }
             Spread::Values(list) => list.clone(),
-            Spread::Law { .. } => [0.001, 0.5, 0.999].map(|p| self.at(p)).to_vec(),
+            Spread::Distribution { .. } => [0.001, 0.5, 0.999].map(|p| self.at(p)).to_vec(),
         };
         let Some(dimension) = dimension else { return probes };
         let middle = self.at(0.5);
@@ -189,8 +189,8 @@ impl Spread {
     /// The unit that [`shown`] gives its values, where all have the same.
     pub fn unit(&self, dimension: Option<Dimension>) -> Option<&'static str> {
         match self {
-            Spread::Law { share: true, .. } => Some("%"),
-            Spread::Law { dimension, .. } => Some(dimension.si()),
+            Spread::Distribution { share: true, .. } => Some("%"),
+            Spread::Distribution { dimension, .. } => Some(dimension.si()),
             Spread::Values(list) => {
                 let dimension = dimension?;
                 let unit = |v: &toml::Value| match units::parse(v.as_str()?, dimension, true).ok()? {

@@ -23,7 +23,7 @@ use std::path::Path;
 use toml::de::{DeTable, DeValue};
 
 use super::key::{Key, Measure};
-use super::spread::{Law, Spread, TRACE};
+use super::spread::{Distribution, Spread, TRACE};
 use super::study_keys::{LARGEST_SEED, MOST_STEPS, MOST_VARIATIONS, STUDY, VARY};
 use crate::consist;
 use crate::consist::tree::{Found, Read, Table, Value};
@@ -85,12 +85,7 @@ impl Study {
 
 /// Whether a file's text is a study rather than a train.
 pub fn is_study(text: &str) -> bool {
-    DeTable::parse(text).is_ok_and(|root| is_study_root(root.get_ref()))
-}
-
-/// The same of a text that has been parsed.
-pub(crate) fn is_study_root(root: &DeTable) -> bool {
-    ["trains", "vary"].iter().any(|key| root.contains_key(*key))
+    DeTable::parse(text).is_ok_and(|root| consist::is_study(root.get_ref()))
 }
 
 /// Reads a study file's text; `path` is what messages call it.
@@ -260,19 +255,19 @@ fn law(table: &Table, name: &Value, key: &Key) -> Read<Spread> {
         Ok(amount)
     };
     let law = match word {
-        "uniform" => Law::Uniform { low: quantity("low", Sign::Any)?, high: quantity("high", Sign::Any)? },
-        "normal" => Law::Normal { mean: quantity("mean", Sign::Any)?, sd: quantity("sd", Sign::Positive)? },
-        "lognormal" => Law::lognormal(quantity("mean", Sign::Positive)?, quantity("sd", Sign::Positive)?),
+        "uniform" => Distribution::Uniform { low: quantity("low", Sign::Any)?, high: quantity("high", Sign::Any)? },
+        "normal" => Distribution::Normal { mean: quantity("mean", Sign::Any)?, sd: quantity("sd", Sign::Positive)? },
+        "lognormal" => Distribution::lognormal(quantity("mean", Sign::Positive)?, quantity("sd", Sign::Positive)?),
         "weibull" => {
             let scale = quantity("scale", Sign::Positive)?;
             let location = if table.get("location").is_some() { quantity("location", Sign::Any)? } else { 0.0 };
             let shape =
                 table.require("shape", "add shape, the Weibull modulus, a number without a unit")?.positive()?;
-            Law::Weibull { location, scale, shape }
+            Distribution::Weibull { location, scale, shape }
         }
         _ => {
             let (low, mode) = (quantity("low", Sign::Any)?, quantity("mode", Sign::Any)?);
-            Law::Triangular { low, mode, high: quantity("high", Sign::Any)? }
+            Distribution::Triangular { low, mode, high: quantity("high", Sign::Any)? }
         }
     };
     if !law.is_ordered() {
@@ -281,7 +276,7 @@ fn law(table: &Table, name: &Value, key: &Key) -> Read<Spread> {
         );
     }
     only(table, word);
-    let spread = Spread::Law { law, dimension, share: share.unwrap_or(false), not_negative };
+    let spread = Spread::Distribution { law, dimension, share: share.unwrap_or(false), not_negative };
     let impossible = spread.impossible();
     if impossible > TRACE {
         let what = if possible == Sign::Positive { "zero or below" } else { "below zero" };

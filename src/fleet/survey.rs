@@ -10,10 +10,11 @@ use super::key::Key;
 use super::names;
 use super::study::{Input, Per, Study};
 use super::variation::{Reached, probe, vary};
-use crate::consist::{self, Source, Train};
-use crate::doubts::{Doubt, doubts, idle_options};
+use crate::consist;
+use crate::doubts::doubts;
 use crate::error::printable_path;
-use crate::findings::{Options, cases};
+use crate::findings::{Options, cases, idle_options};
+use crate::train::{CouplerSpec, Doubt, Load, Origin, Source, Train, TrainSpec};
 
 /// What is known of a train file before the run.
 #[derive(Serialize, Deserialize)]
@@ -159,26 +160,22 @@ pub fn reach(study: &Study, variation: usize, base: &Base) -> Reach {
 }
 
 /// The train as far as it has a part in any result: not where it was read from, nor the mass of what is held.
-fn effective(mut train: Train) -> Train {
-    train.origin = consist::Origin::default();
-    train.vehicles.iter_mut().filter(|v| v.held).for_each(|v| v.mass_kg = 1.0);
-    train
+fn effective(train: Train) -> TrainSpec {
+    let mut spec = TrainSpec { origin: Origin::default(), ..train.into_spec() };
+    spec.vehicles.iter_mut().filter(|v| v.held).for_each(|v| v.mass_kg = 1.0);
+    spec
 }
 
 /// Whether each coupler differs.
-fn changed_couplers(a: &Train, b: &Train) -> Vec<bool> {
-    let differs = |i: usize| {
-        a.couplers[i] != b.couplers.get(i).copied().unwrap_or(a.couplers[i])
-            || a.extras.dashpot_n_s_per_m.get(i) != b.extras.dashpot_n_s_per_m.get(i)
-            || a.extras.limits.get(i) != b.extras.limits.get(i)
-    };
-    (0..a.couplers.len()).map(differs).collect()
+fn changed_couplers(a: &TrainSpec, b: &TrainSpec) -> Vec<bool> {
+    let differs = |(i, coupler): (usize, &CouplerSpec)| b.couplers.get(i).is_some_and(|other| other != coupler);
+    a.couplers.iter().enumerate().map(differs).collect()
 }
 
 /// Whether the force from outside differs, of each vehicle that is not held.
-fn changed_vehicles(a: &Train, b: &Train) -> Vec<bool> {
-    let (Some(x), Some(y)) = (&a.extras.steady, &b.extras.steady) else { return vec![] };
-    let free = a.vehicles.iter().zip(x.outside_n.iter().zip(&y.outside_n)).filter(|(v, _)| !v.held);
+fn changed_vehicles(a: &TrainSpec, b: &TrainSpec) -> Vec<bool> {
+    let (Load::OnVehicles(x), Load::OnVehicles(y)) = (&a.load, &b.load) else { return vec![] };
+    let free = a.vehicles.iter().zip(x.iter().zip(y)).filter(|(v, _)| !v.held);
     free.map(|(_, (x, y))| x != y).collect()
 }
 
@@ -218,7 +215,7 @@ fn keeps_couplers(key: &Key) -> bool {
 }
 
 fn case_count(train: &Train) -> u32 {
-    let count: usize = train.scenarios.iter().map(|s| cases(&s.event).len()).sum();
+    let count: usize = train.scenarios().iter().map(|s| cases(&s.event).len()).sum();
     // A train without a case is told as such. A train file has at most a million breaks, and at most a thousand scenarios.
     u32::try_from(count.max(1)).unwrap_or(u32::MAX)
 }

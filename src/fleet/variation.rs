@@ -5,10 +5,13 @@ use std::collections::BTreeMap;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
+use toml::de::DeTable;
+
 use super::base::Base;
 use super::spread::{number, shown};
 use super::study::{Draws, Input, Per, Study};
-use crate::consist::{self, Train};
+use crate::consist::{self, tree::without_places};
+use crate::train::Train;
 
 /// A variation of a train, with its inputs as cells of a table; or what is wrong with it.
 pub struct Varied {
@@ -16,6 +19,8 @@ pub struct Varied {
     pub cells: Vec<String>,
     /// The train.
     pub train: Result<Train, String>,
+    /// The tree of its file, with the values that were put in.
+    pub tree: Option<toml::Table>,
 }
 
 /// The couplers that take each input, by the input's number; an input that is not there reaches all.
@@ -34,13 +39,17 @@ pub fn headings(study: &Study) -> Vec<String> {
 /// A variation, counted from 0, of a train file. A cell shows what was put into the train: of several values the smallest that a
 /// coupler or vehicle took.
 pub fn vary(study: &Study, variation: usize, base: &Base, reached: &Reached) -> Varied {
-    let (train, puts) = varied(study, base, &|k, count| values(study, variation, k, count));
+    let (varied, puts) = varied(study, base, &|k, count| values(study, variation, k, count));
     let cell = |(k, input): (usize, &Input)| {
         let takes = |i: usize| reached.get(&k).is_none_or(|takes| takes.get(i) != Some(&false));
         let taken = puts[k].iter().enumerate().filter(|(i, _)| takes(*i)).map(|(_, value)| value);
         smallest(input, taken)
     };
-    Varied { cells: study.inputs.iter().enumerate().map(cell).collect(), train }
+    let cells = study.inputs.iter().enumerate().map(cell).collect();
+    match varied {
+        Ok((train, tree)) => Varied { cells, train: Ok(train), tree },
+        Err(wrong) => Varied { cells, train: Err(wrong), tree: None },
+    }
 }
 
 /// The same variation with another value of one input, for every coupler or vehicle that takes it.
@@ -49,8 +58,11 @@ pub fn probe(study: &Study, variation: usize, base: &Base, input: usize, value: 
         true => vec![value.clone(); count],
         false => values(study, variation, k, count),
     };
-    varied(study, base, &draw).0
+    varied(study, base, &draw).0.map(|(train, _)| train)
 }
+
+/// A train, and the tree of its file with the values of a variation.
+type VariedTrain = (Train, Option<toml::Table>);
 
 /// A train with values put into its file, and those values by input. `draw` gives so many values of an input, which is asked for
 /// by its number.
@@ -58,7 +70,7 @@ fn varied(
     study: &Study,
     base: &Base,
     draw: &dyn Fn(usize, usize) -> Vec<toml::Value>,
-) -> (Result<Train, String>, Vec<Vec<toml::Value>>) {
+) -> (Result<VariedTrain, String>, Vec<Vec<toml::Value>>) {
     let mut puts = vec![Vec::new(); study.inputs.len()];
     let text = match &base.text {
         Ok(text) => text,
@@ -66,7 +78,7 @@ fn varied(
     };
     let Some(mut tree) = base.tree.clone() else {
         let train = consist::parse_with(text, &base.path, &base.files);
-        return (train.map_err(|e| e.brief()), puts);
+        return (train.map(|train| (train, None)).map_err(|e| e.brief()), puts);
     };
     let of = |per: Per| study.inputs.iter().enumerate().filter(move |(_, input)| input.per == per);
     for (k, input) in of(Per::Train).chain(of(Per::Coupler)) {
@@ -80,32 +92,31 @@ fn varied(
         return (Err(missing), puts);
     }
     let drawn = std::cell::RefCell::new(&mut puts);
-    let each = |couplers: usize| {
+    let each = |couplers: usize, read: &mut dyn FnMut(&DeTable)| {
         let mut drawn = drawn.borrow_mut();
         for (k, _) in of(Per::Coupler) {
             drawn[k] = draw(k, couplers);
         }
-        let own = |i: usize| own_coupler(&tree, of(Per::Coupler).map(|(k, input)| (input, &drawn[k][i])));
-        (0..couplers).map(own).collect()
+        for i in 0..couplers {
+            let own = own_coupler(&tree, of(Per::Coupler).map(|(k, input)| (input, &drawn[k][i])));
+            without_places(&own, &mut *read);
+        }
     };
     let each: Option<consist::EachCoupler> = if of(Per::Coupler).next().is_some() { Some(&each) } else { None };
-    // A table that was read can be written.
-    let train = toml::to_string(&tree).map_err(|e| e.to_string()).and_then(|text| {
-        // Its places are not those of the file, so they are not told.
-        consist::parse_drawn(&text, &base.path, &base.files, each).map_err(|e| e.titles())
-    });
-    (train, puts)
+    // A value that was put in has no place in the file, so none is told.
+    let read = without_places(&tree, |root| consist::read_tree(root, "", &base.path, &base.files, each));
+    (read.map(|train| (train, Some(tree))).map_err(|e| e.titles()), puts)
 }
 
-/// The text of a coupler's own `[coupler]`.
-fn own_coupler<'i>(tree: &toml::Table, own: impl Iterator<Item = (&'i Input, &'i toml::Value)>) -> String {
+/// The tree of a coupler's own `[coupler]`.
+fn own_coupler<'i>(tree: &toml::Table, own: impl Iterator<Item = (&'i Input, &'i toml::Value)>) -> toml::Table {
     let common = tree.get("coupler").cloned().map(|coupler| ("coupler".to_owned(), coupler));
     let mut tree: toml::Table = common.into_iter().collect();
     for (input, value) in own {
         // The same has been put into the whole train.
         let _ = input.key.put(&mut tree, value.clone());
     }
-    toml::to_string(&tree).unwrap_or_default()
+    tree
 }
 
 /// Gives each vehicle of a group its own value: the group is written out, a table for each of its vehicles.
@@ -124,7 +135,7 @@ fn put_in_vehicles<'i>(
         let group = tree.get("vehicle").and_then(|v| v.as_array()?.get(index)?.as_table());
         let count = group.and_then(|group| group.get("count")).and_then(toml::Value::as_integer).unwrap_or(1);
         // The reader refuses what is no number of vehicles.
-        let count = usize::try_from(count).ok().filter(|n| (1..=consist::MOST_VEHICLES).contains(n)).unwrap_or(1);
+        let count = usize::try_from(count).ok().filter(|n| (1..=crate::train::MOST_VEHICLES).contains(n)).unwrap_or(1);
         for &(k, input) in &inputs {
             puts[k] = draw(k, count);
             input.key.put(tree, puts[k][0].clone())?;

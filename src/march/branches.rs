@@ -3,7 +3,7 @@
 //! `u` is the force at which travel w rises, `l` that at which it falls; over the elongation `q = w + F / kl` the slope of a line
 //! h over w is `h / (1 + h / kl)`. An elastic law is the case `1 / kl = 0`, u = l.
 
-use crate::law::{Curve, Law, Row};
+use crate::law::{Curve, GearRow, Law};
 
 /// A knot lies on the line of its neighbours if it is off by less than this share of the forces there.
 const ON_A_LINE: f64 = 1e-13;
@@ -134,9 +134,9 @@ fn straight(from: f64, to: f64, line: Line) -> Interval {
 }
 
 /// Intervals of a table in draft, behind half the slack.
-fn pairs(rows: &[Row], half: f64) -> Vec<Interval> {
-    let point = |r: &Row, force: f64| [half + r.travel_m, force];
-    let interval = |pair: &[Row]| {
+fn pairs(rows: &[GearRow], half: f64) -> Vec<Interval> {
+    let point = |r: &GearRow, force: f64| [half + r.travel_m, force];
+    let interval = |pair: &[GearRow]| {
         let (a, b) = (&pair[0], &pair[1]);
         let up = Line::through(point(a, a.loading_n), point(b, b.loading_n));
         let down = Line::through(point(a, a.unloading_n), point(b, b.unloading_n));
@@ -147,8 +147,8 @@ fn pairs(rows: &[Row], half: f64) -> Vec<Interval> {
 }
 
 /// A table whose unloading curve is zero where it would be negative: heads that are not coupled cannot pull.
-fn without_adhesion(curve: &Curve) -> Vec<Row> {
-    let mut rows: Vec<Row> = Vec::new();
+fn without_adhesion(curve: &Curve) -> Vec<GearRow> {
+    let mut rows: Vec<GearRow> = Vec::new();
     for row in curve.rows() {
         if let Some(last) = rows.last().copied().filter(|_| row.unloading_n > 0.0) {
             let under = curve.rows().iter().rev().find(|r| r.travel_m <= last.travel_m).map_or(0.0, |r| r.unloading_n);
@@ -156,13 +156,13 @@ fn without_adhesion(curve: &Curve) -> Vec<Row> {
                 let share = -under / (row.unloading_n - under);
                 let between = |a: f64, b: f64| a + share * (b - a);
                 let travel_m = between(last.travel_m, row.travel_m);
-                rows.push(Row { travel_m, loading_n: between(last.loading_n, row.loading_n), unloading_n: 0.0 });
+                rows.push(GearRow { travel_m, loading_n: between(last.loading_n, row.loading_n), unloading_n: 0.0 });
             }
         }
-        rows.push(Row { unloading_n: row.unloading_n.max(0.0), ..*row });
+        rows.push(GearRow { unloading_n: row.unloading_n.max(0.0), ..*row });
     }
     // What was negative in loading too, in a law that is crossed at the middle, is not either.
-    rows.into_iter().map(|r| Row { loading_n: r.loading_n.max(0.0), ..r }).collect()
+    rows.into_iter().map(|r| GearRow { loading_n: r.loading_n.max(0.0), ..r }).collect()
 }
 
 /// Joins neighbours whose curves are on the same lines.

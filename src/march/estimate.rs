@@ -6,8 +6,8 @@
 
 use super::proof::Proof;
 use super::step::{Manner, March, stiffest};
-use super::{Ask, Bound, Extremes, Outcome, Problem};
-use crate::law::{Curve, Law, Row};
+use super::{Bound, Extremes, MarchOptions, MarchOutcome, Problem};
+use crate::law::{Curve, GearRow, Law};
 
 /// Largest step times the largest rate: of the run that counts, and of the others.
 const PHASE: f64 = 1.0;
@@ -30,7 +30,7 @@ const U: f64 = 0.5 * f64::EPSILON;
 /// # Panics
 /// Where the lists of the problem are not of one length each for vehicles and couplers, or a law is not one
 /// ([`Law::check`]).
-pub fn solve(problem: &Problem, ask: &Ask) -> Outcome {
+pub fn solve(problem: &Problem, ask: &MarchOptions) -> MarchOutcome {
     check(problem, ask);
     let manner = Manner { phase: PHASE, noise: None, margin: 1.0 };
     let mut march = March::new(problem, ask, manner);
@@ -59,8 +59,8 @@ const COUPLER_STEP_S: f64 = 100e-9;
 const EVENTS: f64 = 8.0;
 
 /// Estimated time of [`solve`] on one core, s.
-pub fn estimate_s(problem: &Problem, ask: &Ask) -> f64 {
-    let march = March::new(problem, &Ask::default(), Manner { phase: PHASE, noise: None, margin: 1.0 });
+pub fn estimate_s(problem: &Problem, ask: &MarchOptions) -> f64 {
+    let march = March::new(problem, &MarchOptions::default(), Manner { phase: PHASE, noise: None, margin: 1.0 });
     let linear = problem.laws.iter().filter(|l| l.is_linear()).count();
     let couplers = problem.laws.len();
     let rate = march.fastest() / PHASE + EVENTS * (couplers - linear) as f64;
@@ -68,7 +68,7 @@ pub fn estimate_s(problem: &Problem, ask: &Ask) -> f64 {
     runs * rate * problem.horizon_s * (couplers + 1) as f64 * COUPLER_STEP_S
 }
 
-fn check(problem: &Problem, ask: &Ask) {
+fn check(problem: &Problem, ask: &MarchOptions) {
     let (n, couplers) = (problem.mass_kg.len(), problem.laws.len());
     assert!(n > 0 && couplers == n - 1 && problem.start.len() == couplers, "one coupler between two vehicles");
     assert!(problem.speed_m_s.len() == n && problem.steady_n.len() == n, "a speed and a force of every vehicle");
@@ -94,9 +94,9 @@ fn keep(march: &March) -> Kept {
 }
 
 /// The march with two others beside it.
-fn compared(problem: &Problem, ask: &Ask, mut march: March) -> Outcome {
+fn compared(problem: &Problem, ask: &MarchOptions, mut march: March) -> MarchOutcome {
     let moved: Vec<Problem> = (1..=2).map(|seed| moved(problem, seed)).collect();
-    let quiet = Ask { capacity_n: ask.capacity_n.clone(), ..Ask::default() };
+    let quiet = MarchOptions { capacity_n: ask.capacity_n.clone(), ..MarchOptions::default() };
     let other = |(n, p)| {
         March::new(p, &quiet, Manner { phase: OTHERS[n], noise: Some((0x9E37_79B9 + n as u64, NOISE)), margin: MARGIN })
     };
@@ -203,7 +203,7 @@ fn moved(problem: &Problem, seed: u64) -> Problem {
                 let (travel, loading, back) = (factor(), factor(), factor());
                 let equal = c.rows().iter().any(|r| r.loading_n == r.unloading_n && r.loading_n != 0.0);
                 let back = if equal || back > loading { loading } else { back };
-                let row = |r: &Row| Row {
+                let row = |r: &GearRow| GearRow {
                     travel_m: r.travel_m * travel,
                     loading_n: r.loading_n * loading,
                     unloading_n: r.unloading_n * back,
@@ -217,13 +217,18 @@ fn moved(problem: &Problem, seed: u64) -> Problem {
     Problem { laws: laws.collect(), ..problem.clone() }
 }
 
-fn finish(mut march: March, bound: Bound, errors: [Vec<[f64; 2]>; 2], predictable_until_s: Option<f64>) -> Outcome {
+fn finish(
+    mut march: March,
+    bound: Bound,
+    errors: [Vec<[f64; 2]>; 2],
+    predictable_until_s: Option<f64>,
+) -> MarchOutcome {
     // An elongation may be twice the margin past a guard, at its largest stiffness.
     let none = |i: usize| 2.0 * march.past * stiffest(&march.problem.laws[i]);
     march.record.finish(none);
     let record = march.record;
     let [error_n, error_to_mark_n] = errors;
-    Outcome {
+    MarchOutcome {
         extremes: record.extremes,
         to_mark: record.to_mark.unwrap_or_default(),
         first_over_s: record.first_over_s,

@@ -80,7 +80,7 @@ pub struct Emergency {
 
 /// What is asked of a march.
 #[derive(Clone, Debug, Default)]
-pub struct Ask {
+pub struct MarchOptions {
     /// Capacity of each coupler in draft and buff, for the first instants above it. Empty for none.
     pub capacity_n: Vec<[f64; 2]>,
     /// Couplers whose force over time is wanted.
@@ -132,7 +132,7 @@ pub struct Parting {
 pub enum Bound {
     /// Proven: no force is further than this from the exact motion's, N.
     Proven(f64),
-    /// Estimated by three runs: the largest of [`Outcome::error_n`].
+    /// Estimated by three runs: the largest of [`MarchOutcome::error_n`].
     Estimated(f64),
     /// Not asked for, and not proven.
     None,
@@ -140,7 +140,7 @@ pub enum Bound {
 
 /// What a march comes to.
 #[derive(Clone, Debug)]
-pub struct Outcome {
+pub struct MarchOutcome {
     /// Of each coupler up to the horizon, or up to where the march ended; a coupler that is gone from t = 0 begins with
     /// what its vehicles push.
     pub extremes: Vec<Extremes>,

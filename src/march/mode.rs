@@ -192,7 +192,7 @@ impl Branches {
 #[allow(clippy::excessive_precision)] // Reference numbers are given with all their digits.
 pub mod tests {
     use super::*;
-    use crate::law::{Curve, Row};
+    use crate::law::{Curve, GearRow};
 
     /// Moves a coupler to an elongation, mode by mode; its force there.
     pub fn moved(c: &mut Coupler, from: f64, to: f64) -> f64 {
@@ -211,7 +211,7 @@ pub mod tests {
     #[test]
     fn memory_along_a_path() {
         let rows = [[0., 0., 0.], [7., 120., 120.], [38., 680., 172.], [114., 1350., 300.], [149., 2520., 360.]];
-        let row = |r: &[f64; 3]| Row { travel_m: r[0] / 1e3, loading_n: r[1] * 1e3, unloading_n: r[2] * 1e3 };
+        let row = |r: &[f64; 3]| GearRow { travel_m: r[0] / 1e3, loading_n: r[1] * 1e3, unloading_n: r[2] * 1e3 };
         let gear = Curve::new(rows.iter().map(row).collect()).expect("a table");
         let law = Law::Gear { solid_n_per_m: 2e8, slack_m: 0.025, draft: gear.clone(), buff: gear };
         let path = [

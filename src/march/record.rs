@@ -1,7 +1,7 @@
 //! What is kept of a march: extremes, first instants above capacities, forces at asked instants.
 
 use super::series::{DEGREE, Series, State};
-use super::{Ask, Extremes, Peak, roots};
+use super::{Extremes, MarchOptions, Peak, roots};
 
 #[derive(Clone, Debug)]
 pub struct Record {
@@ -27,7 +27,7 @@ pub struct Taken<'a> {
 
 impl Record {
     /// With the forces before t = 0.
-    pub fn new(start: &[f64], ask: &Ask) -> Record {
+    pub fn new(start: &[f64], ask: &MarchOptions) -> Record {
         let at_start = |f: &f64| {
             let peak = Peak { force_n: *f, time_s: 0.0 };
             Extremes { draft: peak, buff: peak }

@@ -7,7 +7,7 @@ use super::mode::{Coupler, End};
 use super::proof::Proof;
 use super::record::{Record, Taken};
 use super::series::{Series, State};
-use super::{Ask, Parting, Problem};
+use super::{MarchOptions, Parting, Problem};
 use crate::law::Law;
 
 /// An event counts only once the elongation is this share of the train's longest scale past its guard: about 1e-15 m where
@@ -67,7 +67,7 @@ pub enum What {
 }
 
 impl<'a> March<'a> {
-    pub fn new(problem: &'a Problem, ask: &Ask, manner: Manner) -> March<'a> {
+    pub fn new(problem: &'a Problem, ask: &MarchOptions, manner: Manner) -> March<'a> {
         let n = problem.mass_kg.len();
         let live = |v: usize| !(v == 0 && problem.held_head || v + 1 == n && problem.held_tail);
         let couplers: Vec<Coupler> = problem.laws.iter().zip(&problem.start).map(|(l, r)| Coupler::new(l, r)).collect();

@@ -2,13 +2,13 @@
 
 use super::mode::{Coupler, Mode};
 use super::step::{Manner, March};
-use super::{Ask, Problem};
-use crate::law::{Curve, Law, Rest, Row};
+use super::{MarchOptions, Problem};
+use crate::law::{Curve, GearRow, Law, Rest};
 use proptest::prelude::*;
 
 /// A spring h beside a slider of constant friction r, in series with kl.
 fn slider(kl: f64, h: f64, r: f64) -> Law {
-    let row = |w: f64| Row { travel_m: w, loading_n: h * w + r, unloading_n: h * w - r };
+    let row = |w: f64| GearRow { travel_m: w, loading_n: h * w + r, unloading_n: h * w - r };
     let curve = Curve::new(vec![row(0.0), row(10.0)]).expect("a slider");
     Law::Gear { solid_n_per_m: kl, slack_m: 0.0, draft: curve.clone(), buff: curve }
 }
@@ -72,7 +72,7 @@ proptest! {
         };
         let (p, q) = (problem(&first), problem(&second));
         let manner = Manner { phase: 1.0, noise: None, margin: 1.0 };
-        let (mut a, mut b) = (March::new(&p, &Ask::default(), manner), March::new(&q, &Ask::default(), manner));
+        let (mut a, mut b) = (March::new(&p, &MarchOptions::default(), manner), March::new(&q, &MarchOptions::default(), manner));
         let mut last = distance(&a, &b);
         let start = last;
         for n in 1..=600 {
@@ -89,7 +89,7 @@ proptest! {
     #[test]
     fn cycles_inside_the_lock(path in prop::collection::vec(-0.12..0.12f64, 1..12), at in any::<prop::sample::Index>(), share in 0.0..1.0f64) {
         let rows = [[0., 0., 0.], [7., 120., 60.], [38., 680., 172.], [114., 1350., 300.], [149., 2520., 360.]];
-        let row = |r: &[f64; 3]| Row { travel_m: r[0] / 1e3, loading_n: r[1] * 1e3, unloading_n: r[2] * 1e3 };
+        let row = |r: &[f64; 3]| GearRow { travel_m: r[0] / 1e3, loading_n: r[1] * 1e3, unloading_n: r[2] * 1e3 };
         let gear = Curve::new(rows.iter().map(row).collect()).expect("a table");
         let law = Law::Gear { solid_n_per_m: 2e8, slack_m: 0.025, draft: gear.clone(), buff: gear };
         let at = at.index(path.len());

@@ -1,9 +1,9 @@
 //! What the model leaves out or assumes, and on which side of the real forces that errs for this train and its events.
 
-use crate::consist::Train;
 use crate::law::Law;
 use crate::play::Rule;
-use crate::scenario::{self, Event, Scenario};
+use crate::scenario;
+use crate::train::{Event, Scenario, Train};
 
 /// An assumption with its effect: what it is, the real draft and the real buff against those of the report, and why.
 pub type Row = [&'static str; 4];
@@ -35,12 +35,12 @@ pub fn rows(train: &Train, scenarios: &[&Scenario]) -> Vec<Row> {
     let any = |test: fn(&Event) -> bool| scenarios.iter().any(|s| test(&s.event));
     let breaks = any(|e| matches!(e, Event::Break { .. })) || scenarios.iter().any(|s| s.cascade != Rule::Keep);
     let impact = any(|e| matches!(e, Event::Impact { .. }));
-    let dashpots = !train.extras.dashpot_n_s_per_m.is_empty();
-    let damped = dashpots || train.extras.damping_ratio > 0.0;
-    let hauled = train.extras.steady.is_some();
-    let springs = train.extras.laws.is_empty();
-    let gears = train.extras.laws.iter().any(|law| matches!(law, Law::Gear { .. }));
-    let slack = train.extras.laws.iter().any(|law| law.slack_m() > 0.0);
+    let dashpots = !train.extras().dashpot_n_s_per_m.is_empty();
+    let damped = dashpots || train.extras().damping_ratio > 0.0;
+    let hauled = train.extras().steady.is_some();
+    let springs = train.extras().laws.is_empty();
+    let gears = train.extras().laws.iter().any(|law| matches!(law, Law::Gear { .. }));
+    let slack = train.extras().laws.iter().any(|law| law.slack_m() > 0.0);
     let braked = scenarios.iter().all(|s| s.response.emergency.is_some() || !matches!(s.event, Event::Break { .. }));
     let powered = scenarios.iter().all(|s| s.response.efforts.is_empty());
     let marched = scenarios.iter().all(|s| scenario::is_march(train, s));
@@ -48,7 +48,7 @@ pub fn rows(train: &Train, scenarios: &[&Scenario]) -> Vec<Row> {
     let rows = [
         when(!damped && !gears && !impact, ["no losses in the couplers", LESS, LESS, REFLECTIONS]),
         when(!damped && !gears && impact, ["no losses in the couplers", MOSTLY_LESS, MOSTLY_LESS, REFLECTIONS]),
-        when(train.extras.damping_ratio > 0.0, ["the same damping ratio in every mode", EITHER, EITHER, MODES]),
+        when(train.extras().damping_ratio > 0.0, ["the same damping ratio in every mode", EITHER, EITHER, MODES]),
         when(dashpots && impact, ["a dashpot's force follows the speed at once", UNKNOWN, LESS, CONTACT]),
         when(!gears, ["no friction in the draft gears", MOSTLY_LESS, MOSTLY_LESS, FRICTION]),
         when(!slack && springs, ["no slack", EITHER, MORE, SLACK]),

@@ -2,8 +2,8 @@
 
 use super::numbers::{digits, force, time};
 use super::words::{count, moment, sense};
-use crate::consist::LIMITS;
 use crate::findings::{CascadeBreak, CascadeFindings, CaseFindings, ScenarioFindings};
+use crate::train::LIMITS;
 use crate::units::UnitSystem;
 
 /// Pieces told one by one; more are counted.

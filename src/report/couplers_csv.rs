@@ -6,7 +6,7 @@ use super::cells::{optional, text};
 use crate::findings::{Analysis, CaseFindings, CouplerFindings};
 
 /// A row: a coupler in a case.
-pub struct Row<'a> {
+pub struct CouplerRow<'a> {
     /// The scenario's name.
     pub scenario: &'a str,
     /// Its case.
@@ -26,13 +26,13 @@ pub struct Column {
 /// The cell of a row; `None` where there is no value.
 pub enum Cells {
     /// Words.
-    Text(fn(&Row<'_>) -> Option<String>),
+    Text(fn(&CouplerRow<'_>) -> Option<String>),
     /// Counts and numbers of couplers, from 1.
-    Whole(fn(&Row<'_>) -> Option<usize>),
+    Whole(fn(&CouplerRow<'_>) -> Option<usize>),
     /// Quantities in SI units.
-    Number(fn(&Row<'_>) -> Option<f64>),
+    Number(fn(&CouplerRow<'_>) -> Option<f64>),
     /// True or false.
-    Flag(fn(&Row<'_>) -> Option<bool>),
+    Flag(fn(&CouplerRow<'_>) -> Option<bool>),
 }
 
 /// All of them.
@@ -85,7 +85,7 @@ pub static COLUMNS: [Column; 27] = [
 ];
 
 impl Column {
-    fn cell(&self, row: &Row) -> String {
+    fn cell(&self, row: &CouplerRow) -> String {
         match self.cells {
             Cells::Text(of) => of(row).map_or_else(String::new, |cell| text(&cell)),
             Cells::Whole(of) => of(row).map_or_else(String::new, |cell| cell.to_string()),
@@ -110,9 +110,9 @@ pub fn coupler_columns(analysis: &Analysis) -> Vec<&'static Column> {
 }
 
 /// Every coupler of every case.
-pub fn coupler_rows(analysis: &Analysis) -> impl Iterator<Item = Row<'_>> {
+pub fn coupler_rows(analysis: &Analysis) -> impl Iterator<Item = CouplerRow<'_>> {
     let cases = analysis.scenarios.iter().flat_map(|s| s.cases.iter().map(move |c| (s.name.as_str(), c)));
-    cases.flat_map(|(scenario, case)| case.couplers.iter().map(move |coupler| Row { scenario, case, coupler }))
+    cases.flat_map(|(scenario, case)| case.couplers.iter().map(move |coupler| CouplerRow { scenario, case, coupler }))
 }
 
 /// Writes every coupler of every case, in the units and with the names of `result.json`.

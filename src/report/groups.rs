@@ -1,8 +1,8 @@
 //! The inputs repeated: vehicles and couplers in groups of neighbours that are alike.
 
 use super::numbers::{given_damping, given_force, given_gap, given_length, given_mass, given_stiffness};
-use crate::consist::{LIMITS, Train};
 use crate::law::Law;
+use crate::train::{LIMITS, Train};
 use crate::units::UnitSystem;
 
 /// Rows of each table, at most.
@@ -21,11 +21,11 @@ pub struct Groups {
 
 /// Vehicles from the head.
 pub fn vehicles(train: &Train) -> Groups {
-    let units = train.origin.units;
-    let outside = |i: usize| train.extras.steady.as_ref().map_or(0.0, |s| s.outside_n[i]);
+    let units = train.origin().units;
+    let outside = |i: usize| train.extras().steady.as_ref().map_or(0.0, |s| s.outside_n[i]);
     let head = ["vehicles", "label", "mass of each", "length of each", "held", "steady force of each"];
     let cells = |i: usize| {
-        let v = &train.vehicles[i];
+        let v = &train.vehicles()[i];
         let force = outside(i);
         let way = if force < 0.0 { "backward" } else { "forward" };
         vec![
@@ -36,16 +36,16 @@ pub fn vehicles(train: &Train) -> Groups {
             if force == 0.0 { String::new() } else { format!("{} {way}", given_force(units, force)) },
         ]
     };
-    grouped("Vehicles, alike neighbours together", &head, train.vehicles.len(), cells)
+    grouped("Vehicles, alike neighbours together", &head, train.vehicles().len(), cells)
 }
 
 /// Couplers from the head.
 pub fn couplers(train: &Train) -> Groups {
-    let units = train.origin.units;
+    let units = train.origin().units;
     let head =
         ["couplers", "stiffness", "rated in draft", "rated in buff", "dashpot", "limits in draft", "limits in buff"];
     let cells = |i: usize| {
-        let (c, extras) = (&train.couplers[i], &train.extras);
+        let (c, extras) = (&train.couplers()[i], train.extras());
         let of = |capacities: [Option<f64>; 3]| {
             let given = LIMITS
                 .iter()
@@ -64,7 +64,7 @@ pub fn couplers(train: &Train) -> Groups {
             of(limits.buff_n),
         ]
     };
-    grouped("Couplers, alike neighbours together", &head, train.couplers.len(), cells)
+    grouped("Couplers, alike neighbours together", &head, train.couplers().len(), cells)
 }
 
 /// A coupler's law in short.

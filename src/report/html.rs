@@ -18,10 +18,10 @@ use sha2::{Digest, Sha256};
 
 use super::markdown::{Picture, Pictures};
 use super::words;
-use crate::consist::Train;
 use crate::error::harmless;
 use crate::figures::{css, escaped};
 use crate::findings::{Analysis, ScenarioFindings};
+use crate::train::Train;
 
 const STYLE: &str = concat!(include_str!("page.css"), include_str!("report.css"));
 const SCRIPT: &str = include_str!("report.js");
@@ -80,7 +80,7 @@ pub fn html(train: &Train, analysis: &Analysis, markdown: &str, pictures: &Pictu
         "<main id=\"main\">\n{body}{file}</main>\n\
          <footer><p>Written by trainsafe {version}. Interactive figures: Plotly.js, MIT licence, within this file.</p></footer>\n",
         body = body(analysis, markdown, pictures),
-        file = train_file(&train.origin.text),
+        file = train_file(&train.origin().text),
         version = env!("CARGO_PKG_VERSION"),
     );
     Frame { title: &analysis.train, style: "", body: &body, data, script: None }.page()

@@ -97,9 +97,9 @@ pub fn data(shown: &[Option<Shown>]) -> Result<String, serde_json::Error> {
     let mut room = COUPLERS;
     let mut scenes = Vec::new();
     for shown in shown {
-        let fits = |s: &&Shown| s.train.couplers.len() <= room && !s.case.couplers.is_empty();
+        let fits = |s: &&Shown| s.train.couplers().len() <= room && !s.case.couplers.is_empty();
         let shown = shown.as_ref().filter(fits);
-        room -= shown.map_or(0, |s| s.train.couplers.len());
+        room -= shown.map_or(0, |s| s.train.couplers().len());
         scenes.push(shown.map(|s| scene(s, values)));
     }
     serde_json::to_string(&scenes)
@@ -107,7 +107,7 @@ pub fn data(shown: &[Option<Shown>]) -> Result<String, serde_json::Error> {
 
 fn scene<'a>(shown: &'a Shown, values: usize) -> Scene<'a> {
     let pair = |u: Unit| (u.name, u.size);
-    let ratings = shown.train.couplers.iter().map(|c| c.rated_draft_n.max(c.rated_buff_n)).fold(0.0, f64::max);
+    let ratings = shown.train.couplers().iter().map(|c| c.rated_draft_n.max(c.rated_buff_n)).fold(0.0, f64::max);
     let several = shown.findings.cases.len() > 1;
     let broken = shown.case.broken_coupler;
     let before = initial_force_n(shown.train, &shown.scenario.event);
@@ -116,7 +116,7 @@ fn scene<'a>(shown: &'a Shown, values: usize) -> Scene<'a> {
         since: words::time_axis(shown.case),
         several,
         broken_coupler: broken,
-        force_unit: pair(force_unit(shown.train.origin.units, ratings)),
+        force_unit: pair(force_unit(shown.train.origin().units, ratings)),
         time_unit: pair(time_unit(shown.case.horizon_s)),
         worst: shown.worst.coupler,
         horizon_s: shown.case.horizon_s,
@@ -145,7 +145,7 @@ fn peaks(c: &CouplerFindings) -> Peaks<'_> {
 }
 
 fn largest(shown: &Shown) -> Vec<Largest> {
-    let mut all = vec![Largest::default(); shown.train.couplers.len()];
+    let mut all = vec![Largest::default(); shown.train.couplers().len()];
     for case in &shown.findings.cases {
         for c in &case.couplers {
             let l = &mut all[c.coupler - 1];
@@ -162,7 +162,7 @@ fn largest(shown: &Shown) -> Vec<Largest> {
 }
 
 fn breaks(shown: &Shown) -> Option<Breaks> {
-    let (cases, couplers) = (&shown.findings.cases, shown.train.couplers.len());
+    let (cases, couplers) = (&shown.findings.cases, shown.train.couplers().len());
     if 2 * cases.len() * couplers > BY_BREAK {
         return None;
     }
@@ -194,7 +194,7 @@ fn forces(shown: &Shown, field: &Field, values: usize) -> Option<Forces> {
     let columns_most = (values / field.rows()).max(2);
     let field = field.folded(field.times_s.len().div_ceil(columns_most));
     let rated = |row: usize, share: f32| {
-        let c = &shown.train.couplers[row];
+        let c = &shown.train.couplers()[row];
         f64::from(share) * if share < 0.0 { c.rated_buff_n } else { c.rated_draft_n }
     };
     let force: Vec<f64> =

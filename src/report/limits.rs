@@ -2,8 +2,8 @@
 
 use super::numbers::{digits, force_in, force_unit, given_force_in};
 use super::words::count;
-use crate::consist::{LIMITS, SENSES};
 use crate::findings::{CaseFindings, CouplerFindings, LimitInSense, ScenarioFindings};
+use crate::train::{LIMITS, SENSES};
 use crate::units::{UnitSystem, one_of};
 
 /// A capacity of a coupler in one case.

@@ -10,10 +10,10 @@ use super::groups::{self, Groups};
 use super::section::{Section, overview_row, section};
 use super::train_facts::train_facts;
 use super::words;
-use crate::consist::Train;
 use crate::error::is_obeyed;
 use crate::findings::Analysis;
 use crate::scenario;
+use crate::train::Train;
 
 const TEMPLATE: &str = include_str!("report.md.jinja");
 
@@ -63,9 +63,9 @@ pub fn markdown(train: &Train, analysis: &Analysis, pictures: &Pictures) -> Resu
     let of = |i: usize| pictures.get(i).map_or(&[][..], |p| p);
     let ran: Vec<_> = analysis.scenarios.iter().filter_map(|s| words::source(train, s)).map(|(_, s)| s).collect();
     let report = Report {
-        name: train.name.clone(),
+        name: train.name().to_owned(),
         several: analysis.scenarios.len() > 1,
-        damped: match &train.extras {
+        damped: match train.extras() {
             extras if !extras.dashpot_n_s_per_m.is_empty() => "dashpots",
             extras if extras.damping_ratio > 0.0 => "modes",
             extras if !extras.laws.is_empty() => "laws",

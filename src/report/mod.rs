@@ -38,14 +38,14 @@ pub(crate) mod words;
 use std::io;
 use std::path::{Path, PathBuf};
 
-pub use couplers_csv::{Cells, Column, Row, coupler_columns, coupler_rows, csv};
+pub use couplers_csv::{Cells, Column, CouplerRow, coupler_columns, coupler_rows, csv};
 pub use files::{WriteError, write_all};
 pub use folder::{between_writes, can_write};
 pub use result_json::json;
 pub use terminal_table::terminal;
 
-use crate::consist::Train;
 use crate::findings::Analysis;
+use crate::train::Train;
 use markdown::Pictures;
 use pictures::Shown;
 

@@ -4,9 +4,8 @@ use super::figures::{self, Marks};
 use super::markdown::Picture;
 use super::numbers::brief_time;
 use super::words;
-use crate::consist::Train;
 use crate::findings::{self, CascadeFindings, CaseFindings, CouplerFindings, Field, Of, ScenarioFindings};
-use crate::scenario::{Event, Scenario};
+use crate::train::{Event, Scenario, Train};
 
 /// A scenario that has something to show: of many cases, the one with the worst coupler.
 pub struct Shown<'a> {
@@ -64,11 +63,11 @@ impl<'a> Shown<'a> {
         }
         if several {
             let caption = "Utilisation of the worst coupler, by which coupler breaks.".to_owned();
-            all.push(picture("breaks", caption, &|n| figures::breaks(findings, train.couplers.len(), n)));
+            all.push(picture("breaks", caption, &|n| figures::breaks(findings, train.couplers().len(), n)));
         }
         if findings.cases.iter().any(|c| !c.couplers.is_empty()) {
             let over = if several { ", over all breaks" } else { "" };
-            let shared = match figures::couplers_per_place(train.couplers.len()) {
+            let shared = match figures::couplers_per_place(train.couplers().len()) {
                 1 => String::new(),
                 n => format!(" Of every {n} neighbours the extremes and the weakest rating are drawn."),
             };
@@ -82,7 +81,7 @@ impl<'a> Shown<'a> {
                 "The factor on the load up to which no coupler exceeds, against which coupler breaks"
             };
             let caption = format!("{what}; the numbers are in map-{number}.csv.");
-            all.push(picture("map", caption, &|n| figures::map(map, &self.scenario.event, train.origin.units, n)));
+            all.push(picture("map", caption, &|n| figures::map(map, &self.scenario.event, train.origin().units, n)));
         }
         let when = self.when();
         if let Some(field) = &self.wave {
@@ -139,10 +138,10 @@ impl<'a> Shown<'a> {
             }
             Event::Brake { from, .. } => (from.first().map(|v| *v as f64 + 0.5), 0.0),
             Event::Impact { vehicles, at_head: true, .. } => (Some(*vehicles as f64), 0.0),
-            Event::Impact { vehicles, .. } => (Some((self.train.vehicles.len() - vehicles) as f64), 0.0),
+            Event::Impact { vehicles, .. } => (Some((self.train.vehicles().len() - vehicles) as f64), 0.0),
         };
         let breaks = cascade.map_or(&[][..], |c| &c.breaks);
         let marks = Marks { event, acts_s, broken: self.case.broken_coupler, breaks };
-        figures::wave(field, rod, &marks, words::time_axis(self.case), self.train.couplers.len(), name)
+        figures::wave(field, rod, &marks, words::time_axis(self.case), self.train.couplers().len(), name)
     }
 }

@@ -9,8 +9,8 @@ use super::limits;
 use super::markdown::Picture;
 use super::numbers::{brief_time, down, force, force_unit, given_force_in, percent, small_force, time};
 use super::{variants, words};
-use crate::consist::Train;
 use crate::findings::{CaseFindings, CouplerFindings, ScenarioFindings};
+use crate::train::Train;
 use crate::units::UnitSystem;
 
 /// Rows of a table in the report; the CSV has the rest.
@@ -65,7 +65,7 @@ struct Figure {
 
 /// The facts of a scenario.
 pub fn section(train: &Train, scenario: &ScenarioFindings, pictures: &[Picture]) -> Section {
-    let units = train.origin.units;
+    let units = train.origin().units;
     let source = words::source(train, scenario).map(|(_, s)| s);
     let event = source.map(|s| &s.event);
     let cases = &scenario.cases;
@@ -118,7 +118,7 @@ pub fn overview_row(train: &Train, scenario: &ScenarioFindings) -> Vec<String> {
         let after = after.map_or(String::new(), |b| format!(", when {b} breaks"));
         [
             format!("{}{after}", c.coupler),
-            format!("{}, {} %", demand(c, case, train.origin.units), percent(c.utilisation)),
+            format!("{}, {} %", demand(c, case, train.origin().units), percent(c.utilisation)),
             time(c.peak_time_s),
         ]
     });

@@ -4,13 +4,14 @@ use super::numbers::{
     brief_time, digits, given_damping, given_force, given_mass, given_stiffness, metres, without_zeros,
 };
 use super::words::{count, sense};
-use crate::consist::{self, Train, Vehicle, of_parts};
+use crate::consist::{self, of_parts};
 use crate::findings::variants::critical_n_s_per_m;
 use crate::scenario;
+use crate::train::{Train, Vehicle};
 
 /// What the train is: name and value of each fact that it has.
 pub fn train_facts(train: &Train) -> Vec<[String; 2]> {
-    let (wave, units) = (scenario::wave(train), train.origin.units);
+    let (wave, units) = (scenario::wave(train), train.origin().units);
     let four = |x: f64| without_zeros(&digits(x, 0.0, 4));
     let speed = match wave.metres_per_s {
         Some(v) => {
@@ -19,17 +20,17 @@ pub fn train_facts(train: &Train) -> Vec<[String; 2]> {
         }
         None => format!("{} vehicles/s", four(wave.vehicles_per_s)),
     };
-    let couplers = &train.couplers;
-    let live: Vec<&Vehicle> = train.vehicles.iter().filter(|v| !v.held).collect();
+    let couplers = train.couplers();
+    let live: Vec<&Vehicle> = train.vehicles().iter().filter(|v| !v.held).collect();
     let unit = if equal(&live, |v| v.mass_kg) && equal(couplers, |c| c.stiffness_n_per_m) {
         "time unit √(m/k)"
     } else {
         "time unit √(m/k), mean over the couplers"
     };
     let mut rows = vec![
-        ["vehicles, couplers".to_owned(), format!("{}, {}", train.vehicles.len(), couplers.len())],
-        ["total mass".to_owned(), given_mass(units, train.vehicles.iter().map(|v| v.mass_kg).sum())],
-        ["mass of a vehicle".to_owned(), span(train.vehicles.iter().map(|v| v.mass_kg), |m| given_mass(units, m))],
+        ["vehicles, couplers".to_owned(), format!("{}, {}", train.vehicles().len(), couplers.len())],
+        ["total mass".to_owned(), given_mass(units, train.vehicles().iter().map(|v| v.mass_kg).sum())],
+        ["mass of a vehicle".to_owned(), span(train.vehicles().iter().map(|v| v.mass_kg), |m| given_mass(units, m))],
     ];
     rows.extend(length(train).map(|l| {
         ["length over couplers".to_owned(), {
@@ -39,17 +40,17 @@ pub fn train_facts(train: &Train) -> Vec<[String; 2]> {
     }));
     rows.extend(held(train).map(|h| ["held at their speed".to_owned(), h]));
     let stiffness = span(couplers.iter().map(|c| c.stiffness_n_per_m), |k| given_stiffness(units, k));
-    if train.extras.laws.is_empty() {
+    if train.extras().laws.is_empty() {
         rows.push(["stiffness of a coupler".to_owned(), stiffness]);
     } else {
         rows.push(["secant stiffness of loading, for scales of time".to_owned(), stiffness]);
         rows.extend(consist::laws(train).into_iter().map(|line| ["law of couplers".to_owned(), line]));
     }
-    if train.extras.damping_ratio > 0.0 {
-        let ratio = format!("{} (not that of a dashpot, for which ratios are published)", train.extras.damping_ratio);
+    if train.extras().damping_ratio > 0.0 {
+        let ratio = format!("{} (not that of a dashpot, for which ratios are published)", train.extras().damping_ratio);
         rows.push(["damping ratio of every mode".to_owned(), ratio]);
     }
-    let dashpots = &train.extras.dashpot_n_s_per_m;
+    let dashpots = &train.extras().dashpot_n_s_per_m;
     if !dashpots.is_empty() {
         let written = span(dashpots.iter().copied(), |c| given_damping(units, c));
         rows.push([
@@ -73,7 +74,7 @@ pub fn train_facts(train: &Train) -> Vec<[String; 2]> {
 
 /// The share of critical damping that each coupler would have between its lighter vehicle and a wall.
 fn ratios(train: &Train) -> String {
-    let all = train.extras.dashpot_n_s_per_m.iter().enumerate().map(|(i, c)| c / critical_n_s_per_m(train, i));
+    let all = train.extras().dashpot_n_s_per_m.iter().enumerate().map(|(i, c)| c / critical_n_s_per_m(train, i));
     span(all, |r| without_zeros(&digits(r, 0.0, 3)))
 }
 
@@ -82,11 +83,11 @@ fn equal<T>(items: &[T], value: impl Fn(&T) -> f64) -> bool {
 }
 
 fn length(train: &Train) -> Option<f64> {
-    train.vehicles.iter().map(|v| v.length_m).sum()
+    train.vehicles().iter().map(|v| v.length_m).sum()
 }
 
 fn held(train: &Train) -> Option<String> {
-    let held = train.vehicles.iter().enumerate().filter(|(_, v)| v.held);
+    let held = train.vehicles().iter().enumerate().filter(|(_, v)| v.held);
     let names: Vec<String> = held.map(|(i, v)| format!("vehicle {} ({})", i + 1, v.label)).collect();
     (!names.is_empty()).then(|| names.join(", "))
 }
@@ -99,35 +100,39 @@ fn span(values: impl Iterator<Item = f64>, write: impl Fn(f64) -> String) -> Str
 
 /// Where the load comes from, if the file gives the forces on the vehicles.
 fn steady(train: &Train) -> Vec<[String; 2]> {
-    let Some(steady) = &train.extras.steady else { return Vec::new() };
+    let Some(steady) = &train.extras().steady else { return Vec::new() };
     let sum = |sign: f64| steady.outside_n.iter().map(|f| (sign * f).max(0.0)).sum::<f64>();
     let acceleration = match steady.acceleration_m_per_s2 {
         0.0 => "none: the speed is constant".to_owned(),
         a => {
-            let (a, metre) = metres(train.origin.units, a);
+            let (a, metre) = metres(train.origin().units, a);
             format!("{} {metre}/s\u{b2}", without_zeros(&digits(a, 0.0, 4)))
         }
     };
     vec![
         ["forces on the vehicles, forward and backward".to_owned(), {
-            format!("{} and {}", given_force(train.origin.units, sum(1.0)), given_force(train.origin.units, sum(-1.0)))
+            format!(
+                "{} and {}",
+                given_force(train.origin().units, sum(1.0)),
+                given_force(train.origin().units, sum(-1.0))
+            )
         }],
         ["acceleration before the event".to_owned(), acceleration],
     ]
 }
 
 fn load(train: &Train) -> String {
-    let forces = || train.initial_force_n.iter().copied();
+    let forces = || train.initial_force_n().iter().copied();
     if forces().all(|f| f == 0.0) {
         return "none".to_owned();
     }
     let one = |f: f64| {
-        if f == 0.0 { "0 N".to_owned() } else { format!("{} in {}", given_force(train.origin.units, f), sense(f)) }
+        if f == 0.0 { "0 N".to_owned() } else { format!("{} in {}", given_force(train.origin().units, f), sense(f)) }
     };
-    if equal(&train.initial_force_n, |&f| f) {
-        return format!("{} in {}", one(train.initial_force_n[0]), count(train.couplers.len(), "coupler"));
+    if equal(train.initial_force_n(), |&f| f) {
+        return format!("{} in {}", one(train.initial_force_n()[0]), count(train.couplers().len(), "coupler"));
     }
-    let widest = train.initial_force_n.iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+    let widest = train.initial_force_n().iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
     let largest = widest.map_or(String::new(), |(i, f)| format!(", largest in coupler {}: {}", i + 1, one(*f)));
     format!("{}{largest}", span(forces(), one))
 }

@@ -1,14 +1,14 @@
 //! What the findings come to, in sentences: plain text, shared by the report and the terminal.
 
 use super::numbers::{brief_time, digits, down, given_force, given_speed, given_time, percent, time};
-use crate::consist::{self, Train};
+use crate::consist;
 use crate::findings::{CaseFindings, CouplerFindings, LoadSearch, ScenarioFindings};
-use crate::scenario::{Application, Event, Scenario};
+use crate::train::{Application, Event, Scenario, Train};
 use crate::units::UnitSystem;
 
 /// The scenario of the train that a scenario of findings was made from, with its index.
 pub fn source<'a>(train: &'a Train, findings: &ScenarioFindings) -> Option<(usize, &'a Scenario)> {
-    train.scenarios.iter().enumerate().find(|(_, s)| s.name == findings.name)
+    train.scenarios().iter().enumerate().find(|(_, s)| s.name == findings.name)
 }
 
 /// "1 coupler", "2 couplers".
@@ -72,15 +72,15 @@ fn happens(train: &Train, scenario: &Scenario) -> String {
     match &scenario.event {
         Event::Break { couplers } => match couplers[..] {
             [b] => {
-                let load = train.initial_force_n[b];
-                let names = [b, b + 1].map(|v| train.vehicles[v].label.as_str());
+                let load = train.initial_force_n()[b];
+                let names = [b, b + 1].map(|v| train.vehicles()[v].label.as_str());
                 let carried = match load {
                     0.0 => "which carries no force".to_owned(),
-                    _ => format!("which carries {} in {}", given_force(train.origin.units, load), sense(load)),
+                    _ => format!("which carries {} in {}", given_force(train.origin().units, load), sense(load)),
                 };
                 format!("Coupler {}, between {} and {}, {carried}, breaks at t = 0.", b + 1, names[0], names[1])
             }
-            _ if couplers.len() == train.couplers.len() => {
+            _ if couplers.len() == train.couplers().len() => {
                 "Each coupler in turn breaks at t = 0, always from the intact train.".to_owned()
             }
             _ => {
@@ -94,8 +94,8 @@ fn happens(train: &Train, scenario: &Scenario) -> String {
         },
         Event::Pulse { vehicle, force_n, duration_s } => {
             let way = if *force_n < 0.0 { "backward" } else { "forward" };
-            let label = &train.vehicles[*vehicle].label;
-            let (size, lasting) = (given_force(train.origin.units, *force_n), given_time(*duration_s));
+            let label = &train.vehicles()[*vehicle].label;
+            let (size, lasting) = (given_force(train.origin().units, *force_n), given_time(*duration_s));
             format!(
                 "A constant force of {size} acts {way} on vehicle {} ({label}) from t = 0 for {lasting}.",
                 vehicle + 1
@@ -103,8 +103,8 @@ fn happens(train: &Train, scenario: &Scenario) -> String {
         }
         Event::Shaped { vehicle, shape, force_n, duration_s, .. } => {
             let way = if *force_n < 0.0 { "backward" } else { "forward" };
-            let label = &train.vehicles[*vehicle].label;
-            let (size, lasting) = (given_force(train.origin.units, *force_n), given_time(*duration_s));
+            let label = &train.vehicles()[*vehicle].label;
+            let (size, lasting) = (given_force(train.origin().units, *force_n), given_time(*duration_s));
             format!(
                 "A force pulls vehicle {} ({label}) {way} with up to {size} from t = 0 to {lasting}, its course over time: {shape}.",
                 vehicle + 1
@@ -113,9 +113,9 @@ fn happens(train: &Train, scenario: &Scenario) -> String {
         Event::Brake { from, emergency, application: a } => applied(train, from, *emergency, a),
         Event::Impact { vehicles, at_head, speed_m_per_s } => {
             let end = if *at_head { "head" } else { "tail" };
-            let speed = given_speed(train.origin.units, *speed_m_per_s);
-            let before = match scenario.event.joint(train.vehicles.len()) {
-                Some(joint) if train.initial_force_n.iter().any(|f| *f != 0.0) => {
+            let speed = given_speed(train.origin().units, *speed_m_per_s);
+            let before = match scenario.event.joint(train.vehicles().len()) {
+                Some(joint) if train.initial_force_n().iter().any(|f| *f != 0.0) => {
                     format!(
                         "before it each part carries its own load, while coupler {}, which joins them, carries none",
                         joint + 1
@@ -448,8 +448,8 @@ pub fn safe_load(
         return format!("There is no safe {cause} factor: {why}.{search}");
     }
     let what = match event {
-        Event::Break { .. } if train.initial_force_n.iter().all(|&f| f >= 0.0) => "pull",
-        Event::Break { .. } if train.initial_force_n.iter().all(|&f| f <= 0.0) => "push",
+        Event::Break { .. } if train.initial_force_n().iter().all(|&f| f >= 0.0) => "pull",
+        Event::Break { .. } if train.initial_force_n().iter().all(|&f| f <= 0.0) => "push",
         _ => cause,
     };
     match factor {

@@ -4,23 +4,22 @@
 //! B_v(t) = -full_v share(t - |x_v - x| / wave)          x: where the application starts, x_v: the middle of vehicle v
 //! ```
 
-use super::{Application, Event, Forcing, Scenario};
-use crate::consist::Train;
+use crate::train::{Application, Event, Forcing, Scenario, Train};
 
 /// Distance of each vehicle's middle from the front of the train, m; `None` where a vehicle has no length.
-pub fn middles_m(train: &Train) -> Option<Vec<f64>> {
+pub(crate) fn middles_m(train: &Train) -> Option<Vec<f64>> {
     let mut front = 0.0;
-    let middle = |v: &crate::consist::Vehicle| {
+    let middle = |v: &crate::train::Vehicle| {
         let length = v.length_m?;
         front += length;
         Some(front - 0.5 * length)
     };
-    train.vehicles.iter().map(middle).collect()
+    train.vehicles().iter().map(middle).collect()
 }
 
 /// Distance of the coupler behind each vehicle but the last from the front of the train, m.
-pub fn couplers_m(train: &Train) -> Option<Vec<f64>> {
-    let lengths: Option<Vec<f64>> = train.vehicles.iter().map(|v| v.length_m).collect();
+pub(crate) fn couplers_m(train: &Train) -> Option<Vec<f64>> {
+    let lengths: Option<Vec<f64>> = train.vehicles().iter().map(|v| v.length_m).collect();
     let ends = |lengths: Vec<f64>| {
         let mut front = 0.0;
         let mut end = |length: f64| {
@@ -34,11 +33,11 @@ pub fn couplers_m(train: &Train) -> Option<Vec<f64>> {
 
 /// Changes of the outside forces on the vehicles that a scenario brings by itself: tractive efforts, and the brakes of a brake
 /// application. Those of an emergency application that a parting sets off are not among them.
-pub fn forcings(train: &Train, scenario: &Scenario) -> Vec<Forcing> {
+pub(crate) fn forcings(train: &Train, scenario: &Scenario) -> Vec<Forcing> {
     let mut all = scenario.response.efforts.clone();
     if let (Event::Brake { from, application, .. }, Some(middles)) = (&scenario.event, middles_m(train)) {
-        let full_n = &train.extras.emergency_brake_n;
-        let braked = (0..train.vehicles.len()).filter(|&v| full_n.get(v).is_some_and(|n| *n > 0.0));
+        let full_n = &train.extras().emergency_brake_n;
+        let braked = (0..train.vehicles().len()).filter(|&v| full_n.get(v).is_some_and(|n| *n > 0.0));
         all.extend(braked.map(|v| {
             let distance_m = from.iter().map(|&s| (middles[v] - middles[s]).abs()).fold(f64::INFINITY, f64::min);
             let reached_s = distance_m / application.wave_m_per_s;

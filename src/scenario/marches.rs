@@ -1,24 +1,24 @@
 //! A scenario as a march: trains with slack and gears, and forces from outside that change on several vehicles.
 
 use super::plays::speed_m_per_s;
-use super::{Event, Scenario, brakes, break_loads, initial_force_n};
-use crate::consist::Train;
+use super::{brakes, break_loads, initial_force_n};
 use crate::law::{Law, Rest};
 use crate::march::{Emergency, Problem};
 use crate::play::{Drive, Rule};
+use crate::train::{Event, Forcing, Scenario, Train};
 
 /// Whether a scenario of a train is followed by [`crate::march`]: its couplers are not linear, or brakes or drives change after the
 /// event. All else is followed by the methods of [`crate::solve`].
-pub fn is_march(train: &Train, scenario: &Scenario) -> bool {
+pub(crate) fn is_march(train: &Train, scenario: &Scenario) -> bool {
     let response = &scenario.response;
     let driven = response.emergency.is_some() || !response.efforts.is_empty();
-    !train.extras.laws.is_empty() || driven || matches!(scenario.event, Event::Brake { .. })
+    !train.extras().laws.is_empty() || driven || matches!(scenario.event, Event::Brake { .. })
 }
 
 /// The march of a case up to a horizon, with its first passage up to a mark; `broken` is the coupler that breaks in a case of a break.
 pub fn march(train: &Train, scenario: &Scenario, broken: Option<usize>, until_s: [f64; 2], rule: Rule) -> Problem {
     let [horizon_s, mark_s] = until_s;
-    let last = train.vehicles.len() - 1;
+    let last = train.vehicles().len() - 1;
     let event = &scenario.event;
     let breaks = |i: usize| {
         let [(draft, _), (buff, _)] = break_loads(train, i);
@@ -26,14 +26,14 @@ pub fn march(train: &Train, scenario: &Scenario, broken: Option<usize>, until_s:
     };
     let braking = scenario.response.emergency.is_some() || matches!(event, Event::Brake { .. });
     Problem {
-        mass_kg: train.vehicles.iter().map(|v| v.mass_kg).collect(),
-        held_head: train.vehicles[0].held,
-        held_tail: train.vehicles[last].held,
+        mass_kg: train.vehicles().iter().map(|v| v.mass_kg).collect(),
+        held_head: train.vehicles()[0].held,
+        held_tail: train.vehicles()[last].held,
         laws: laws(train),
-        dashpot_n_s_per_m: train.extras.dashpot_n_s_per_m.clone(),
+        dashpot_n_s_per_m: train.extras().dashpot_n_s_per_m.clone(),
         start: start(train, event),
         speed_m_s: (0..=last).map(|v| speed_m_per_s(event, v, last)).collect(),
-        common_speed_m_s: train.extras.speed_m_per_s.filter(|_| braking),
+        common_speed_m_s: train.extras().speed_m_per_s.filter(|_| braking),
         steady_n: steady_n(train, event),
         forcing: forcing(train, scenario, horizon_s),
         gone: broken.into_iter().collect(),
@@ -41,8 +41,8 @@ pub fn march(train: &Train, scenario: &Scenario, broken: Option<usize>, until_s:
         emergency: scenario.response.emergency.as_ref().map(|application| Emergency {
             wave_m_s: application.wave_m_per_s,
             build_up: application.build_up.clone(),
-            full_n: train.extras.emergency_brake_n.clone(),
-            length_m: train.vehicles.iter().map(|v| v.length_m.unwrap_or(0.0)).collect(),
+            full_n: train.extras().emergency_brake_n.clone(),
+            length_m: train.vehicles().iter().map(|v| v.length_m.unwrap_or(0.0)).collect(),
         }),
         horizon_s,
         mark_s: mark_s.min(horizon_s),
@@ -51,21 +51,21 @@ pub fn march(train: &Train, scenario: &Scenario, broken: Option<usize>, until_s:
 
 /// The law of each coupler.
 fn laws(train: &Train) -> Vec<Law> {
-    if !train.extras.laws.is_empty() {
-        return train.extras.laws.clone();
+    if !train.extras().laws.is_empty() {
+        return train.extras().laws.clone();
     }
     let linear = |k: f64| Law::Elastic { draft_n_per_m: k, buff_n_per_m: k, slack_m: 0.0 };
-    train.couplers.iter().map(|c| linear(c.stiffness_n_per_m)).collect()
+    train.couplers().iter().map(|c| linear(c.stiffness_n_per_m)).collect()
 }
 
 /// Each coupler before the event. Vehicles that meet in an impact touch at t = 0: their coupler stands at the end of its slack.
 fn start(train: &Train, event: &Event) -> Vec<Rest> {
     let before_n = initial_force_n(train, event);
-    let joint = event.joint(train.vehicles.len());
+    let joint = event.joint(train.vehicles().len());
     let rest = |(i, law): (usize, &Law)| match joint {
         Some(j) if j == i => Rest { force_n: 0.0, travel_m: -0.5 * law.slack_m() },
         _ => {
-            let pulled = train.extras.pulled_to_n.get(i).copied();
+            let pulled = train.extras().pulled_to_n.get(i).copied();
             law.rest(&pulled.into_iter().chain([before_n[i]]).collect::<Vec<_>>())
         }
     };
@@ -81,12 +81,12 @@ fn start(train: &Train, event: &Event) -> Vec<Rest> {
 /// with the forces F in the couplers that the steady forces of the whole train keep: after an impact of parts that had accelerations
 /// of their own these are not the forces before.
 fn steady_n(train: &Train, event: &Event) -> Vec<f64> {
-    let kept = match train.extras.steady {
-        Some(_) => train.initial_force_n.clone(),
+    let kept = match train.extras().steady {
+        Some(_) => train.initial_force_n().to_vec(),
         None => initial_force_n(train, event),
     };
     let force = |i: Option<usize>| i.and_then(|i| kept.get(i)).copied().unwrap_or(0.0);
-    (0..train.vehicles.len()).map(|v| force(Some(v)) - force(v.checked_sub(1))).collect()
+    (0..train.vehicles().len()).map(|v| force(Some(v)) - force(v.checked_sub(1))).collect()
 }
 
 /// Forces from outside that change: of a pulse, of tractive efforts, of a brake application.
@@ -96,7 +96,7 @@ fn forcing(train: &Train, scenario: &Scenario, horizon_s: f64) -> Vec<(usize, Dr
         Event::Shaped { vehicle, drive, .. } => Some((*vehicle, drive.clone())),
         _ => None,
     };
-    let held = |f: super::Forcing| {
+    let held = |f: Forcing| {
         let mut points = f.points;
         // The last value holds.
         points.extend(points.last().map(|last| [last[0].max(horizon_s) + 1.0, last[1]]));

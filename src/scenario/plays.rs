@@ -2,21 +2,21 @@
 
 use std::ops::Range;
 
-use super::{Event, Scales, Scenario, chain_of};
+use super::{Scales, chain_of};
 use crate::chain::Scene;
-use crate::consist::{LIMITS, Limits, Train, steady_forces};
 use crate::play::{Drive, Play, Rule};
+use crate::train::{Event, LIMITS, Limits, Scenario, Train, steady_forces};
 
 /// Whether dashpots or the event are what steps of force on a chain at rest cannot stand for.
-pub fn beyond_steps(dashpots: &[f64], event: &Event) -> bool {
-    dashpots.iter().any(|c| *c > 0.0) || matches!(event, Event::Impact { .. } | Event::Shaped { .. })
+pub(crate) fn beyond_steps(dashpots: &[f64], event: &Event) -> bool {
+    dashpots.iter().any(|c| *c > 0.0) || event.beyond_steps()
 }
 
 /// The loads at which coupler `i` breaks in a cascade, N, in draft and in buff, each with the key that gives it: its ultimate
 /// load where it has one in that sense, else its rating.
-pub fn break_loads(train: &Train, i: usize) -> [(f64, &'static str); 2] {
-    let coupler = &train.couplers[i];
-    let [draft, buff] = train.extras.limits.get(i).map_or([None; 2], Limits::ultimate_n);
+pub(crate) fn break_loads(train: &Train, i: usize) -> [(f64, &'static str); 2] {
+    let coupler = &train.couplers()[i];
+    let [draft, buff] = train.extras().limits.get(i).map_or([None; 2], Limits::ultimate_n);
     let or = |ultimate: Option<f64>, rating, key| ultimate.map_or((rating, key), |n| (n, LIMITS[2]));
     [or(draft, coupler.rated_draft_n, "rated_load"), or(buff, coupler.rated_buff_n, "rated_buff")]
 }
@@ -31,17 +31,17 @@ pub fn break_loads(train: &Train, i: usize) -> [(f64, &'static str); 2] {
 /// F_{v-1} - F_v + p_v = m_v a_P        F_j = 0        a_P = sum p_v / sum m_v over P, 0 where a vehicle of P is held
 /// ```
 pub fn initial_force_n(train: &Train, event: &Event) -> Vec<f64> {
-    let Some(j) = event.joint(train.vehicles.len()) else { return train.initial_force_n.clone() };
-    let Some(steady) = &train.extras.steady else {
-        let mut given = train.initial_force_n.clone();
+    let Some(j) = event.joint(train.vehicles().len()) else { return train.initial_force_n().to_vec() };
+    let Some(steady) = &train.extras().steady else {
+        let mut given = train.initial_force_n().to_vec();
         given[j] = 0.0;
         return given;
     };
     let part = |vehicles: Range<usize>| {
-        let couplers = &train.couplers[vehicles.start..vehicles.end - 1];
-        steady_forces(&train.vehicles[vehicles.clone()], couplers, &steady.outside_n[vehicles]).0
+        let couplers = &train.couplers()[vehicles.start..vehicles.end - 1];
+        steady_forces(&train.vehicles()[vehicles.clone()], couplers, &steady.outside_n[vehicles]).0
     };
-    [part(0..j + 1), vec![0.0], part(j + 1..train.vehicles.len())].concat()
+    [part(0..j + 1), vec![0.0], part(j + 1..train.vehicles().len())].concat()
 }
 
 /// What the forces in the couplers just after the event exceed those by that would keep the whole train in one steady motion
@@ -50,18 +50,18 @@ pub fn initial_force_n(train: &Train, event: &Event) -> Vec<f64> {
 /// It is 0 for breaks and pulses, which start from that motion, and for impacts under given forces in the couplers, whose forces
 /// from outside balance each part by itself. After other impacts the p_v go on acting on the coupled train, whose steady state F*
 /// has one acceleration: what is left over is `F(0) - F*`, and moves the vehicles unless the two parts' accelerations are equal.
-pub fn unbalanced_n(train: &Train, event: &Event) -> Vec<f64> {
-    if event.joint(train.vehicles.len()).is_none() || train.extras.steady.is_none() {
-        return vec![0.0; train.couplers.len()];
+pub(crate) fn unbalanced_n(train: &Train, event: &Event) -> Vec<f64> {
+    if event.joint(train.vehicles().len()).is_none() || train.extras().steady.is_none() {
+        return vec![0.0; train.couplers().len()];
     }
     let before = initial_force_n(train, event);
-    before.iter().zip(&train.initial_force_n).map(|(before, steady)| before - steady).collect()
+    before.iter().zip(train.initial_force_n()).map(|(before, steady)| before - steady).collect()
 }
 
 /// The whole train with an event; `broken` is the coupler that breaks in a case of a break.
 pub fn play(train: &Train, scenario: &Scenario, broken: Option<usize>, horizon_s: f64, rule: Rule) -> Play {
     let scales = Scales::of(train);
-    let last = train.vehicles.len() - 1;
+    let last = train.vehicles().len() - 1;
     let force = |n: f64| n / scales.force_n;
     let time = |s: f64| s / scales.time_s;
     let (source, drive) = match &scenario.event {
@@ -69,12 +69,12 @@ pub fn play(train: &Train, scenario: &Scenario, broken: Option<usize>, horizon_s
             (*vehicle, Drive::rectangle(force(*force_n), time(*duration_s)))
         }
         Event::Shaped { vehicle, drive, .. } => (*vehicle, drive.scaled(1.0 / scales.time_s, 1.0 / scales.force_n)),
-        _ => (usize::from(train.vehicles[0].held), Drive::none()),
+        _ => (usize::from(train.vehicles()[0].held), Drive::none()),
     };
     let unit = scales.force_n * scales.time_s / scales.mass_kg;
     let velocity = (0..=last).map(|v| speed_m_per_s(&scenario.event, v, last) / unit).collect();
     let damping = scales.stiffness_n_per_m * scales.time_s;
-    let dashpot = train.extras.dashpot_n_s_per_m.iter().map(|c| c / damping);
+    let dashpot = train.extras().dashpot_n_s_per_m.iter().map(|c| c / damping);
     let mut dashpot: Vec<f64> = dashpot.collect();
     dashpot.resize(last, 0.0);
     let start = unbalanced_n(train, &scenario.event).into_iter().map(force).collect();
@@ -85,8 +85,8 @@ pub fn play(train: &Train, scenario: &Scenario, broken: Option<usize>, horizon_s
             force: 0.0,
             duration: 0.0,
             initial: initial_force_n(train, &scenario.event).into_iter().map(force).collect(),
-            rated_draft: train.couplers.iter().map(|c| force(c.rated_draft_n)).collect(),
-            rated_buff: train.couplers.iter().map(|c| force(c.rated_buff_n)).collect(),
+            rated_draft: train.couplers().iter().map(|c| force(c.rated_draft_n)).collect(),
+            rated_buff: train.couplers().iter().map(|c| force(c.rated_buff_n)).collect(),
             horizon: time(horizon_s),
         },
         drive,

@@ -9,10 +9,11 @@ use toml::{Table, Value};
 use super::State;
 use super::controls::{Control, controls};
 use super::edit::{self, Change};
-use crate::consist::{self, Files, Train};
+use crate::consist::{self, Files};
 use crate::error::{Diagnostic, InputError, printable_path};
 use crate::findings::{self, Options};
 use crate::report;
+use crate::train::Train;
 
 /// Analyses that take longer by their estimate are refused: a page waits for them.
 const MOST_SECONDS: f64 = 10.0;
@@ -104,13 +105,13 @@ fn analyse(state: &State, request: &Request, reply: &mut Reply) -> Result<(), St
             return Ok(());
         }
     };
-    reply.couplers = train.couplers.len();
-    reply.scenarios = train.scenarios.iter().map(|s| s.name.clone()).collect();
-    reply.scenario = request.scenario.min(train.scenarios.len() - 1);
+    reply.couplers = train.couplers().len();
+    reply.scenarios = train.scenarios().iter().map(|s| s.name.clone()).collect();
+    reply.scenario = request.scenario.min(train.scenarios().len() - 1);
     let Some(tree) = tree else { return Err("the text is not TOML".to_owned()) };
     reply.controls = controls(&tree, Some(reply.scenario).filter(|_| request.broken.is_none()));
     let train = match request.broken {
-        None => Train { scenarios: vec![train.scenarios[reply.scenario].clone()], ..train },
+        None => train.with_only(reply.scenario),
         Some(coupler) => broken(state, tree, reply.scenario, coupler, &files)?,
     };
     let options = Options { damping: request.losses, ..Options::default() };

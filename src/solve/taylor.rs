@@ -62,7 +62,7 @@ const U: f64 = f64::EPSILON / 2.0;
 
 /// What a play comes to.
 #[derive(Clone, Debug)]
-pub struct Outcome {
+pub struct TaylorOutcome {
     /// Extremes of every spring's force, until it breaks.
     pub springs: Vec<SpringPeaks>,
     /// What broke, in order; those of t = 0 first.
@@ -139,7 +139,7 @@ pub fn estimate_s(play: &Play) -> f64 {
 ///
 /// # Errors
 /// [`SolveError::TooMuch`] when it would run for hours.
-pub fn solve(play: &Play) -> Result<Outcome, SolveError> {
+pub fn solve(play: &Play) -> Result<TaylorOutcome, SolveError> {
     let seconds = estimate_s(play);
     if seconds > MOST_SECONDS {
         let advice = "a shorter horizon takes less, in proportion".to_owned();
@@ -152,7 +152,7 @@ pub fn solve(play: &Play) -> Result<Outcome, SolveError> {
     watch.settle_all();
     let March { breakages, open, gap_closes, bound } = first;
     let error_bound = searched(bound);
-    Ok(Outcome { springs: watch.peaks, breakages, open, gap_closes, error_bound, work })
+    Ok(TaylorOutcome { springs: watch.peaks, breakages, open, gap_closes, error_bound, work })
 }
 
 /// Force of one coupler at given times, ascending; zero once it is broken.

@@ -2,12 +2,16 @@
 
 #![allow(dead_code)] // Each test binary uses its own part.
 
-use trainsafe::consist::{Coupler, Extras, Origin, Train, Vehicle};
 use trainsafe::play::Rule;
-use trainsafe::scenario::{Event, Scenario};
+use trainsafe::train::{CouplerSpec, Event, Load, Scenario, Train, TrainSpec, VehicleSpec};
+
+/// The train of a spec that is right.
+pub fn built(spec: &TrainSpec) -> Train {
+    spec.clone().build().unwrap_or_else(|wrong| panic!("{wrong}"))
+}
 
 /// [P] figure 4: 50 unit masses between a held head and a held tail, pulled by 1; coupler 51 breaks.
-pub fn figure_4() -> Train {
+pub fn figure_4() -> TrainSpec {
     let mut train = uniform("Paper, figure 4", 52, 1.0, 1.0, 1.0, 1.0);
     train.vehicles[0].held = true;
     train.vehicles[51].held = true;
@@ -16,7 +20,7 @@ pub fn figure_4() -> Train {
 }
 
 /// [P] figure 5: 100 unit masses behind a held head, pulled at the free end with 1 for 10 time units.
-pub fn figure_5() -> Train {
+pub fn figure_5() -> TrainSpec {
     let mut train = uniform("Paper, figure 5", 101, 1.0, 1.0, 1.0, 0.0);
     train.vehicles[0].held = true;
     let event = Event::Pulse { vehicle: 100, force_n: -1.0, duration_s: 10.0 };
@@ -26,13 +30,13 @@ pub fn figure_5() -> Train {
         horizon_s: Some(200.0),
         cascade: Rule::Keep,
         left_out_in_buff: vec![],
-        response: trainsafe::scenario::Response::default(),
+        response: trainsafe::train::Response::default(),
     }];
     train
 }
 
 /// An ore train of a locomotive and 104 cars that pulls uniformly; the scenarios are the caller's.
-pub fn ore_train(scenarios: Vec<Scenario>) -> Train {
+pub fn ore_train(scenarios: Vec<Scenario>) -> TrainSpec {
     let mut train = uniform("Ore train, 1 locomotive and 104 cars", 105, 160e3, 30e6, 1.5e6, 0.6e6);
     train.vehicles[0] = vehicle("locomotive", 195e3);
     train.vehicles[0].held = true;
@@ -47,22 +51,19 @@ pub fn ore_train(scenarios: Vec<Scenario>) -> Train {
 }
 
 /// `n` equal vehicles, equally coupled and equally pulled, held nowhere, with no scenario.
-pub fn uniform(name: &str, n: usize, mass_kg: f64, stiffness_n_per_m: f64, rated_n: f64, load_n: f64) -> Train {
-    let coupler = Coupler { stiffness_n_per_m, rated_draft_n: rated_n, rated_buff_n: rated_n };
-    Train {
+pub fn uniform(name: &str, n: usize, mass_kg: f64, stiffness_n_per_m: f64, rated_n: f64, load_n: f64) -> TrainSpec {
+    TrainSpec {
         name: name.to_owned(),
         vehicles: (1..=n).map(|i| vehicle(&format!("car {i}"), mass_kg)).collect(),
-        couplers: vec![coupler; n - 1],
-        initial_force_n: vec![load_n; n - 1],
-        scenarios: Vec::new(),
-        extras: Extras::default(),
-        origin: Origin::default(),
+        couplers: vec![CouplerSpec::linear(stiffness_n_per_m, rated_n); n - 1],
+        load: Load::Uniform(load_n),
+        ..TrainSpec::default()
     }
 }
 
 /// A free vehicle without a length.
-pub fn vehicle(label: &str, mass_kg: f64) -> Vehicle {
-    Vehicle { label: label.to_owned(), mass_kg, held: false, length_m: None }
+pub fn vehicle(label: &str, mass_kg: f64) -> VehicleSpec {
+    VehicleSpec { label: Some(label.to_owned()), ..VehicleSpec::new(mass_kg) }
 }
 
 /// A scenario in which each of these couplers, counted from 0, breaks.
@@ -73,6 +74,6 @@ pub fn breaks(name: &str, couplers: Vec<usize>, horizon_s: Option<f64>) -> Scena
         horizon_s,
         cascade: Rule::Keep,
         left_out_in_buff: vec![],
-        response: trainsafe::scenario::Response::default(),
+        response: trainsafe::train::Response::default(),
     }
 }

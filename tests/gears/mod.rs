@@ -1,12 +1,12 @@
 //! Trains with slack and gears for tests, and Verlet with a clamp: 20 lines that share nothing with the march.
 #![allow(dead_code)]
 
-use trainsafe::law::{Curve, Law, Rest, Row};
+use trainsafe::law::{Curve, GearRow, Law, Rest};
 use trainsafe::march::Problem;
 
 /// A table of travel mm, loading kN, unloading kN.
 pub fn curve(rows: &[[f64; 3]]) -> Curve {
-    let row = |r: &[f64; 3]| Row { travel_m: r[0] / 1e3, loading_n: r[1] * 1e3, unloading_n: r[2] * 1e3 };
+    let row = |r: &[f64; 3]| GearRow { travel_m: r[0] / 1e3, loading_n: r[1] * 1e3, unloading_n: r[2] * 1e3 };
     Curve::new(rows.iter().map(row).collect()).expect("a right table")
 }
 
@@ -30,7 +30,7 @@ pub fn gear_a_dash() -> Curve {
 /// Loading stiffness `k` in series with `kl` included, unloading under it by a share.
 pub fn wedge(k: f64, kl: f64, friction: f64, slack: f64, travel: f64) -> Law {
     let h = k * kl / (kl - k);
-    let row = |w: f64| Row { travel_m: w, loading_n: h * w, unloading_n: (1.0 - friction) * h * w };
+    let row = |w: f64| GearRow { travel_m: w, loading_n: h * w, unloading_n: (1.0 - friction) * h * w };
     gear(kl, slack, Curve::new(vec![row(0.0), row(travel)]).expect("a wedge"))
 }
 
@@ -88,7 +88,7 @@ impl Curves {
                 let over = |w: f64, f: f64| [w + f / solid_n_per_m, f];
                 let side = |loading: bool, in_draft: bool| {
                     let c = if in_draft { draft } else { buff };
-                    let of = |r: &Row| if loading { r.loading_n } else { r.unloading_n };
+                    let of = |r: &GearRow| if loading { r.loading_n } else { r.unloading_n };
                     let points = c.rows().iter().map(move |r| (half + r.travel_m, of(r)));
                     if in_draft {
                         points.map(|(w, f)| over(w, f)).collect::<Vec<_>>()

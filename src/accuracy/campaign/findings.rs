@@ -3,9 +3,9 @@
 use super::super::reference::Real;
 use super::super::reference::march::{March, System, long, march};
 use super::kinds::{Quantity, Tallies, kept, with_factor};
-use super::trains::{Drawn, Event, Kind, Rated, courses};
-use crate::consist::SENSES;
+use super::trains::{Drawn, DrawnEvent, Kind, Rated, courses};
 use crate::findings::{CaseFindings, CouplerFindings, MapPoint};
+use crate::train::SENSES;
 
 /// One scene's comparisons.
 pub struct Judge<'a> {
@@ -73,7 +73,8 @@ impl<'a> Judge<'a> {
 
     /// The forces before the event.
     pub fn loads(&mut self, initial_n: &[f64]) {
-        if matches!(self.drawn.event, Event::Impact(..)) || self.drawn.system.held != [false; 2] && self.load > 0.0 {
+        if matches!(self.drawn.event, DrawnEvent::Impact(..)) || self.drawn.system.held != [false; 2] && self.load > 0.0
+        {
             return;
         }
         for (i, claimed) in initial_n.iter().enumerate() {
@@ -257,7 +258,7 @@ impl<'a> Judge<'a> {
     }
 
     fn is_load(&self) -> bool {
-        matches!(self.drawn.event, Event::Break(_))
+        matches!(self.drawn.event, DrawnEvent::Break(_))
     }
 
     /// A point of the map: the same event with another duration, or another coupler.
@@ -265,8 +266,8 @@ impl<'a> Judge<'a> {
         let mut system: System = self.drawn.system.clone();
         let mut unit = 1.0;
         match &self.drawn.event {
-            Event::Break(_) => system.broken = Some(point.at as usize - 1),
-            Event::Pulse(shape, _, force, ..) => {
+            DrawnEvent::Break(_) => system.broken = Some(point.at as usize - 1),
+            DrawnEvent::Pulse(shape, _, force, ..) => {
                 unit = *force;
                 system.drive = courses(shape, *force, point.at, [0.0; 2]);
             }

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use super::super::gears::exact::Reference;
-use crate::march::{Ask, Bound, Outcome, Problem, solve};
+use crate::march::{Bound, MarchOptions, MarchOutcome, Problem, solve};
 pub use trains::{Kind, draw};
 
 /// A march ends where its estimate passes this share of the train's largest force.
@@ -89,11 +89,11 @@ pub fn train(seed: u64) -> (Kind, Tally) {
 }
 
 /// The march of a problem with its error, and up to where it can be predicted.
-pub fn marched(problem: &Problem) -> (Outcome, Problem) {
+pub fn marched(problem: &Problem) -> (MarchOutcome, Problem) {
     let forces = problem.start.iter().map(|r| r.force_n.abs());
     let drives = problem.forcing.iter().map(|f| f.1.measures()[0]);
     let scale_n = forces.chain(drives).fold(1e5, f64::max);
-    let outcome = solve(problem, &Ask { tolerance_n: Some(TOLERANCE * scale_n), ..Ask::default() });
+    let outcome = solve(problem, &MarchOptions { tolerance_n: Some(TOLERANCE * scale_n), ..MarchOptions::default() });
     let horizon_s = outcome.predictable_until_s.unwrap_or(problem.horizon_s);
     let horizon_s = outcome.stopped.map_or(horizon_s, |s| horizon_s.min(s.1));
     (outcome, Problem { horizon_s, mark_s: horizon_s, ..problem.clone() })

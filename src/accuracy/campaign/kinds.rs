@@ -7,9 +7,10 @@ use rayon::prelude::*;
 use super::super::reference::march::{March, System, march};
 use super::findings::Judge;
 use super::trains::{Drawn, Kind, Rated, draw};
+use crate::consist;
 use crate::findings::{CaseFindings, MapPoint};
+use crate::findings::{Options, analyze};
 use crate::solve::Wanted;
-use crate::{Options, analyze, consist};
 
 /// What is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -157,7 +158,7 @@ fn analyzed(drawn: &Drawn, rated: &Rated, judge: &mut Judge) -> Option<Analyzed>
     let quick = Options { verdict_only: true, map: false, wanted, ..full.clone() };
     match (analyze(&train, &full), analyze(&train, &quick)) {
         (Ok(mut analysis), Ok(mut quick)) => {
-            judge.loads(&train.initial_force_n);
+            judge.loads(train.initial_force_n());
             let mut found = analysis.scenarios.pop()?;
             let points = found.map.map_or(vec![], |m| m.points);
             let every = (points.len() / 3).max(1);

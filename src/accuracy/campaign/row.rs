@@ -6,7 +6,7 @@ use crate::solve::{Method, Solution};
 
 /// Part of a solution that a row depends on.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row {
+pub struct WorstRow {
     /// How it was found.
     pub method: Method,
     /// The error bound.
@@ -21,21 +21,21 @@ pub struct Row {
     pub first: Option<(f64, usize)>,
 }
 
-impl Row {
+impl WorstRow {
     /// Whether this says the same as another of the scene: to the bit, unless its ratings are so small that the error bound is
     /// a millionth of them. Then peaks of one coupler may lie within an eighth of the bound of each other, which is as good as
     /// one, and which of them is told depends on what was looked into before.
-    pub fn agrees(&self, other: &Row, scene: &Scene) -> bool {
+    pub fn agrees(&self, other: &WorstRow, scene: &Scene) -> bool {
         let ratings = scene.rated_draft.iter().chain(&scene.rated_buff);
         let least = ratings.fold(f64::INFINITY, |least, r| least.min(*r));
         let is_hazy = other.error_bound > 1e-6 * least;
         let apart = (self.utilisation - other.utilisation).abs();
-        let near = Row { worst: other.worst, utilisation: other.utilisation, ..self.clone() };
+        let near = WorstRow { worst: other.worst, utilisation: other.utilisation, ..self.clone() };
         self == other || is_hazy && near == *other && apart <= other.error_bound / least
     }
 
     /// What a row says of a solution; `None` where springs were left out of it.
-    pub fn of(scene: &Scene, solution: &Solution) -> Option<Row> {
+    pub fn of(scene: &Scene, solution: &Solution) -> Option<WorstRow> {
         let springs: Vec<_> = solution.springs.iter().copied().collect::<Option<_>>()?;
         let sides = springs.iter().enumerate().flat_map(|(i, peaks)| {
             [(i, false, scene.rated_draft[i], peaks.draft), (i, true, scene.rated_buff[i], peaks.buff)]
@@ -49,7 +49,7 @@ impl Row {
             _ => None,
         });
         let firsts = sides.clone().filter_map(|(i, _, _, side)| Some((side.first_over?, i)));
-        Some(Row {
+        Some(WorstRow {
             method: solution.method,
             error_bound: solution.error_bound,
             worst: worst.map(|(i, negative, _, side)| (i, negative, side.best)),

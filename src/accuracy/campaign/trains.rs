@@ -70,7 +70,7 @@ impl Kind {
 
 /// The event, as it is drawn.
 #[derive(Clone, Debug)]
-pub enum Event {
+pub enum DrawnEvent {
     /// The coupler that breaks, from 0.
     Break(usize),
     /// Shape, vehicle from 0, force, duration, rise and fall.
@@ -87,7 +87,7 @@ pub struct Drawn {
     /// Of which kind.
     pub kind: Kind,
     /// The event.
-    pub event: Event,
+    pub event: DrawnEvent,
     /// What the reference plays.
     pub system: System,
     /// The same force in every coupler before the event, N.
@@ -153,7 +153,7 @@ pub fn draw(seed: u64) -> Drawn {
     let ratio = if kind == Kind::Ratio { short(r.between(0.01, 0.4)) } else { 0.0 };
     let mut drawn = Drawn {
         kind,
-        event: Event::Break(0),
+        event: DrawnEvent::Break(0),
         system: System { mass, held, stiffness, horizon, ratio, ..System::default() },
         uniform: if by_vehicle { 0.0 } else { uniform },
         traction,
@@ -168,7 +168,7 @@ pub fn draw(seed: u64) -> Drawn {
         (0..n - 1).map(|i| if dashpots { short(2.0 * r.between(0.0, 0.3) * (k[i] * m[i]).sqrt()) } else { 0.0 });
     drawn.system.dashpot = dashpot.collect();
     drawn.set_in_motion();
-    if matches!(drawn.event, Event::Break(b) if drawn.system.initial[b] < long(0.0)) {
+    if matches!(drawn.event, DrawnEvent::Break(b) if drawn.system.initial[b] < long(0.0)) {
         // A coupler that carries buff does not part: the same forces the other way round.
         drawn.traction.iter_mut().chain(&mut drawn.grade).for_each(|x| *x = -*x);
         drawn.train_grade = -drawn.train_grade;
@@ -194,7 +194,7 @@ fn grades(r: &mut Random, vehicles: usize) -> (f64, Vec<f64>) {
     (train, (0..vehicles).map(|_| if train != 0.0 && r.chance(0.4) { grade(r) } else { train }).collect())
 }
 
-fn event(drawn: &mut Drawn, transit: f64) -> Event {
+fn event(drawn: &mut Drawn, transit: f64) -> DrawnEvent {
     let (system, r) = (&drawn.system, &mut drawn.random);
     let (n, pulls) = (system.mass.len(), drawn.uniform > 0.0 || !drawn.traction.is_empty());
     let live: Vec<usize> = (0..n).filter(|&v| !(v == 0 && system.held[0] || v + 1 == n && system.held[1])).collect();
@@ -202,22 +202,24 @@ fn event(drawn: &mut Drawn, transit: f64) -> Event {
     let force = short(r.sign() * r.between(2e5, 2e6));
     let duration = short(transit * 10f64.powf(r.between(-1.5, 0.7)));
     match drawn.kind {
-        Kind::Break => Event::Break(r.one_of(n - 1)),
+        Kind::Break => DrawnEvent::Break(r.one_of(n - 1)),
         Kind::Impact | Kind::ImpactOnLoad | Kind::MovingRake => {
-            Event::Impact(1 + r.one_of(n - 1), r.chance(0.5), short(r.between(0.2, 4.0)))
+            DrawnEvent::Impact(1 + r.one_of(n - 1), r.chance(0.5), short(r.between(0.2, 4.0)))
         }
         Kind::Dashpots if r.chance(0.3) => {
-            Event::Impact(1 + r.one_of(n - 1), r.chance(0.5), short(r.between(0.2, 4.0)))
+            DrawnEvent::Impact(1 + r.one_of(n - 1), r.chance(0.5), short(r.between(0.2, 4.0)))
         }
-        Kind::Ratio if pulls && r.chance(0.5) => Event::Break(r.one_of(n - 1)),
-        Kind::Dashpots | Kind::Cascade | Kind::CascadeInBuff if pulls && r.chance(0.4) => Event::Break(r.one_of(n - 1)),
+        Kind::Ratio if pulls && r.chance(0.5) => DrawnEvent::Break(r.one_of(n - 1)),
+        Kind::Dashpots | Kind::Cascade | Kind::CascadeInBuff if pulls && r.chance(0.4) => {
+            DrawnEvent::Break(r.one_of(n - 1))
+        }
         Kind::Record => {
             let (mut t, mut rows) = (0.0, vec![[0.0, short(force * r.share())]]);
             for _ in 0..1 + r.one_of(6) {
                 t = short(t + duration * r.between(0.05, 0.6));
                 rows.push([t, short(r.sign() * force * r.share())]);
             }
-            Event::Record(at, rows)
+            DrawnEvent::Record(at, rows)
         }
         kind => {
             let shapes = ["rectangle", "half-sine", "triangle", "trapezoid"];
@@ -225,7 +227,13 @@ fn event(drawn: &mut Drawn, transit: f64) -> Event {
                 [Kind::Rectangle, Kind::HalfSine, Kind::Triangle, Kind::Trapezoid].iter().position(|k| *k == kind);
             let shape = own.unwrap_or_else(|| if kind == Kind::Ratio { 0 } else { r.one_of(4) });
             let rise = short(duration * r.between(0.05, 0.6));
-            Event::Pulse(shapes[shape], at, force, duration, [rise, short((duration - rise) * r.between(0.1, 0.9))])
+            DrawnEvent::Pulse(
+                shapes[shape],
+                at,
+                force,
+                duration,
+                [rise, short((duration - rise) * r.between(0.1, 0.9))],
+            )
         }
     }
 }
@@ -233,7 +241,7 @@ fn event(drawn: &mut Drawn, transit: f64) -> Event {
 impl Drawn {
     /// Whether forces go on acting that the coupled train is not in balance with.
     pub fn is_unbalanced(&self) -> bool {
-        matches!(self.event, Event::Impact(..)) && !self.traction.is_empty()
+        matches!(self.event, DrawnEvent::Impact(..)) && !self.traction.is_empty()
     }
 
     /// Magnitudes of the forces on the vehicles before the event, N.
@@ -252,15 +260,15 @@ impl Drawn {
         let mut joint = n;
         let mut carry = vec![self.uniform; n - 1];
         match &self.event {
-            Event::Break(b) => system.broken = Some(*b),
-            Event::Pulse(shape, at, force, duration, ramps) => {
+            DrawnEvent::Break(b) => system.broken = Some(*b),
+            DrawnEvent::Pulse(shape, at, force, duration, ramps) => {
                 (system.source, system.drive) = (*at, courses(shape, *force, *duration, *ramps));
             }
-            Event::Record(at, rows) => {
+            DrawnEvent::Record(at, rows) => {
                 system.source = *at;
                 system.drive = rows.windows(2).map(|w| Course::Line(w[0], w[1])).collect();
             }
-            Event::Impact(count, at_head, speed) => {
+            DrawnEvent::Impact(count, at_head, speed) => {
                 joint = if *at_head { *count } else { n - count };
                 carry[joint - 1] = 0.0;
                 let moves = |v: usize| (v < joint) == *at_head;
@@ -376,23 +384,23 @@ impl Drawn {
             let _ = writeln!(text, "cascade = true\nbuff_breaks = {}", self.kind == Kind::CascadeInBuff);
         }
         let mut record = "time_s,force_N\n".to_owned();
-        if let Event::Record(_, rows) = &self.event {
+        if let DrawnEvent::Record(_, rows) = &self.event {
             rows.iter().for_each(|[t, f]| record += &format!("{t},{f}\n"));
         }
         (text, record)
     }
 }
 
-impl Event {
+impl DrawnEvent {
     fn text(&self) -> String {
         match self {
-            Event::Break(b) => format!("kind = \"break\"\ncoupler = {}", b + 1),
-            Event::Record(at, _) => format!("kind = \"pulse\"\nat = {}\nrecord = \"record.csv\"", at + 1),
-            Event::Impact(count, at_head, speed) => {
+            DrawnEvent::Break(b) => format!("kind = \"break\"\ncoupler = {}", b + 1),
+            DrawnEvent::Record(at, _) => format!("kind = \"pulse\"\nat = {}\nrecord = \"record.csv\"", at + 1),
+            DrawnEvent::Impact(count, at_head, speed) => {
                 let at = if *at_head { "head" } else { "tail" };
                 format!("kind = \"impact\"\nat = \"{at}\"\nvehicles = {count}\nspeed = \"{speed} m/s\"")
             }
-            Event::Pulse(shape, at, force, duration, [rise, fall]) => {
+            DrawnEvent::Pulse(shape, at, force, duration, [rise, fall]) => {
                 let ramps = if *shape == "trapezoid" {
                     format!("\nrise = \"{rise} s\"\nfall = \"{fall} s\"")
                 } else {

@@ -3,8 +3,8 @@
 use super::exact::{Reference, TooManySteps};
 use super::peers::{Marched, Peer};
 use crate::accuracy::bench::{difference, timed};
-use crate::accuracy::{Effort, INSTANTS, Options, Origin, Row, WATCHED};
-use crate::march::{Ask, Bound, Outcome, Problem, solve};
+use crate::accuracy::{AccuracyOptions, Effort, INSTANTS, MethodRow, RowOrigin, WATCHED};
+use crate::march::{Bound, MarchOptions, MarchOutcome, Problem, solve};
 
 /// One problem on which methods are measured.
 pub struct Bench {
@@ -14,10 +14,10 @@ pub struct Bench {
     pub reference: Reference,
     watched: Vec<usize>,
     times: Vec<f64>,
-    ask: Ask,
-    options: Options,
+    ask: MarchOptions,
+    options: AccuracyOptions,
     /// What was measured.
-    pub rows: Vec<Row>,
+    pub rows: Vec<MethodRow>,
     /// What was left out, and why.
     pub left_out: Vec<String>,
 }
@@ -28,10 +28,10 @@ impl Bench {
     ///
     /// # Errors
     /// The reference's.
-    pub fn new(problem: Problem, tolerance_n: f64, options: Options) -> Result<Bench, TooManySteps> {
+    pub fn new(problem: Problem, tolerance_n: f64, options: AccuracyOptions) -> Result<Bench, TooManySteps> {
         let couplers = problem.laws.len();
         let watched: Vec<usize> = (0..couplers).step_by(couplers.div_ceil(WATCHED)).collect();
-        let ask = Ask { tolerance_n: Some(tolerance_n), ..Ask::default() };
+        let ask = MarchOptions { tolerance_n: Some(tolerance_n), ..MarchOptions::default() };
         let outcome = solve(&problem, &ask);
         let ends = [outcome.predictable_until_s, outcome.stopped.map(|s| s.1)];
         let horizon_s = ends.into_iter().flatten().fold(problem.horizon_s, f64::min);
@@ -44,7 +44,7 @@ impl Bench {
     /// The march: as it is used, and one run alone.
     pub fn ours(&mut self) {
         for (setting, tolerance_n) in [("with its error", self.ask.tolerance_n), ("one run", None)] {
-            let ask = Ask { tolerance_n, ..Ask::default() };
+            let ask = MarchOptions { tolerance_n, ..MarchOptions::default() };
             let outcome = self.solved(&ask);
             let (run_time_s, runs) = timed(&self.options, || drop(solve(&self.problem, &ask)));
             let setting = match (setting, &outcome.bound) {
@@ -59,20 +59,20 @@ impl Bench {
         }
     }
 
-    fn solved(&self, ask: &Ask) -> Outcome {
+    fn solved(&self, ask: &MarchOptions) -> MarchOutcome {
         let (history, times_s) = (self.watched.clone(), self.times.clone());
-        solve(&self.problem, &Ask { history, times_s, ..ask.clone() })
+        solve(&self.problem, &MarchOptions { history, times_s, ..ask.clone() })
     }
 
-    fn our_row(&self, setting: &str, outcome: &Outcome, run_time_s: f64, runs: usize) -> Row {
+    fn our_row(&self, setting: &str, outcome: &MarchOutcome, run_time_s: f64, runs: usize) -> MethodRow {
         let extremes: Vec<[f64; 2]> = outcome.extremes.iter().map(|e| [e.draft.force_n, -e.buff.force_n]).collect();
         let (bound_n, estimate_n) = match outcome.bound {
             Bound::Proven(bound_n) => (Some(bound_n), None),
             Bound::Estimated(estimate_n) => (None, Some(estimate_n)),
             Bound::None => (None, None),
         };
-        Row {
-            origin: Origin::March,
+        MethodRow {
+            origin: RowOrigin::March,
             method: "march",
             setting: setting.to_owned(),
             tolerances: None,
@@ -105,9 +105,9 @@ impl Bench {
         }
     }
 
-    fn peer_row(&self, peer: Peer, marched: &Marched, run_time_s: f64, runs: usize) -> Row {
-        Row {
-            origin: Origin::Peer,
+    fn peer_row(&self, peer: Peer, marched: &Marched, run_time_s: f64, runs: usize) -> MethodRow {
+        MethodRow {
+            origin: RowOrigin::Peer,
             method: peer.name(),
             setting: peer.setting(),
             tolerances: None,

@@ -3,7 +3,7 @@
 //! With `kl` the stiffness in series, a row of travel w and force F is the point `q = w + F / kl`. The force moves at slope kl between the
 //! curves and never leaves them (a clamp): that is the law of [`crate::law`] in other words, and here without its travel.
 
-use crate::law::{Law, Row};
+use crate::law::{GearRow, Law};
 use crate::solve::dd::Dd;
 
 /// A straight line through a point.
@@ -161,8 +161,9 @@ fn both(law: &Law) -> (Curve, Curve, Option<Dd>) {
         }
         Law::Gear { solid_n_per_m, draft, buff, .. } => {
             let solid = Dd::from(*solid_n_per_m);
-            let point = |r: &Row, force: f64| [half + Dd::from(r.travel_m) + Dd::from(force) / solid, Dd::from(force)];
-            let curve = |in_draft: fn(&Row) -> f64, in_buff: fn(&Row) -> f64| {
+            let point =
+                |r: &GearRow, force: f64| [half + Dd::from(r.travel_m) + Dd::from(force) / solid, Dd::from(force)];
+            let curve = |in_draft: fn(&GearRow) -> f64, in_buff: fn(&GearRow) -> f64| {
                 let mirrored = buff.rows().iter().rev().map(|r| point(r, in_buff(r)).map(|x| -x));
                 let middle = slack.iter().copied().filter(|_| half > Dd::ZERO);
                 let all = mirrored.chain(middle).chain(draft.rows().iter().map(|r| point(r, in_draft(r))));

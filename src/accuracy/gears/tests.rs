@@ -3,7 +3,7 @@
 
 use super::exact::{Found, Reference, march};
 use super::roots;
-use crate::law::{Curve, Law, Rest, Row};
+use crate::law::{Curve, GearRow, Law, Rest};
 use crate::march::Problem;
 use crate::play::Drive;
 use crate::solve::dd::Dd;
@@ -12,7 +12,7 @@ const M: f64 = 130e3;
 const K: f64 = 17.9e6;
 
 fn curve(rows: &[[f64; 3]]) -> Curve {
-    let row = |r: &[f64; 3]| Row { travel_m: r[0], loading_n: r[1], unloading_n: r[2] };
+    let row = |r: &[f64; 3]| GearRow { travel_m: r[0], loading_n: r[1], unloading_n: r[2] };
     Curve::new(rows.iter().map(row).collect()).expect("a table")
 }
 

@@ -4,8 +4,8 @@ use std::f64::consts::{PI, TAU};
 
 use super::super::reference::Reference;
 use crate::chain::{Chain, Scene};
-use crate::consist::{Coupler, Extras, Origin, Train, Vehicle};
-use crate::scenario::{self, Event};
+use crate::scenario;
+use crate::train::{CouplerSpec, Event, Load, TrainSpec, VehicleSpec};
 
 /// A named extreme scene.
 #[derive(Clone, Debug)]
@@ -112,17 +112,14 @@ fn verdicts() -> Vec<Named> {
 /// Trains whose numbers lie at the ends of the range of an `f64`.
 fn units() -> Vec<Named> {
     let part = |mass_kg: &dyn Fn(usize) -> f64, stiffness: f64, force_n: f64| {
-        let vehicle = |v: usize| Vehicle { label: String::new(), mass_kg: mass_kg(v), held: v == 0, length_m: None };
-        let coupler = Coupler { stiffness_n_per_m: stiffness, rated_draft_n: force_n, rated_buff_n: force_n };
-        let train = Train {
-            name: String::new(),
+        let vehicle = |v: usize| VehicleSpec { held: v == 0, ..VehicleSpec::new(mass_kg(v)) };
+        let spec = TrainSpec {
             vehicles: (0..101).map(vehicle).collect(),
-            couplers: vec![coupler; 100],
-            initial_force_n: vec![0.8 * force_n; 100],
-            scenarios: Vec::new(),
-            extras: Extras::default(),
-            origin: Origin::default(),
+            couplers: vec![CouplerSpec::linear(stiffness, force_n); 100],
+            load: Load::Uniform(0.8 * force_n),
+            ..TrainSpec::default()
         };
+        let train = spec.build().ok()?;
         let event = Event::Break { couplers: vec![99] };
         scenario::parts(&train, &event, Some(99), 1.0).into_iter().next().map(|p| four_transits(p.scene))
     };

@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use super::super::gears::exact::Reference;
 use super::StressRow;
-use crate::law::{Curve, Law, Rest, Row};
-use crate::march::{Ask, Bound, Outcome, Problem, solve};
+use crate::law::{Curve, GearRow, Law, Rest};
+use crate::march::{Bound, MarchOptions, MarchOutcome, Problem, solve};
 
 /// A named extreme train.
 #[derive(Clone, Debug)]
@@ -33,7 +33,11 @@ pub fn cases() -> Vec<Case> {
 /// Runs one case: three runs of the march to 1e-6 of the rating.
 pub fn run(case: &Case) -> StressRow {
     let couplers = case.problem.laws.len();
-    let ask = Ask { capacity_n: vec![[PULL; 2]; couplers], tolerance_n: Some(1e-6 * PULL), ..Ask::default() };
+    let ask = MarchOptions {
+        capacity_n: vec![[PULL; 2]; couplers],
+        tolerance_n: Some(1e-6 * PULL),
+        ..MarchOptions::default()
+    };
     let start = Instant::now();
     let outcome = solve(&case.problem, &ask);
     let seconds = start.elapsed().as_secs_f64();
@@ -74,7 +78,7 @@ pub fn run(case: &Case) -> StressRow {
 }
 
 /// Couplers over the rating, and those within ten errors of it.
-fn verdicts(outcome: &Outcome) -> (usize, usize) {
+fn verdicts(outcome: &MarchOutcome) -> (usize, usize) {
     let (mut exceeding, mut undecided) = (0, 0);
     for (e, error_n) in outcome.extremes.iter().zip(&outcome.error_n) {
         let over = [e.draft.force_n - PULL, -e.buff.force_n - PULL];
@@ -95,7 +99,7 @@ fn friction_gear() -> Curve {
 }
 
 fn table(rows: &[[f64; 3]]) -> Curve {
-    let row = |r: &[f64; 3]| Row { travel_m: r[0] / 1e3, loading_n: r[1] * 1e3, unloading_n: r[2] * 1e3 };
+    let row = |r: &[f64; 3]| GearRow { travel_m: r[0] / 1e3, loading_n: r[1] * 1e3, unloading_n: r[2] * 1e3 };
     Curve::new(rows.iter().map(row).collect()).expect("rows that rise")
 }
 

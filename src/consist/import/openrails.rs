@@ -18,8 +18,8 @@ use std::path::{Path, PathBuf};
 
 use super::write::toml_string;
 use super::{Draft, Files, Given, Group};
-use crate::doubts::Doubt;
 use crate::error::{InputError, quoted};
+use crate::train::Doubt;
 use tree::Block;
 use units::{Of, Read};
 
@@ -56,7 +56,7 @@ pub(super) fn draft(text: &str, path: &Path, trainsets: &[PathBuf], files: &File
     let consist = root.find("TrainCfg");
     let members: Vec<Member> = consist.iter().flat_map(|consist| consist.blocks()).filter_map(member).collect();
     if members.len() < 2 {
-        let title = format!("the consist has {}", crate::consist::count(members.len(), "vehicle"));
+        let title = format!("the consist has {}", crate::train::count(members.len(), "vehicle"));
         return Err(InputError::of_file(path, title, "give the path of a consist of Open Rails with two or more"));
     }
     let folders = folders(path, trainsets);

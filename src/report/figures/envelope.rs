@@ -2,12 +2,12 @@
 
 use super::reach::{Reach, four_digits};
 use super::{HEIGHT, RATED, along, mark_size, steps};
-use crate::consist::{Coupler, Train};
 use crate::figures::{Axis, Color, Figure, Panel, Point, Sample, Shape, Stroke};
 use crate::findings::ScenarioFindings;
 use crate::report::numbers::{Unit, force_unit};
 use crate::report::words;
 use crate::scenario::initial_force_n;
+use crate::train::{Coupler, Train};
 
 /// Places that a figure has room for; of more couplers several share one.
 const PLACES: usize = 800;
@@ -34,8 +34,8 @@ struct Extremes {
 }
 
 fn extremes(train: &Train, scenario: &ScenarioFindings) -> Vec<Extremes> {
-    let share = couplers_per_place(train.couplers.len());
-    let mut all = vec![Extremes::default(); train.couplers.len().div_ceil(share)];
+    let share = couplers_per_place(train.couplers().len());
+    let mut all = vec![Extremes::default(); train.couplers().len().div_ceil(share)];
     for c in scenario.cases.iter().flat_map(|case| &case.couplers) {
         let Some(e) = all.get_mut((c.coupler - 1) / share) else { continue };
         let (draft, buff) = (c.peak_draft_n.unwrap_or(0.0), c.peak_buff_n.unwrap_or(0.0));
@@ -51,14 +51,14 @@ fn extremes(train: &Train, scenario: &ScenarioFindings) -> Vec<Extremes> {
 /// The envelope of a scenario, over all its cases, as SVG: of couplers that share a place the extremes, and the weakest's rating.
 pub fn envelope(train: &Train, scenario: &ScenarioFindings, name: &str) -> String {
     let all = extremes(train, scenario);
-    let couplers = train.couplers.len();
+    let couplers = train.couplers().len();
     let share = couplers_per_place(couplers);
-    let ratings = |value: fn(&Coupler) -> f64| train.couplers.iter().map(value).collect::<Vec<_>>();
-    let source = words::source(train, scenario).filter(|_| train.extras.steady.is_some());
+    let ratings = |value: fn(&Coupler) -> f64| train.couplers().iter().map(value).collect::<Vec<_>>();
+    let source = words::source(train, scenario).filter(|_| train.extras().steady.is_some());
     let before = source.map_or_else(Vec::new, |(_, source)| initial_force_n(train, &source.event));
     let forces = all.iter().flat_map(|e| [e.draft, e.buff]).flatten().chain(before.iter().copied());
     let reach = Reach::new(forces, &ratings(|c| c.rated_draft_n), &ratings(|c| c.rated_buff_n));
-    let unit = force_unit(train.origin.units, reach.largest());
+    let unit = force_unit(train.origin().units, reach.largest());
     let mut figure = Figure::new(name);
     let y_label = format!("force, {} (draft +, buff −)", unit.name);
     let range = (reach.range.0 / unit.size, reach.range.1 / unit.size);
@@ -79,7 +79,7 @@ pub fn envelope(train: &Train, scenario: &ScenarioFindings, name: &str) -> Strin
     if marked {
         figure.explain("exceeds its rating", Sample::Mark(Shape::Diamond, Color::Over));
     }
-    reach.tell(&mut panel, train.origin.units);
+    reach.tell(&mut panel, train.origin().units);
     if let [case] = &scenario.cases[..]
         && let Some(broken) = case.broken_coupler
     {
@@ -120,12 +120,12 @@ fn mark_exceedances(panel: &mut Panel, all: &[Extremes], unit: Unit, width: f64)
 
 /// Draws the ratings that are on the axis; returns the labels of those of a few couplers, with their places.
 fn draw_ratings(panel: &mut Panel, train: &Train, reach: &Reach, unit: Unit) -> Vec<(String, Point)> {
-    let share = couplers_per_place(train.couplers.len());
+    let share = couplers_per_place(train.couplers().len());
     let mut named = Vec::new();
     for sign in [1.0, -1.0] {
         let value = |c: &Coupler| if sign > 0.0 { c.rated_draft_n } else { c.rated_buff_n };
         let weakest = |of: &[Coupler]| of.iter().map(value).fold(f64::INFINITY, f64::min);
-        let values: Vec<f64> = train.couplers.chunks(share).map(weakest).collect();
+        let values: Vec<f64> = train.couplers().chunks(share).map(weakest).collect();
         let mut at = 0.5;
         let several = values.iter().any(|v| *v != values[0]);
         for run in values.chunk_by(|a, b| a == b) {
@@ -137,7 +137,7 @@ fn draw_ratings(panel: &mut Panel, train: &Train, reach: &Reach, unit: Unit) -> 
             }
             if several && panel.width_of(x) < NARROW {
                 panel.cap(x, y, NARROW, Color::Ink);
-                named.push((four_digits(train.origin.units, run[0]), (0.5 * (x.0 + x.1), y)));
+                named.push((four_digits(train.origin().units, run[0]), (0.5 * (x.0 + x.1), y)));
             } else {
                 panel.line(&[(x.0, y), (x.1, y)], RATED);
             }

@@ -2,12 +2,12 @@
 
 use super::reach::Reach;
 use super::{HEIGHT, RATED, ROD};
-use crate::consist::Train;
 use crate::figures::{Axis, Color, Figure, Panel, Point, Sample, Stroke};
 use crate::findings::{self, CaseFindings, CouplerFindings};
 use crate::report::numbers::{force_unit, time, time_unit};
 use crate::report::words::time_axis;
 use crate::scenario;
+use crate::train::Train;
 
 /// Instants in a figure per unit of time sqrt(m / k): about eight in the period of the fastest vibration of equal vehicles.
 const PER_UNIT: f64 = 2.5;
@@ -51,7 +51,7 @@ pub fn history(train: &Train, index: usize, case: &CaseFindings, c: &CouplerFind
     let chain = findings::history(train, index, broken, c.coupler - 1, &times);
     let rod = findings::rod_history(train, index, broken, c.coupler - 1, &times).unwrap_or_default();
     let reach = Reach::new(chain.iter().chain(&rod).copied(), &[c.rated_draft_n], &[c.rated_buff_n]);
-    let unit = force_unit(train.origin.units, reach.largest());
+    let unit = force_unit(train.origin().units, reach.largest());
     let clock = time_unit(times.last().copied().unwrap_or(1.0));
     let points = |forces: &[f64]| -> Vec<Point> {
         times.iter().zip(forces).map(|(t, f)| (t / clock.size, f / unit.size)).collect()
@@ -75,7 +75,7 @@ pub fn history(train: &Train, index: usize, case: &CaseFindings, c: &CouplerFind
     let aside = LINE / HEIGHT * (reach.range.1 - reach.range.0);
     draw_chain(&mut figure, &mut panel, &chain, [rated[0] + aside, rated[1] - aside].map(|r| r / unit.size));
     figure.explain("rated", Sample::Line(RATED));
-    reach.tell(&mut panel, train.origin.units);
+    reach.tell(&mut panel, train.origin().units);
     if let Some(first_s) = c.first_exceeds_s.filter(|t| times.contains(t)) {
         let target = chain.iter().find(|p| p.0 >= first_s / clock.size).copied().unwrap_or((0.0, 0.0));
         let text = match first_s {

@@ -1,11 +1,11 @@
 //! Force against elongation of one coupler with slack or a gear: its way in the event, and the curves of its law.
 
 use super::HEIGHT;
-use crate::consist::Train;
 use crate::figures::{Axis, Color, Figure, Point, Sample, Shape, Stroke};
 use crate::findings::{self, CaseFindings, CouplerFindings};
-use crate::law::{Curve, Law, Row};
+use crate::law::{Curve, GearRow, Law};
 use crate::report::numbers::{force_unit, gap_unit};
+use crate::train::Train;
 
 /// Instants of the way.
 const INSTANTS: usize = 4000;
@@ -14,7 +14,7 @@ const LAW: Stroke = Stroke::solid(Color::Quiet, 2.4);
 
 /// The way of a coupler in a case, as SVG; `None` of a linear coupler. `index` is that of the scenario in the train.
 pub fn hysteresis(train: &Train, index: usize, case: &CaseFindings, c: &CouplerFindings, name: &str) -> Option<String> {
-    let law = train.extras.laws.get(c.coupler - 1)?;
+    let law = train.extras().laws.get(c.coupler - 1)?;
     let mut times: Vec<f64> = (0..=INSTANTS).map(|i| case.horizon_s * i as f64 / INSTANTS as f64).collect();
     times.push(c.peak_time_s);
     times.sort_by(f64::total_cmp);
@@ -27,8 +27,8 @@ pub fn hysteresis(train: &Train, index: usize, case: &CaseFindings, c: &CouplerF
         (low - air, high + air)
     };
     let (x, y) = (span(0), span(1));
-    let unit = force_unit(train.origin.units, y.1.max(-y.0));
-    let length = gap_unit(train.origin.units);
+    let unit = force_unit(train.origin().units, y.1.max(-y.0));
+    let length = gap_unit(train.origin().units);
     let x_label = format!("elongation from the middle of the slack, {}", length.name);
     let y_label = format!("force in coupler {}, {} (draft +, buff −)", c.coupler, unit.name);
     let x_axis = Axis::new(&x_label, (x.0 / length.size, x.1 / length.size));
@@ -58,8 +58,8 @@ fn curves(law: &Law, x: (f64, f64)) -> Vec<Vec<[f64; 2]>> {
             vec![vec![ends[0], [-half, 0.0], [half, 0.0], ends[1]]]
         }
         Law::Gear { solid_n_per_m, draft, buff, .. } => {
-            let side = |curve: &Curve, sign: f64, force: fn(&Row) -> f64| -> Vec<[f64; 2]> {
-                let row = |r: &Row| [sign * (half + r.travel_m + force(r) / solid_n_per_m), sign * force(r)];
+            let side = |curve: &Curve, sign: f64, force: fn(&GearRow) -> f64| -> Vec<[f64; 2]> {
+                let row = |r: &GearRow| [sign * (half + r.travel_m + force(r) / solid_n_per_m), sign * force(r)];
                 std::iter::once([sign * half, 0.0]).chain(curve.rows().iter().map(row)).collect()
             };
             let both = |force| [side(draft, 1.0, force), side(buff, -1.0, force)];

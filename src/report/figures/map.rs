@@ -4,7 +4,7 @@ use super::{HEIGHT, RATED, ROD, along, range_of_shares};
 use crate::figures::{Axis, Color, Figure, Point, Sample, Stroke};
 use crate::findings::{MapFindings, MapPoint};
 use crate::report::numbers::{Unit, force_unit, given_force, time_unit};
-use crate::scenario::Event;
+use crate::train::Event;
 use crate::units::UnitSystem;
 
 const CHAIN: Stroke = Stroke::solid(Color::Ink, 2.0);

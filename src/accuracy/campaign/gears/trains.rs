@@ -1,7 +1,7 @@
 //! Trains with slack, gears and brakes drawn at random, each from its own seed.
 
 use super::super::draw::Random;
-use crate::law::{Curve, Law, Rest, Row};
+use crate::law::{Curve, GearRow, Law, Rest};
 use crate::march::{Emergency, Problem};
 use crate::play::Drive;
 
@@ -121,7 +121,7 @@ fn table(r: &mut Random, kind: usize, k: f64) -> Curve {
         4 => pair(120.0),
         _ => at_random(r, k),
     };
-    let row = |&[travel_m, loading, unloading]: &[f64; 3]| Row {
+    let row = |&[travel_m, loading, unloading]: &[f64; 3]| GearRow {
         travel_m,
         loading_n: loading + preload_n,
         unloading_n: unloading + 0.4 * preload_n,

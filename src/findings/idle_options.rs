@@ -1,12 +1,12 @@
 //! Options that do nothing for a train.
 
-use crate::consist::Train;
-use crate::findings::{Options, limits};
-use crate::scenario::{self, Event, Scenario};
+use super::{Options, limits};
+use crate::scenario;
+use crate::train::{Event, Scenario, Train};
 
 /// What to tell of options that are given and change nothing, scenario by scenario: one sentence each without its full stop.
 pub fn idle_options(train: &Train, options: &Options) -> Vec<String> {
-    let chosen = train.scenarios.iter().filter(|s| options.scenario.as_ref().is_none_or(|name| *name == s.name));
+    let chosen = train.scenarios().iter().filter(|s| options.scenario.as_ref().is_none_or(|name| *name == s.name));
     chosen.flat_map(|s| of_scenario(train, s, options).into_iter().map(|text| format!("{}: {text}", s.name))).collect()
 }
 
@@ -19,7 +19,7 @@ fn of_scenario(train: &Train, scenario: &Scenario, options: &Options) -> Vec<Str
     }
     if scenario::is_march(train, scenario) {
         let why = "forces with slack, friction or brakes are not proportional to their cause";
-        let event = if train.extras.laws.is_empty() { "brakes and drives" } else { "couplers with slack or gears" };
+        let event = if train.extras().laws.is_empty() { "brakes and drives" } else { "couplers with slack or gears" };
         for (given, option) in [
             (options.map && !matches!(scenario.event, Event::Impact { .. }), "--map"),
             (options.all_time_bound, "--all-time-bound"),
@@ -31,12 +31,12 @@ fn of_scenario(train: &Train, scenario: &Scenario, options: &Options) -> Vec<Str
         }
         return told;
     }
-    let damped = train.extras.damping_ratio > 0.0;
+    let damped = train.extras().damping_ratio > 0.0;
     if options.verdict_only && limits::any_below_rating(train) {
         let why = "which of its limits a coupler passes below its rating is told by its largest force only";
         told.push(format!("--verdict-only leaves out no coupler of a train with limits under the ratings: {why}"));
     }
-    if !damped && !scenario::beyond_steps(&train.extras.dashpot_n_s_per_m, &scenario.event) {
+    if !damped && !scenario::beyond_steps(&train.extras().dashpot_n_s_per_m, &scenario.event) {
         return told;
     }
     let event = match &scenario.event {

@@ -1,8 +1,7 @@
 //! Doubts that only an analysis can find.
 
-use super::{Doubt, more};
-use crate::findings::CaseFindings;
-use crate::scenario::Scenario;
+use super::CaseFindings;
+use crate::train::{Doubt, Scenario, more};
 use crate::units::{Dimension, shown};
 
 /// Every doubt that the cases of a scenario have.

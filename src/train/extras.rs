@@ -5,6 +5,7 @@ use crate::units::{Dimension, shown};
 
 /// All of it is absent by default, and what is absent changes no result.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Extras {
     /// The forces from outside that the steady state comes from; `None` where the file gives the couplers' forces.
     pub steady: Option<Steady>,
@@ -61,14 +62,24 @@ impl Limits {
         Limits { draft_n: or(self.draft_n, other.draft_n), buff_n: or(self.buff_n, other.buff_n) }
     }
 
-    /// What is not in rising order, as a phrase: `proof in draft, 2 MN, is above ultimate, 1.8 MN`.
-    pub(crate) fn disorder(&self) -> Option<String> {
+    /// Those that are given, with their names: `draft.proof`.
+    pub(crate) fn named(&self) -> impl Iterator<Item = (String, f64)> {
+        let all = SENSES.into_iter().zip(self.in_senses());
+        let of_sense = |(sense, capacities): (&'static str, [Option<f64>; 3])| {
+            LIMITS.into_iter().zip(capacities).filter_map(move |(name, n)| Some((format!("{sense}.{name}"), n?)))
+        };
+        all.flat_map(of_sense)
+    }
+
+    /// What is not in rising order, and what would be right: `proof in draft, 2 MN, is above ultimate, 1.8 MN`.
+    pub(crate) fn disorder(&self) -> Option<[String; 2]> {
         let force = |n: f64| shown(n, Dimension::Force);
         let in_sense = |(capacities, sense): ([Option<f64>; 3], &str)| {
             let given: Vec<_> = LIMITS.iter().zip(capacities).filter_map(|(name, n)| Some((name, n?))).collect();
             let wrong = given.windows(2).find(|pair| pair[0].1 > pair[1].1)?;
             let [(lower, a), (upper, b)] = [wrong[0], wrong[1]];
-            Some(format!("{lower} in {sense}, {}, is above {upper}, {}", force(a), force(b)))
+            let right = "the order is fatigue, proof, ultimate, and none is above the next";
+            Some([format!("{lower} in {sense}, {}, is above {upper}, {}", force(a), force(b)), right.to_owned()])
         };
         self.in_senses().into_iter().zip(SENSES).find_map(in_sense)
     }
@@ -76,6 +87,7 @@ impl Limits {
 
 /// The steady state of a hauled train.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Steady {
     /// Forces from outside on each vehicle, N, forward positive: traction, running resistance, grade, brakes.
     pub outside_n: Vec<f64>,

@@ -1,0 +1,161 @@
+//! What happens to a train: a coupler breaks, a force strikes a vehicle, vehicles run into it, brakes are applied.
+
+use crate::play::{Drive, Rule};
+
+/// One named event to run, with how long to watch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scenario {
+    /// Unique within the train.
+    pub name: String,
+    /// What happens at t = 0.
+    pub event: Event,
+    /// How long forces are followed, s; `None`: to the last change of the forces from outside and four one-way wave transits of the
+    /// longest part beyond it.
+    pub horizon_s: Option<f64>,
+    /// What breaks after the event: nothing, unless the file says `cascade = true`.
+    pub cascade: Rule,
+    /// Couplers, from 0, that would break in turn but carry buff, so that their vehicles stay pressed together: they are not
+    /// among those of the event.
+    pub left_out_in_buff: Vec<usize>,
+    /// What brakes and drives do after the event; nothing by default.
+    pub response: Response,
+}
+
+/// What brakes and drives do after an event.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Response {
+    /// The emergency application that each parting sets off, both ways.
+    pub emergency: Option<Application>,
+    /// Tractive efforts that change.
+    pub efforts: Vec<Forcing>,
+}
+
+/// A brake application: it runs along the train, and builds up in each vehicle that it has reached.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Application {
+    /// The name of a kind of brake that stands for the numbers, where the file gives one.
+    pub name: Option<&'static str>,
+    /// How fast it runs, m/s.
+    pub wave_m_per_s: f64,
+    /// Time since it reached the vehicle, s, and share of its full emergency brake force; straight lines between, from `[0, 0]` on,
+    /// neither ever falls.
+    pub build_up: Vec<[f64; 2]>,
+}
+
+impl Application {
+    /// When it is fully built up where it is, s.
+    pub fn full_after_s(&self) -> f64 {
+        self.build_up.last().map_or(0.0, |last| last[0])
+    }
+
+    /// What is wrong with its build-up, and what would be right.
+    pub(crate) fn disorder(&self) -> Option<[&'static str; 2]> {
+        let points = &self.build_up;
+        let fall = points.windows(2).any(|pair| pair[1][1] < pair[0][1]);
+        let right = "expected rows of a time and a share: [[\"0 s\", \"0 %\"], [\"8 s\", \"100 %\"]]";
+        if points.len() < 2 {
+            Some(["build_up has fewer than two rows", right])
+        } else if points.iter().flatten().any(|x| !x.is_finite()) {
+            Some(["build_up has a value that is not a finite number", right])
+        } else if points[0] != [0.0, 0.0] {
+            Some(["build_up does not start with no force at 0 s", "its first row is [\"0 s\", \"0 %\"]"])
+        } else if points.windows(2).any(|pair| pair[1][0] <= pair[0][0]) {
+            Some(["the times of build_up do not rise", "each row is later than the one before"])
+        } else if points.iter().any(|p| p[1] > 1.0) {
+            Some(["build_up has a share over 100 %", "100 % is the vehicle's emergency_brake"])
+        } else if fall {
+            Some(["the shares of build_up fall", "brakes that release are not computed"])
+        } else if points.last().is_some_and(|last| last[1] == 0.0) {
+            Some(["build_up holds no brake force", "its last row is the largest share: [\"8 s\", \"100 %\"]"])
+        } else {
+            None
+        }
+    }
+}
+
+/// A change of the outside force on one vehicle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Forcing {
+    /// Index from 0; never a held vehicle.
+    pub vehicle: usize,
+    /// Time, s, and change of the force, N, forward positive: straight lines between, no change before the first and that of the last
+    /// after it. Two at one time are a jump.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// The event at t = 0.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Event {
+    /// Couplers that break, each in a case of its own, each from the intact train.
+    Break {
+        /// Indices from 0, in the file's order.
+        couplers: Vec<usize>,
+    },
+    /// A rectangular pulse of outside force on one vehicle.
+    Pulse {
+        /// Index from 0; never a held vehicle.
+        vehicle: usize,
+        /// Outside force on that vehicle, N, forward positive; finite and not 0.
+        force_n: f64,
+        /// How long it acts, s; finite and > 0.
+        duration_s: f64,
+    },
+    /// An outside force of any other course on one vehicle.
+    Shaped {
+        /// Index from 0; never a held vehicle.
+        vehicle: usize,
+        /// `"half-sine"`, `"triangle"`, `"trapezoid"` or `"record"`.
+        shape: &'static str,
+        /// Largest force of either sign, with its sign, N.
+        force_n: f64,
+        /// From t = 0 to its end, s.
+        duration_s: f64,
+        /// Its course, in s and N.
+        drive: Drive,
+    },
+    /// Vehicles at one end arrive at a speed and couple to the standing rest.
+    Impact {
+        /// How many arrive; at least one stands.
+        vehicles: usize,
+        /// At the head; at the tail if not.
+        at_head: bool,
+        /// How fast they come toward the rest, m/s; finite and > 0.
+        speed_m_per_s: f64,
+    },
+    /// Brakes are applied.
+    Brake {
+        /// Vehicles, from 0, at which the application starts at t = 0.
+        from: Vec<usize>,
+        /// An emergency application; a service one if not.
+        emergency: bool,
+        /// Its course.
+        application: Application,
+    },
+}
+
+impl Event {
+    /// The kind as the file names it: `"break"`, `"pulse"`, `"impact"` or `"brake"`.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Event::Break { .. } => "break",
+            Event::Pulse { .. } | Event::Shaped { .. } => "pulse",
+            Event::Impact { .. } => "impact",
+            Event::Brake { .. } => "brake",
+        }
+    }
+
+    /// Whether it is what steps of force on a chain at rest cannot stand for.
+    pub fn beyond_steps(&self) -> bool {
+        matches!(self, Event::Impact { .. } | Event::Shaped { .. })
+    }
+
+    /// Of an impact, the coupler that joins the two parts, as an index from 0, in a train of so many vehicles.
+    pub fn joint(&self, count: usize) -> Option<usize> {
+        match *self {
+            Event::Impact { vehicles, at_head: true, .. } => Some(vehicles - 1),
+            Event::Impact { vehicles, at_head: false, .. } => Some(count - vehicles - 1),
+            _ => None,
+        }
+    }
+}

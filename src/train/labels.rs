@@ -1,0 +1,50 @@
+//! Names of vehicles: each has one of its own.
+
+use std::collections::{HashMap, HashSet};
+
+use super::{Vehicle, VehicleSpec};
+
+/// The groups spelt out, with numbers after a label that more than one vehicle has. No two vehicles have the same name: numbers are left
+/// out that would make the label of another.
+pub(crate) fn numbered(groups: &[VehicleSpec]) -> Vec<Vehicle> {
+    let mut totals: HashMap<&str, usize> = HashMap::new();
+    for group in groups {
+        *totals.entry(group.label.as_deref().unwrap_or_default()).or_default() += group.count;
+    }
+    let places = groups.iter().scan(0, |next, group| {
+        *next += group.count;
+        Some((*next - group.count, group))
+    });
+    let nameless: Vec<usize> =
+        places.filter(|(_, g)| g.label.is_none()).flat_map(|(first, g)| first..first + g.count).collect();
+    let by_place = |place: usize| format!("vehicle {}", place + 1);
+    let taken: HashSet<String> = nameless.into_iter().map(by_place).collect();
+    let free = |name: &str| !totals.contains_key(name) && !taken.contains(name);
+    let mut used: HashMap<&str, usize> = HashMap::new();
+    let mut vehicles = Vec::new();
+    for group in groups {
+        for _ in 0..group.count {
+            let label = match group.label.as_deref() {
+                None => {
+                    let name = by_place(vehicles.len());
+                    let mut others =
+                        std::iter::once(name.clone()).chain((1..).map(|i| format!("{name} (no label {i})")));
+                    others.find(|name| !totals.contains_key(name.as_str())).unwrap_or(name)
+                }
+                Some(label) if totals.get(label) == Some(&1) && !taken.contains(label) => label.to_owned(),
+                Some(label) => {
+                    let number = used.entry(label).or_default();
+                    loop {
+                        *number += 1;
+                        let name = format!("{label} {number}");
+                        if free(&name) {
+                            break name;
+                        }
+                    }
+                }
+            };
+            vehicles.push(Vehicle { label, mass_kg: group.mass_kg, held: group.held, length_m: group.length_m });
+        }
+    }
+    vehicles
+}

@@ -1,0 +1,257 @@
+//! A train as it is given, and how it becomes a [`Train`].
+
+use super::labels::numbered;
+use super::steady::steady_forces;
+use super::{Coupler, Extras, InvalidTrain, Limits, Origin, Scenario, SpecProblem, Steady, Train, Vehicle, checks};
+use crate::law::{GearRow, Law};
+
+/// A train as it is given: plain data, in SI units, which may be anything. [`TrainSpec::build`] tells what is wrong with it.
+///
+/// ```
+/// use trainsafe::train::{CouplerSpec, Load, TrainSpec, VehicleSpec};
+/// let spec = TrainSpec {
+///     name: "three wagons".to_owned(),
+///     vehicles: vec![VehicleSpec { count: 3, ..VehicleSpec::new(80e3) }],
+///     couplers: vec![CouplerSpec::linear(20e6, 0.6e6); 2],
+///     load: Load::Uniform(0.4e6),
+///     ..TrainSpec::default()
+/// };
+/// let train = spec.clone().build()?;
+/// assert_eq!((train.vehicles().len(), train.initial_force_n()), (3, &[0.4e6, 0.4e6][..]));
+///
+/// let mut wrong = spec;
+/// wrong.couplers[1].rated_buff_n = f64::NAN;
+/// let told = wrong.build().unwrap_err();
+/// assert_eq!(told.to_string(), "coupler[1].rated_buff: rated_buff is not a number; expected more than zero");
+/// # Ok::<(), trainsafe::train::InvalidTrain>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TrainSpec {
+    /// What reports call it.
+    pub name: String,
+    /// From the head; groups of vehicles alike count for as many. At least two vehicles in all.
+    pub vehicles: Vec<VehicleSpec>,
+    /// One fewer than vehicles, from the head.
+    pub couplers: Vec<CouplerSpec>,
+    /// The steady state before the event.
+    pub load: Load,
+    /// The largest pull before, from which the train was let down to the load.
+    pub pulled_to: PulledTo,
+    /// Share of critical damping of every mode, 0 to under 1; beside neither dashpots nor laws that are not linear.
+    pub damping_ratio: f64,
+    /// Speed before the event, m/s, > 0; brakes need it.
+    pub speed_m_per_s: Option<f64>,
+    /// What is to be run; of none, each coupler breaks in turn. A scenario with an empty name gets one.
+    pub scenarios: Vec<Scenario>,
+    /// Where it comes from; nothing of it is looked at.
+    pub origin: Origin,
+}
+
+/// A vehicle, or several alike that follow each other.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct VehicleSpec {
+    /// What reports call it, numbered where the train has it more than once; by its place if `None`.
+    pub label: Option<String>,
+    /// How many alike follow each other, 1 or more.
+    pub count: usize,
+    /// Mass of each, kg; > 0.
+    pub mass_kg: f64,
+    /// It keeps its speed whatever the couplers do; the first or the last vehicle of the train only.
+    pub held: bool,
+    /// Length over couplers, m; > 0.
+    pub length_m: Option<f64>,
+    /// Full brake force in an emergency application, N; not negative, and 0 for a held vehicle.
+    pub emergency_brake_n: f64,
+}
+
+impl VehicleSpec {
+    /// A free vehicle of this mass, kg, without a label or a length.
+    pub fn new(mass_kg: f64) -> VehicleSpec {
+        VehicleSpec { count: 1, mass_kg, ..VehicleSpec::default() }
+    }
+}
+
+/// A coupler.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CouplerSpec {
+    /// Its force over its elongation.
+    pub law: Law,
+    /// Capacity in tension, N; > 0.
+    pub rated_draft_n: f64,
+    /// Capacity in compression, N, as a positive number; > 0.
+    pub rated_buff_n: f64,
+    /// Capacities beside the rating, in rising order; none by default.
+    pub limits: Limits,
+    /// A dashpot beside the spring, N s/m; not negative. In a train of linear couplers only.
+    pub dashpot_n_s_per_m: f64,
+}
+
+impl CouplerSpec {
+    /// A linear spring of this stiffness, N/m, with the same rating, N, in draft and in buff.
+    pub fn linear(stiffness_n_per_m: f64, rated_n: f64) -> CouplerSpec {
+        CouplerSpec {
+            law: Law::linear(stiffness_n_per_m),
+            rated_draft_n: rated_n,
+            rated_buff_n: rated_n,
+            limits: Limits::default(),
+            dashpot_n_s_per_m: 0.0,
+        }
+    }
+}
+
+/// The steady state before the event, N.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub enum Load {
+    /// No force.
+    #[default]
+    None,
+    /// This force in every coupler, draft positive.
+    Uniform(f64),
+    /// A force for each coupler, draft positive.
+    InCouplers(Vec<f64>),
+    /// A force from outside on each vehicle, forward positive: the couplers' follow, [`steady_forces`]. That of a held vehicle plays
+    /// no part.
+    OnVehicles(Vec<f64>),
+}
+
+/// The largest pull in the couplers before, N, from which they were let down to the load, and not less than that: couplers with
+/// friction remember it.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub enum PulledTo {
+    /// The load itself.
+    #[default]
+    None,
+    /// That of the coupler which pulls most: the others pulled as much, or, where the load follows from forces on the vehicles, in
+    /// proportion to their load.
+    Largest(f64),
+    /// That of each coupler.
+    InCouplers(Vec<f64>),
+}
+
+impl TrainSpec {
+    /// The train.
+    ///
+    /// # Errors
+    /// Everything that is wrong with the spec, each with the key that it is about.
+    pub fn build(mut self) -> Result<Train, InvalidTrain> {
+        let scenarios = std::mem::take(&mut self.scenarios);
+        let (train, mut problems) = self.examine();
+        let Some(mut train) = train else { return Err(InvalidTrain { problems }) };
+        problems.extend(train.take(scenarios));
+        if problems.is_empty() { Ok(train) } else { Err(InvalidTrain { problems }) }
+    }
+
+    /// The train without scenarios, for a look at these, and what is wrong with it; `None` where vehicles and couplers do not fit
+    /// together. It is no train to compute while something is wrong with it.
+    pub(crate) fn examine(self) -> (Option<Train>, Vec<SpecProblem>) {
+        let mut problems = checks::structure(&self);
+        let fits = problems.is_empty();
+        problems.extend(checks::numbers(&self));
+        let sound = fits && problems.is_empty();
+        problems.extend(checks::held(&self.vehicles));
+        if !fits {
+            return (None, problems);
+        }
+        let pulled_to = self.pulled_to.clone();
+        let train = self.derived(sound);
+        if sound {
+            problems.extend(checks::together(&train, &pulled_to));
+        }
+        (Some(train), problems)
+    }
+
+    /// What follows from the spec; of one that is not sound, without what needs good numbers.
+    fn derived(self, sound: bool) -> Train {
+        let brakes: Vec<f64> =
+            self.vehicles.iter().flat_map(|v| std::iter::repeat_n(v.emergency_brake_n, v.count)).collect();
+        let vehicles = numbered(&self.vehicles);
+        let mut couplers: Vec<Coupler> = self.couplers.iter().map(CouplerSpec::as_linear).collect();
+        let (initial_force_n, steady) = self.load.forces(&vehicles, &couplers, sound);
+        let specs = self.couplers;
+        let limited = specs.iter().any(|c| c.limits != Limits::default());
+        let damped = specs.iter().any(|c| c.dashpot_n_s_per_m > 0.0);
+        let limits = specs.iter().filter(|_| limited).map(|c| c.limits).collect();
+        let dashpot_n_s_per_m = specs.iter().filter(|_| damped).map(|c| c.dashpot_n_s_per_m).collect();
+        let linear = specs.iter().all(|c| c.law.is_linear());
+        let laws: Vec<Law> = if linear { vec![] } else { specs.into_iter().map(|c| c.law).collect() };
+        if sound {
+            let largest_n = initial_force_n.iter().copied().map(f64::abs).fold(0.0, f64::max);
+            for (coupler, law) in couplers.iter_mut().zip(&laws) {
+                coupler.stiffness_n_per_m = secant_n_per_m(law, largest_n);
+            }
+        }
+        let pulled_to_n = self.pulled_to.in_couplers(&initial_force_n, steady.is_some());
+        let extras = Extras {
+            steady,
+            dashpot_n_s_per_m,
+            damping_ratio: self.damping_ratio,
+            limits,
+            laws,
+            pulled_to_n,
+            emergency_brake_n: if brakes.iter().any(|n| *n > 0.0) { brakes } else { vec![] },
+            speed_m_per_s: self.speed_m_per_s,
+        };
+        let (name, scenarios, origin) = (self.name, vec![], self.origin);
+        Train { name, vehicles, couplers, initial_force_n, scenarios, extras, origin }
+    }
+}
+
+impl CouplerSpec {
+    /// Its ratings, with the stiffness in draft; 1 N/m in the place of a gear's.
+    fn as_linear(&self) -> Coupler {
+        let stiffness_n_per_m = match self.law {
+            Law::Elastic { draft_n_per_m, .. } => draft_n_per_m,
+            Law::Gear { .. } => 1.0,
+        };
+        Coupler { stiffness_n_per_m, rated_draft_n: self.rated_draft_n, rated_buff_n: self.rated_buff_n }
+    }
+}
+
+impl Load {
+    /// The couplers' forces, N, and what they come from unless they are given themselves.
+    fn forces(self, vehicles: &[Vehicle], couplers: &[Coupler], sound: bool) -> (Vec<f64>, Option<Steady>) {
+        match self {
+            Load::None => (vec![0.0; couplers.len()], None),
+            Load::Uniform(n) => (vec![n; couplers.len()], None),
+            Load::InCouplers(forces) => (forces, None),
+            Load::OnVehicles(outside_n) => {
+                let (forces, acceleration_m_per_s2) = match sound {
+                    true => steady_forces(vehicles, couplers, &outside_n),
+                    false => (vec![0.0; couplers.len()], 0.0),
+                };
+                (forces, Some(Steady { outside_n, acceleration_m_per_s2 }))
+            }
+        }
+    }
+}
+
+impl PulledTo {
+    fn in_couplers(self, load_n: &[f64], in_proportion: bool) -> Vec<f64> {
+        match self {
+            PulledTo::None => vec![],
+            PulledTo::InCouplers(pulled_n) => pulled_n,
+            PulledTo::Largest(pulled_n) if in_proportion => {
+                let factor = pulled_n / load_n.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                load_n.iter().map(|f| f.max(0.0) * factor).collect()
+            }
+            PulledTo::Largest(pulled_n) => vec![pulled_n; load_n.len()],
+        }
+    }
+}
+
+/// Stiffness that stands for a coupler's law where one number is asked for, N/m: the secant of loading up to a force in draft, without
+/// the slack; up to the last row of its table where the force is 0.
+fn secant_n_per_m(law: &Law, force_n: f64) -> f64 {
+    match law {
+        Law::Elastic { draft_n_per_m, .. } => *draft_n_per_m,
+        Law::Gear { draft, slack_m, .. } => {
+            let last_n = draft.rows().last().map_or(1.0, |row: &GearRow| row.loading_n);
+            // Near a preload only what is in series gives way, which says nothing of the gear.
+            let preload_n = draft.rows().first().map_or(0.0, |row| row.loading_n);
+            let force_n = if force_n > 0.0 { force_n.max(2.0 * preload_n) } else { last_n };
+            force_n / (law.elongation_m(&law.rest(&[force_n])) - 0.5 * slack_m)
+        }
+    }
+}

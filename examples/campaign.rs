@@ -59,7 +59,7 @@ fn usage() -> ExitCode {
 /// The march's error estimate and bound, by what happens to the trains.
 fn with_gears(seeds: &[u64]) -> ExitCode {
     let tallies = gears::run(seeds);
-    let line = |name: &str, t: &gears::Tally| {
+    let line = |name: &str, t: &gears::GearTally| {
         let (ratio, seed) = t.worst;
         println!(
             "{name:24} {:>6} {:>7} {:>7} {:>9.4} {ratio:>12.3e} {seed:>7} {:>9.1e} {:>9.1e} {:>7} {:>12.3e} {:>6} {:>7} {:>6} {:>8}",
@@ -95,7 +95,7 @@ fn with_gears(seeds: &[u64]) -> ExitCode {
         "order",
         "no truth"
     );
-    let mut all = gears::Tally::default();
+    let mut all = gears::GearTally::default();
     for (kind, tally) in &tallies {
         line(kind.name(), tally);
         all.add(tally);

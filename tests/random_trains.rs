@@ -48,7 +48,7 @@ fn analyses_hold_on_a_sample_of_every_kind() {
 fn the_estimate_of_a_march_covers_its_error() {
     let seeds: Vec<u64> = (1000..1014).collect();
     let tallies = campaign::gears::run(&seeds);
-    assert!(campaign::gears::Kind::ALL.iter().all(|kind| tallies[kind].trains == 2));
+    assert!(campaign::gears::GearKind::ALL.iter().all(|kind| tallies[kind].trains == 2));
     for (kind, tally) in &tallies {
         // Two trains of eight vehicles at least.
         assert!(tally.peaks >= 28, "{kind:?}");

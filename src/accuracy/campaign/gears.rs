@@ -6,9 +6,9 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use super::super::gears::exact::Reference;
+use super::super::gears::exact::GearReference;
 use crate::march::{Bound, MarchOptions, MarchOutcome, Problem, solve};
-pub use trains::{Kind, draw};
+pub use trains::{GearKind, draw};
 
 /// A march ends where its estimate passes this share of the train's largest force.
 const TOLERANCE: f64 = 1e-6;
@@ -17,7 +17,7 @@ const KNOWN: f64 = 0.01;
 
 /// What was found of one kind of train.
 #[derive(Clone, Debug, Default)]
-pub struct Tally {
+pub struct GearTally {
     /// Trains.
     pub trains: usize,
     /// Peaks compared: two of each coupler.
@@ -42,9 +42,9 @@ pub struct Tally {
     ratios: Vec<f64>,
 }
 
-impl Tally {
+impl GearTally {
     /// Adds another one's counts.
-    pub fn add(&mut self, other: &Tally) {
+    pub fn add(&mut self, other: &GearTally) {
         self.trains += other.trains;
         self.peaks += other.peaks;
         self.missed.extend(&other.missed);
@@ -75,15 +75,15 @@ impl Tally {
 }
 
 /// Compares the trains of many seeds, in parallel.
-pub fn run(seeds: &[u64]) -> BTreeMap<Kind, Tally> {
-    let all: Vec<(Kind, Tally)> = seeds.par_iter().map(|seed| train(*seed)).collect();
-    let mut tallies: BTreeMap<Kind, Tally> = BTreeMap::new();
+pub fn run(seeds: &[u64]) -> BTreeMap<GearKind, GearTally> {
+    let all: Vec<(GearKind, GearTally)> = seeds.par_iter().map(|seed| train(*seed)).collect();
+    let mut tallies: BTreeMap<GearKind, GearTally> = BTreeMap::new();
     all.iter().for_each(|(kind, tally)| tallies.entry(*kind).or_default().add(tally));
     tallies
 }
 
 /// Compares one train.
-pub fn train(seed: u64) -> (Kind, Tally) {
+pub fn train(seed: u64) -> (GearKind, GearTally) {
     let (kind, problem) = draw(seed);
     (kind, compared(seed, &problem))
 }
@@ -99,17 +99,17 @@ pub fn marched(problem: &Problem) -> (MarchOutcome, Problem) {
     (outcome, Problem { horizon_s, mark_s: horizon_s, ..problem.clone() })
 }
 
-fn compared(seed: u64, problem: &Problem) -> Tally {
+fn compared(seed: u64, problem: &Problem) -> GearTally {
     let (outcome, problem) = marched(problem);
     let proven = matches!(outcome.bound, Bound::Proven(_));
-    let mut tally = Tally {
+    let mut tally = GearTally {
         trains: 1,
         proven: usize::from(proven),
         lost: usize::from(outcome.predictable_until_s.is_some()),
-        ..Tally::default()
+        ..GearTally::default()
     };
     let least = outcome.error_n.iter().flatten().copied().fold(f64::INFINITY, f64::min);
-    let reference = match Reference::new(&problem, &[]) {
+    let reference = match GearReference::new(&problem, &[]) {
         Ok(reference) if reference.doubt_n <= KNOWN * least => reference,
         _ => {
             tally.without_reference.push(seed);

@@ -1,7 +1,7 @@
 //! The march and the methods of simulators on one problem: run times, and errors against the reference.
 
-use super::exact::{Reference, TooManySteps};
-use super::peers::{Marched, Peer};
+use super::exact::{GearReference, TooManySteps};
+use super::peers::{GearMarched, GearPeer};
 use crate::accuracy::bench::{difference, timed};
 use crate::accuracy::{AccuracyOptions, Effort, INSTANTS, MethodRow, RowOrigin, WATCHED};
 use crate::march::{Bound, MarchOptions, MarchOutcome, Problem, solve};
@@ -11,7 +11,7 @@ pub struct Bench {
     /// Up to where forces can be predicted.
     pub problem: Problem,
     /// The exact motion.
-    pub reference: Reference,
+    pub reference: GearReference,
     watched: Vec<usize>,
     times: Vec<f64>,
     ask: MarchOptions,
@@ -37,7 +37,7 @@ impl Bench {
         let horizon_s = ends.into_iter().flatten().fold(problem.horizon_s, f64::min);
         let problem = Problem { horizon_s, mark_s: horizon_s, ..problem };
         let times: Vec<f64> = (1..=INSTANTS).map(|i| horizon_s * i as f64 / INSTANTS as f64).collect();
-        let reference = Reference::new(&problem, &times)?;
+        let reference = GearReference::new(&problem, &times)?;
         Ok(Bench { problem, reference, watched, times, ask, options, rows: vec![], left_out: vec![] })
     }
 
@@ -88,8 +88,8 @@ impl Bench {
 
     /// The methods of simulators.
     pub fn peers(&mut self) {
-        let has_friction = Peer::Verlet { phase: 1.0 }.train(&self.problem).has_friction();
-        for peer in Peer::all() {
+        let has_friction = GearPeer::Verlet { phase: 1.0 }.train(&self.problem).has_friction();
+        for peer in GearPeer::all() {
             let name = format!("{}, {}", peer.name(), peer.setting());
             let expected = peer.estimated_accelerations(&self.problem);
             if peer.needs_friction() && !has_friction {
@@ -105,7 +105,7 @@ impl Bench {
         }
     }
 
-    fn peer_row(&self, peer: Peer, marched: &Marched, run_time_s: f64, runs: usize) -> MethodRow {
+    fn peer_row(&self, peer: GearPeer, marched: &GearMarched, run_time_s: f64, runs: usize) -> MethodRow {
         MethodRow {
             origin: RowOrigin::Peer,
             method: peer.name(),

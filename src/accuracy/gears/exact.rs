@@ -6,13 +6,13 @@
 //! q_i = q_i(0) + x_i - x_{i+1}
 //! ```
 //!
-//! A step is a Taylor series of degree [`DEGREE`] over a phase of at most [`Reference::PHASE`], whose first term left out is 1e-30 of the
+//! A step is a Taylor series of degree [`DEGREE`] over a phase of at most [`GearReference::PHASE`], whose first term left out is 1e-30 of the
 //! motion; it ends at the first event, found by Bernstein coefficients in double precision and by Newton's method in double-double. An
 //! event counts once the elongation is 1e-26 of the train's scale past it. Two marches with other steps tell what the reference is good
-//! for: [`Reference::doubt_n`].
+//! for: [`GearReference::doubt_n`].
 
 use super::curves::{Curves, Line};
-use super::outside::{Course, Outside, Shape};
+use super::outside::{GearCourse, Outside, Shape};
 use super::roots;
 use crate::accuracy::bench::difference;
 use crate::march::Problem;
@@ -30,7 +30,7 @@ pub type Largest = [Dd; 2];
 
 /// What a march in double-double numbers found.
 #[derive(Clone, Debug)]
-pub struct Found {
+pub struct GearFound {
     /// Of each coupler; one that is gone from t = 0 begins with what its vehicles push.
     pub largest: Vec<Largest>,
     /// Forces at the asked instants: a row per instant.
@@ -43,9 +43,9 @@ pub struct Found {
 
 /// The exact motion of a problem, with what is known of its own error.
 #[derive(Clone, Debug)]
-pub struct Reference {
+pub struct GearReference {
     /// Of the march with the smaller steps.
-    pub found: Found,
+    pub found: GearFound,
     /// The largest difference of any largest force, or force at an instant, between two marches with other steps, N; infinite where
     /// other couplers parted.
     pub doubt_n: f64,
@@ -59,7 +59,7 @@ pub struct TooManySteps {
     pub at_s: f64,
 }
 
-impl Reference {
+impl GearReference {
     /// Largest step times the largest rate, of the two marches.
     pub const PHASE: [f64; 2] = [0.8, 0.61];
 
@@ -67,16 +67,16 @@ impl Reference {
     ///
     /// # Errors
     /// [`TooManySteps`].
-    pub fn new(problem: &Problem, times: &[f64]) -> Result<Reference, TooManySteps> {
+    pub fn new(problem: &Problem, times: &[f64]) -> Result<GearReference, TooManySteps> {
         let [coarse, found] = Self::PHASE.map(|phase| march(problem, times, phase));
         let (coarse, found) = (coarse?, found?);
         let apart = |a: &Dd, b: &Dd| (*a - *b).abs().hi;
         let peaks = coarse.largest.iter().flatten().zip(found.largest.iter().flatten());
         let instants = coarse.forces.iter().flatten().zip(found.forces.iter().flatten());
         let doubt_n = peaks.chain(instants).map(|(a, b)| apart(a, b)).fold(0.0, f64::max);
-        let order = |f: &Found| f.parted.iter().map(|p| p.0).collect::<Vec<_>>();
+        let order = |f: &GearFound| f.parted.iter().map(|p| p.0).collect::<Vec<_>>();
         let same = order(&coarse) == order(&found);
-        Ok(Reference { found, doubt_n: if same { doubt_n } else { f64::INFINITY } })
+        Ok(GearReference { found, doubt_n: if same { doubt_n } else { f64::INFINITY } })
     }
 
     /// The largest error of given largest F and largest -F of each coupler, N.
@@ -121,7 +121,7 @@ struct Coupler {
 ///
 /// # Errors
 /// [`TooManySteps`].
-pub fn march(problem: &Problem, times: &[f64], phase: f64) -> Result<Found, TooManySteps> {
+pub fn march(problem: &Problem, times: &[f64], phase: f64) -> Result<GearFound, TooManySteps> {
     let mut motion = Motion::new(problem, times, phase);
     while motion.t < motion.end {
         if motion.found.steps == MOST_STEPS {
@@ -154,7 +154,7 @@ struct Motion<'a> {
     end: Dd,
     mean: f64,
     past: f64,
-    found: Found,
+    found: GearFound,
 }
 
 impl<'a> Motion<'a> {
@@ -179,7 +179,7 @@ impl<'a> Motion<'a> {
             end: Dd::from(problem.horizon_s),
             mean: f64::INFINITY,
             past: 0.0,
-            found: Found { largest, forces: Vec::new(), parted: Vec::new(), steps: 0 },
+            found: GearFound { largest, forces: Vec::new(), parted: Vec::new(), steps: 0 },
             couplers,
             problem,
         };
@@ -484,7 +484,7 @@ impl Coupler {
 }
 
 /// A force over time over the step.
-fn in_time(course: &Course, circle: Option<&[Dd; 2]>, t: Dd, width: Dd) -> Row {
+fn in_time(course: &GearCourse, circle: Option<&[Dd; 2]>, t: Dd, width: Dd) -> Row {
     let mut row = [Dd::ZERO; DEGREE + 1];
     match (&course.shape, circle) {
         (Shape::HalfSine(peak, duration), Some(circle)) if t < Dd::from(*duration) => {

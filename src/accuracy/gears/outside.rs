@@ -6,7 +6,7 @@ use crate::solve::dd::Dd;
 
 /// A force over time on one vehicle.
 #[derive(Clone, Debug)]
-pub struct Course {
+pub struct GearCourse {
     /// From 0.
     pub vehicle: usize,
     /// How it goes.
@@ -29,7 +29,7 @@ pub enum Shape {
     HalfSine(f64, f64),
 }
 
-impl Course {
+impl GearCourse {
     /// Force and its slope just after `t`; of a half sine none.
     pub fn line(&self, t: Dd) -> [Dd; 2] {
         let Shape::Lines { points, holds } = &self.shape else { return [Dd::ZERO; 2] };
@@ -57,7 +57,7 @@ impl Course {
 #[derive(Clone, Debug)]
 pub struct Outside {
     /// Each on its vehicle.
-    pub courses: Vec<Course>,
+    pub courses: Vec<GearCourse>,
     /// Steady force on each vehicle, N, less what the common acceleration at t = 0 takes.
     pub steady: Vec<Dd>,
 }
@@ -72,7 +72,7 @@ impl Outside {
                 }
                 Drive::HalfSine { peak, duration } => Shape::HalfSine(*peak, *duration),
             };
-            Course { vehicle: *vehicle, shape, wave_s: None }
+            GearCourse { vehicle: *vehicle, shape, wave_s: None }
         };
         let mut outside = Outside { courses: problem.forcing.iter().map(one).collect(), steady: steady(problem) };
         problem.gone.iter().for_each(|&i| outside.part(problem, i, Dd::ZERO));
@@ -89,14 +89,18 @@ impl Outside {
         for (vehicle, full) in emergency.full_n.iter().enumerate().filter(|(_, full)| **full != 0.0) {
             let way = (before(vehicle) + length(vehicle) * Dd::from(0.5) - gap).abs();
             let from = t + way / Dd::from(emergency.wave_m_s);
-            let of_wave = |course: &Course| course.vehicle == vehicle && course.wave_s.is_some();
+            let of_wave = |course: &GearCourse| course.vehicle == vehicle && course.wave_s.is_some();
             if self.courses.iter().any(|course| of_wave(course) && course.wave_s.is_some_and(|at| at <= from.hi)) {
                 continue;
             }
             self.courses.retain(|course| !of_wave(course));
             let force = Dd::from(sign) * Dd::from(*full);
             let points = emergency.build_up.iter().map(|p| [from + Dd::from(p[0]), force * Dd::from(p[1])]).collect();
-            self.courses.push(Course { vehicle, shape: Shape::Lines { points, holds: true }, wave_s: Some(from.hi) });
+            self.courses.push(GearCourse {
+                vehicle,
+                shape: Shape::Lines { points, holds: true },
+                wave_s: Some(from.hi),
+            });
         }
     }
 

@@ -9,7 +9,7 @@ use crate::march::Problem;
 
 /// A way to march in time; `phase` is the step times the bound on the motion's rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Peer {
+pub enum GearPeer {
     /// Velocity Verlet with the clamp: one force a step, of order 2 but for the kinks.
     Verlet {
         /// Phase of a step.
@@ -39,7 +39,7 @@ pub enum Peer {
 
 /// What a march saw.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Marched {
+pub struct GearMarched {
     /// Of every coupler the largest F and the largest -F at whole steps, N.
     pub extremes: Vec<[f64; 2]>,
     /// Every coupler's force at each of the instants asked for, N.
@@ -69,49 +69,49 @@ const DIFFERENCES: [f64; 7] =
 const HALVES: [f64; 4] = [0.0, 0.5, 0.5, 1.0];
 const WEIGHTS: [f64; 4] = [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];
 
-impl Peer {
+impl GearPeer {
     /// Every method from coarse to fine.
-    pub fn all() -> Vec<Peer> {
+    pub fn all() -> Vec<GearPeer> {
         let phases = [1.0, 0.3, 0.1, 0.03, 0.01, 0.003, 0.001];
-        let verlet = phases.map(|phase| Peer::Verlet { phase });
-        let runge_kutta = phases[..6].iter().map(|&phase| Peer::RungeKutta4 { phase });
-        let chosen = [1e-3, 1e-5, 1e-7, 1e-9].map(|tolerance| Peer::DormandPrince5 { tolerance });
-        let smoothed = [0.1, 0.01, 0.001].map(|speed_m_s| Peer::Smoothed { speed_m_s });
-        let softened = [8.0, 4.0, 2.0].map(|divisor| Peer::Softened { divisor });
+        let verlet = phases.map(|phase| GearPeer::Verlet { phase });
+        let runge_kutta = phases[..6].iter().map(|&phase| GearPeer::RungeKutta4 { phase });
+        let chosen = [1e-3, 1e-5, 1e-7, 1e-9].map(|tolerance| GearPeer::DormandPrince5 { tolerance });
+        let smoothed = [0.1, 0.01, 0.001].map(|speed_m_s| GearPeer::Smoothed { speed_m_s });
+        let softened = [8.0, 4.0, 2.0].map(|divisor| GearPeer::Softened { divisor });
         verlet.into_iter().chain(runge_kutta).chain(chosen).chain(smoothed).chain(softened).collect()
     }
 
     /// The name in tables and figures.
     pub fn name(self) -> &'static str {
         match self {
-            Peer::Verlet { .. } => "Verlet with a clamp",
-            Peer::RungeKutta4 { .. } => "Runge-Kutta 4 with a clamp",
-            Peer::DormandPrince5 { .. } => "Dormand-Prince 5(4) with a clamp",
-            Peer::Smoothed { .. } => "friction smoothed by speed",
-            Peer::Softened { .. } => "softened lock",
+            GearPeer::Verlet { .. } => "Verlet with a clamp",
+            GearPeer::RungeKutta4 { .. } => "Runge-Kutta 4 with a clamp",
+            GearPeer::DormandPrince5 { .. } => "Dormand-Prince 5(4) with a clamp",
+            GearPeer::Smoothed { .. } => "friction smoothed by speed",
+            GearPeer::Softened { .. } => "softened lock",
         }
     }
 
     /// The setting in tables.
     pub fn setting(self) -> String {
         match self {
-            Peer::Verlet { phase } | Peer::RungeKutta4 { phase } => format!("h ω_max = {phase}"),
-            Peer::DormandPrince5 { tolerance } => format!("tolerance {tolerance:e}"),
-            Peer::Smoothed { speed_m_s } => format!("below {speed_m_s} m/s"),
-            Peer::Softened { divisor } => format!("solid stiffness / {divisor}"),
+            GearPeer::Verlet { phase } | GearPeer::RungeKutta4 { phase } => format!("h ω_max = {phase}"),
+            GearPeer::DormandPrince5 { tolerance } => format!("tolerance {tolerance:e}"),
+            GearPeer::Smoothed { speed_m_s } => format!("below {speed_m_s} m/s"),
+            GearPeer::Softened { divisor } => format!("solid stiffness / {divisor}"),
         }
     }
 
     /// Whether it differs from the others only where there is friction.
     pub fn needs_friction(self) -> bool {
-        matches!(self, Peer::Smoothed { .. } | Peer::Softened { .. })
+        matches!(self, GearPeer::Smoothed { .. } | GearPeer::Softened { .. })
     }
 
     /// The train as the method has it.
     pub fn train(self, problem: &Problem) -> Clamped {
         match self {
-            Peer::Smoothed { speed_m_s } => Clamped::new(problem, Between::Smoothed { speed_m_s }, 1.0),
-            Peer::Softened { divisor } => Clamped::new(problem, Between::Clamp, divisor),
+            GearPeer::Smoothed { speed_m_s } => Clamped::new(problem, Between::Smoothed { speed_m_s }, 1.0),
+            GearPeer::Softened { divisor } => Clamped::new(problem, Between::Clamp, divisor),
             _ => Clamped::new(problem, Between::Clamp, 1.0),
         }
     }
@@ -119,28 +119,28 @@ impl Peer {
     /// Accelerations that a march is going to compute; a guess where the method chooses its steps.
     pub fn estimated_accelerations(self, problem: &Problem) -> f64 {
         let per_radian = match self {
-            Peer::Verlet { phase } => 1.0 / phase,
-            Peer::RungeKutta4 { phase } => 4.0 / phase,
-            Peer::DormandPrince5 { tolerance } => 7.0 * (1e-3 / tolerance).powf(0.2),
-            Peer::Smoothed { .. } => 4.0 / STIFF,
-            Peer::Softened { .. } => 1.0 / FINE,
+            GearPeer::Verlet { phase } => 1.0 / phase,
+            GearPeer::RungeKutta4 { phase } => 4.0 / phase,
+            GearPeer::DormandPrince5 { tolerance } => 7.0 * (1e-3 / tolerance).powf(0.2),
+            GearPeer::Smoothed { .. } => 4.0 / STIFF,
+            GearPeer::Softened { .. } => 1.0 / FINE,
         };
         problem.horizon_s * self.train(problem).rate() * per_radian * problem.mass_kg.len() as f64
     }
 
     /// Marches a problem without later partings to its horizon; `times` ascend.
-    pub fn march(self, problem: &Problem, times: &[f64]) -> Marched {
+    pub fn march(self, problem: &Problem, times: &[f64]) -> GearMarched {
         let train = self.train(problem);
         let rate = train.rate();
         let mut run = Run { train, times, forces: Vec::new(), stages: Vec::new(), accelerations: 0 };
         match self {
-            Peer::Verlet { phase } => run.equal_steps(problem.horizon_s, phase / rate, Run::verlet),
-            Peer::RungeKutta4 { phase } => run.equal_steps(problem.horizon_s, phase / rate, Run::runge_kutta),
-            Peer::Smoothed { .. } => run.equal_steps(problem.horizon_s, STIFF / rate, Run::runge_kutta),
-            Peer::Softened { .. } => run.equal_steps(problem.horizon_s, FINE / rate, Run::verlet),
-            Peer::DormandPrince5 { tolerance } => run.chosen_steps(problem.horizon_s, tolerance, rate),
+            GearPeer::Verlet { phase } => run.equal_steps(problem.horizon_s, phase / rate, Run::verlet),
+            GearPeer::RungeKutta4 { phase } => run.equal_steps(problem.horizon_s, phase / rate, Run::runge_kutta),
+            GearPeer::Smoothed { .. } => run.equal_steps(problem.horizon_s, STIFF / rate, Run::runge_kutta),
+            GearPeer::Softened { .. } => run.equal_steps(problem.horizon_s, FINE / rate, Run::verlet),
+            GearPeer::DormandPrince5 { tolerance } => run.chosen_steps(problem.horizon_s, tolerance, rate),
         }
-        Marched { extremes: run.train.extremes, forces: run.forces, accelerations: run.accelerations }
+        GearMarched { extremes: run.train.extremes, forces: run.forces, accelerations: run.accelerations }
     }
 }
 

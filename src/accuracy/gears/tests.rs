@@ -1,7 +1,7 @@
 //! The reference against closed forms computed with 40 digits apart from this code: each is given as a leading `f64` and the rest of its
 //! digits.
 
-use super::exact::{Found, Reference, march};
+use super::exact::{GearFound, GearReference, march};
 use super::roots;
 use crate::law::{Curve, GearRow, Law, Rest};
 use crate::march::Problem;
@@ -46,8 +46,8 @@ fn train(mass_kg: Vec<f64>, laws: Vec<Law>, horizon_s: f64) -> Problem {
     }
 }
 
-fn found(problem: &Problem, times: &[f64]) -> Found {
-    let reference = Reference::new(problem, times).expect("few steps");
+fn found(problem: &Problem, times: &[f64]) -> GearFound {
+    let reference = GearReference::new(problem, times).expect("few steps");
     let largest = reference.found.largest.iter().flatten().map(|f| f.abs().hi).fold(0.0, f64::max);
     assert!(reference.doubt_n <= 1e-26 * largest, "doubt {:e}", reference.doubt_n / largest);
     reference.found

@@ -2,14 +2,14 @@
 
 use std::time::Instant;
 
-use super::super::gears::exact::Reference;
+use super::super::gears::exact::GearReference;
 use super::StressRow;
 use crate::law::{Curve, GearRow, Law, Rest};
 use crate::march::{Bound, MarchOptions, MarchOutcome, Problem, solve};
 
 /// A named extreme train.
 #[derive(Clone, Debug)]
-pub struct Case {
+pub struct GearCase {
     /// What is extreme about it.
     pub name: &'static str,
     /// The train and what happens; every coupler is rated at [`PULL`].
@@ -25,13 +25,13 @@ const STIFFNESS: f64 = 17.9e6;
 const EIGHT_MPH: f64 = 8.0 * 0.44704;
 
 /// All of them.
-pub fn cases() -> Vec<Case> {
+pub fn cases() -> Vec<GearCase> {
     let lists = [grazing(), let_go(), light_and_stiff(), impacts()];
-    lists.into_iter().flatten().map(|(name, problem)| Case { name, problem }).collect()
+    lists.into_iter().flatten().map(|(name, problem)| GearCase { name, problem }).collect()
 }
 
 /// Runs one case: three runs of the march to 1e-6 of the rating.
-pub fn run(case: &Case) -> StressRow {
+pub fn run(case: &GearCase) -> StressRow {
     let couplers = case.problem.laws.len();
     let ask = MarchOptions {
         capacity_n: vec![[PULL; 2]; couplers],
@@ -52,7 +52,7 @@ pub fn run(case: &Case) -> StressRow {
         note += &format!(", predictable up to {until_s:.2} of {:.2} s", case.problem.horizon_s);
     }
     let extremes: Vec<[f64; 2]> = outcome.extremes.iter().map(|e| [e.draft.force_n, -e.buff.force_n]).collect();
-    let error = match Reference::new(&cut, &[]) {
+    let error = match GearReference::new(&cut, &[]) {
         Ok(reference) if reference.doubt_n <= 0.1 * bound_n => Some(reference.peak_error_n(&extremes) / PULL),
         Ok(reference) => {
             note += &format!(", reference known to {:.0e} only", reference.doubt_n / PULL);

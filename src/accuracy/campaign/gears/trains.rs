@@ -8,7 +8,7 @@ use crate::play::Drive;
 /// What happens to a train.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[expect(missing_docs, reason = "their names say it")]
-pub enum Kind {
+pub enum GearKind {
     Break,
     LetDown,
     Impact,
@@ -18,21 +18,28 @@ pub enum Kind {
     Application,
 }
 
-impl Kind {
+impl GearKind {
     /// All of them, in the order of the table.
-    pub const ALL: [Kind; 7] =
-        [Kind::Break, Kind::LetDown, Kind::Impact, Kind::Pulse, Kind::Cascade, Kind::Emergency, Kind::Application];
+    pub const ALL: [GearKind; 7] = [
+        GearKind::Break,
+        GearKind::LetDown,
+        GearKind::Impact,
+        GearKind::Pulse,
+        GearKind::Cascade,
+        GearKind::Emergency,
+        GearKind::Application,
+    ];
 
     /// In the table.
     pub fn name(self) -> &'static str {
         match self {
-            Kind::Break => "break",
-            Kind::LetDown => "break after a let-down",
-            Kind::Impact => "impact",
-            Kind::Pulse => "pulse",
-            Kind::Cascade => "cascade",
-            Kind::Emergency => "parting and emergency",
-            Kind::Application => "brake application",
+            GearKind::Break => "break",
+            GearKind::LetDown => "break after a let-down",
+            GearKind::Impact => "impact",
+            GearKind::Pulse => "pulse",
+            GearKind::Cascade => "cascade",
+            GearKind::Emergency => "parting and emergency",
+            GearKind::Application => "brake application",
         }
     }
 }
@@ -41,9 +48,9 @@ impl Kind {
 const STIFFNESS: f64 = 17.9e6;
 
 /// The train of a seed, and what happens.
-pub fn draw(seed: u64) -> (Kind, Problem) {
+pub fn draw(seed: u64) -> (GearKind, Problem) {
     let mut r = Random(seed ^ 0x6ea5);
-    let kind = Kind::ALL[(seed % Kind::ALL.len() as u64) as usize];
+    let kind = GearKind::ALL[(seed % GearKind::ALL.len() as u64) as usize];
     let n = 8 + (r.share() * r.share() * 40.0) as usize;
     let equal = r.chance(0.5);
     let mass_kg: Vec<f64> = (0..n).map(|_| if equal { 130e3 } else { r.between(30e3, 150e3) }).collect();
@@ -70,14 +77,14 @@ pub fn draw(seed: u64) -> (Kind, Problem) {
         mass_kg,
     };
     match kind {
-        Kind::Break | Kind::LetDown => {
-            load(&mut r, &mut problem, kind == Kind::LetDown);
+        GearKind::Break | GearKind::LetDown => {
+            load(&mut r, &mut problem, kind == GearKind::LetDown);
             part(&mut r, &mut problem);
         }
-        Kind::Impact => impact(&mut r, &mut problem),
-        Kind::Pulse => pulse(&mut r, &mut problem),
-        Kind::Cascade => cascade(&mut r, &mut problem),
-        Kind::Emergency | Kind::Application => brakes(&mut r, &mut problem, kind == Kind::Emergency),
+        GearKind::Impact => impact(&mut r, &mut problem),
+        GearKind::Pulse => pulse(&mut r, &mut problem),
+        GearKind::Cascade => cascade(&mut r, &mut problem),
+        GearKind::Emergency | GearKind::Application => brakes(&mut r, &mut problem, kind == GearKind::Emergency),
     }
     (kind, problem)
 }

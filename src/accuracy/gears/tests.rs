@@ -1,6 +1,8 @@
 //! The reference against closed forms computed with 40 digits apart from this code: each is given as a leading `f64` and the rest of its
 //! digits.
 
+#![allow(clippy::excessive_precision)]
+
 use super::exact::{GearFound, GearReference, march};
 use super::roots;
 use crate::law::{Curve, GearRow, Law, Rest};

@@ -89,7 +89,7 @@ fn one_thread_and_two_write_the_same_bytes() {
     let names: Vec<&str> = one.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(
         names,
-        [".fleet-run.lock", "errors.csv", "figure-safe-load.svg", "fleet-run.json", "fleet.csv", "fleet.md"]
+        [".fleet-run.lock", "errors.csv", "figure-safe-factors.svg", "fleet-run.json", "fleet.csv", "fleet.md"]
     );
     assert_eq!(one, run("2"));
 }

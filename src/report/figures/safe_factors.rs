@@ -42,7 +42,7 @@ fn distribution(panel: &mut Panel, sorted: &[f64], finite: usize, right: f64) {
     line.push((right, share(finite)));
     // Left of the cause as it is given a coupler is overloaded.
     let below = line.iter().copied().filter(|p| p.0 < 1.0);
-    let end = (1.0, below.clone().last().map_or(0.0, |p| p.1));
+    let end = (1.0, below.clone().next_back().map_or(0.0, |p| p.1));
     let below: Vec<_> = below.chain([end]).collect();
     let floor: Vec<_> = below.iter().map(|p| (p.0, 0.0)).collect();
     panel.band(&floor, &below, Color::Over);

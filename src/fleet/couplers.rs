@@ -41,7 +41,7 @@ impl Couplers {
         let front = [text(&place.file), text(train.name()), train.vehicles().len().to_string(), variation];
         let before: Vec<&str> = front.iter().chain(&place.inputs).map(String::as_str).collect();
         for coupler in &case.couplers {
-            let row = Row { scenario, case, coupler };
+            let row = CouplerRow { scenario, case, coupler };
             let (front, rest) = self.columns.split_at_mut(before.len());
             front.iter_mut().zip(&before).for_each(|(column, cell)| column.add(cell));
             rest.iter_mut().zip(&COLUMNS).for_each(|(column, of)| column.take(of, &row));

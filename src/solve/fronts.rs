@@ -14,11 +14,11 @@
 //!
 //! The work grows with the springs, not with springs times instants:
 //!
-//! 1. Every front lies between two steps ([`stairs`]); their sums say in which few windows a spring's force can be largest or
+//! 1. Every front lies between two steps (`stairs`); their sums say in which few windows a spring's force can be largest or
 //!    pass its rating first.
-//! 2. There the fronts are sampled by forms that are right to a few digits ([`forms`]); cubics between samples, with a bound on
+//! 2. There the fronts are sampled by forms that are right to a few digits (`forms`); cubics between samples, with a bound on
 //!    their fourth derivative, leave one or two cells a side.
-//! 3. In those the force is a polynomial made of Bessel functions of all orders ([`rows`]). Every value and time that is
+//! 3. In those the force is a polynomial made of Bessel functions of all orders (`rows`). Every value and time that is
 //!    reported comes from there, within [`error_bound`].
 //!
 //! What steps 1 and 2 exclude rests on two numbers that are not proved but met with a margin: the error of the forms (at least twice the

@@ -81,7 +81,7 @@ pub enum Variant {
     LinearCouplers,
     /// No brakes that a parting sets off, and tractive efforts that do not change.
     WithoutBrakes,
-    /// Let down to its load from [`LET_DOWN`] times that.
+    /// Let down to its load from 1.5 times that.
     LetDown,
     /// Generic friction gears in place of linear couplers.
     GenericGears,

@@ -6,7 +6,7 @@
 //! q_i = q_i(0) + x_i - x_{i+1}
 //! ```
 //!
-//! A step is a Taylor series of degree [`DEGREE`] over a phase of at most [`GearReference::PHASE`], whose first term left out is 1e-30 of the
+//! A step is a Taylor series of degree `DEGREE` over a phase of at most `GearReference::PHASE`, whose first term left out is 1e-30 of the
 //! motion; it ends at the first event, found by Bernstein coefficients in double precision and by Newton's method in double-double. An
 //! event counts once the elongation is 1e-26 of the train's scale past it. Two marches with other steps tell what the reference is good
 //! for: [`GearReference::doubt_n`].

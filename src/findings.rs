@@ -53,7 +53,7 @@ const REMEMBERED: usize = 32 << 20;
 pub struct Options {
     /// The error each reported force may have, as a share of the train's largest rating. Default 1e-9.
     pub tolerance: f64,
-    /// A method to use whatever it costs; `None` lets the planner choose.
+    /// A method to use even where another needs less work; `None` lets the planner choose.
     pub method: Option<Method>,
     /// Only this scenario, by its name; `None` runs all.
     pub scenario: Option<String>,
@@ -438,6 +438,12 @@ pub(crate) fn cases(event: &Event) -> Vec<Option<usize>> {
         Event::Break { couplers } => couplers.iter().map(|&b| Some(b)).collect(),
         Event::Pulse { .. } | Event::Shaped { .. } | Event::Impact { .. } | Event::Brake { .. } => vec![None],
     }
+}
+
+/// The case whose worst coupler has the largest utilisation, with that coupler; of alike ones the first.
+pub(crate) fn worst_case(cases: &[CaseFindings]) -> Option<(&CaseFindings, &CouplerFindings)> {
+    let worst = cases.iter().filter_map(|case| Some((case, case.worst.as_ref()?)));
+    worst.reduce(|a, b| if b.1.utilisation > a.1.utilisation { b } else { a })
 }
 
 /// The largest rating of any coupler in either sense.

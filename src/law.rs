@@ -137,6 +137,19 @@ impl Curve {
         Ok(Curve { rows: rows.into() })
     }
 
+    /// A pair of North American friction draft gears: generic, no maker's curve. The rows are those of
+    /// `trains/gears/aar-friction-pair.csv`, which has their sources.
+    pub(crate) fn generic_friction_gears() -> Curve {
+        const ROWS: [[f64; 3]; 5] =
+            [[0.0, 0.0, 0.0], [7.0, 120.0, 60.0], [38.0, 680.0, 172.0], [114.0, 1350.0, 300.0], [149.0, 2520.0, 360.0]];
+        let row = |[mm, loading_kn, unloading_kn]: [f64; 3]| GearRow {
+            travel_m: mm / 1e3,
+            loading_n: loading_kn * 1e3,
+            unloading_n: unloading_kn * 1e3,
+        };
+        Curve { rows: ROWS.map(row).into() }
+    }
+
     /// The rows, in order of travel.
     pub fn rows(&self) -> &[GearRow] {
         &self.rows
@@ -367,6 +380,15 @@ mod tests {
     }
 
     /// Gear A let down from 0.6 MN to 0.3 MN, locked, and to 0.15 MN, on its unloading curve: plain arithmetic.
+    #[test]
+    fn the_generic_gears_are_those_of_the_sample_file() {
+        let file = include_str!("../trains/gears/aar-friction-pair.csv");
+        let numbers = |line: &str| line.split(',').map(|cell| cell.parse().ok()).collect::<Option<Vec<f64>>>();
+        let rows = file.lines().filter(|line| !line.starts_with('#')).filter_map(numbers);
+        let row = |r: Vec<f64>| GearRow { travel_m: r[0] / 1e3, loading_n: r[1] * 1e3, unloading_n: r[2] * 1e3 };
+        assert_eq!(rows.map(row).collect::<Vec<_>>(), Curve::generic_friction_gears().rows());
+    }
+
     #[test]
     fn let_down() {
         let law = gear_a(0.0);

@@ -148,13 +148,13 @@ impl<'a> Bench<'a> {
                     continue;
                 }
             };
-            let (run_time_s, runs) = timed(&self.options, || drop(peer.march(self.scene, &[])));
-            let row = self.peer_row(peer, &marched, run_time_s, runs);
+            let timed = timed(&self.options, || drop(peer.march(self.scene, &[])));
+            let row = self.peer_row(peer, &marched, timed);
             self.rows.push(row);
         }
     }
 
-    fn peer_row(&self, peer: Peer, marched: &Marched, run_time_s: f64, runs: usize) -> MethodRow {
+    fn peer_row(&self, peer: Peer, marched: &Marched, timed: (f64, usize)) -> MethodRow {
         let pairs = self.extremes.iter().flatten().zip(marched.extremes.iter().flatten());
         let peak = pairs.map(|(exact, &found)| exact.error_of(found)).fold(0.0, f64::max);
         let instants =
@@ -162,19 +162,8 @@ impl<'a> Bench<'a> {
                 exact.iter().zip(&self.watched).map(|(exact, &i)| difference(found[i], *exact))
             });
         let force = instants.fold(0.0, f64::max);
-        MethodRow {
-            origin: RowOrigin::Peer,
-            method: peer.name(),
-            setting: peer.setting(),
-            tolerances: None,
-            run_time_s,
-            runs,
-            work: Effort::Accelerations(marched.accelerations),
-            peak_error_n: peak * self.force_n,
-            force_error_n: force * self.force_n,
-            bound_n: None,
-            estimate_n: None,
-        }
+        let errors_n = [peak * self.force_n, force * self.force_n];
+        MethodRow::of_peer((peer.name(), peer.setting()), marched, timed, errors_n)
     }
 }
 

@@ -103,7 +103,32 @@ pub struct MethodRow {
     pub estimate_n: Option<f64>,
 }
 
-/// Counted work, each in the method's own coin.
+impl MethodRow {
+    /// The row of a method of simulators: its name and setting, its run time, s, with the number of runs, and its errors in peaks and
+    /// in forces at instants, N.
+    fn of_peer(
+        (method, setting): (&'static str, String),
+        marched: &peers::Marched,
+        (run_time_s, runs): (f64, usize),
+        [peak_error_n, force_error_n]: [f64; 2],
+    ) -> MethodRow {
+        MethodRow {
+            origin: RowOrigin::Peer,
+            method,
+            setting,
+            tolerances: None,
+            run_time_s,
+            runs,
+            work: Effort::Accelerations(marched.accelerations),
+            peak_error_n,
+            force_error_n,
+            bound_n: None,
+            estimate_n: None,
+        }
+    }
+}
+
+/// Counted work; its unit depends on the method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effort {
     /// Accelerations of masses.

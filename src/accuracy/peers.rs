@@ -52,11 +52,11 @@ pub enum Peer {
 /// What a march saw.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Marched {
-    /// Of every spring the largest F and the largest -F at whole steps over 0 <= t <= horizon.
+    /// Of every coupler the largest F and the largest -F at whole steps over 0 <= t <= horizon.
     pub extremes: Vec<[f64; 2]>,
-    /// Every spring's F at each of the instants asked for.
+    /// Every coupler's F at each of the instants asked for.
     pub forces: Vec<Vec<f64>>,
-    /// Accelerations computed: one for each mass, each time.
+    /// Accelerations computed: one for each vehicle, each time.
     pub accelerations: u64,
 }
 

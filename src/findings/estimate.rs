@@ -67,14 +67,14 @@ pub(crate) fn case_estimate_s(
     options: &Options,
 ) -> Result<f64, SolveError> {
     let horizon_s = scenario::horizon_s(train, scenario, broken);
+    let once = solved_s(train, scenario, broken, horizon_s, options)?;
     if scenario::is_march(train, scenario) {
-        return Ok(march::estimate_s(train, scenario, broken, horizon_s, options));
+        return Ok(once);
     }
     let mut seconds = 0.0;
     if scenario.cascade != Rule::Keep {
         seconds += general::estimate_s(train, scenario, broken, horizon_s, scenario.cascade);
     }
-    let once = solved_s(train, scenario, broken, horizon_s, options)?;
     let balanced = scenario::unbalanced_n(train, &scenario.event).iter().all(|f| *f == 0.0);
     seconds += if balanced { once } else { once * (1.0 + safe_speed::ABOUT) };
     let passage_s = first_passage::end_s(train, scenario, broken, horizon_s);
@@ -84,14 +84,17 @@ pub(crate) fn case_estimate_s(
     Ok(seconds)
 }
 
-/// Estimated time of solving a case once up to an instant, s.
-fn solved_s(
+/// Estimated time of solving a case once up to an instant, s; of a march with all that it is asked.
+pub(super) fn solved_s(
     train: &Train,
     scenario: &Scenario,
     broken: Option<usize>,
     until_s: f64,
     options: &Options,
 ) -> Result<f64, SolveError> {
+    if scenario::is_march(train, scenario) {
+        return Ok(march::estimate_s(train, scenario, broken, until_s, options));
+    }
     if scenario::beyond_steps(&train.extras().dashpot_n_s_per_m, &scenario.event) {
         return Ok(general::estimate_s(train, scenario, broken, until_s, Rule::Keep));
     }

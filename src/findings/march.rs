@@ -156,5 +156,5 @@ fn reason(train: &Train, options: &Options) -> String {
         "couplers with slack or gears change their stiffness while they move"
     };
     let share = options.tolerance.max(TOLERANCE);
-    format!("{why}; forces are told as long as their error is under {share:e} of the largest rating")
+    format!("{why}; forces are reported while their error is under {share:e} of the largest rating")
 }

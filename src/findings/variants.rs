@@ -5,10 +5,9 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::case::Case;
-use super::general::{self, Solved};
-use super::{CaseFindings, Options, march};
-use crate::law::{Curve, GearRow, Law};
-use crate::play::Rule;
+use super::general::Solved;
+use super::{CaseFindings, Options, estimate, worst_case};
+use crate::law::{Curve, Law};
 use crate::scenario;
 use crate::solve::memo::Memo;
 use crate::solve::{SolveError, Wanted};
@@ -23,11 +22,7 @@ const MOST_SECONDS: f64 = 5.0;
 /// The pull from which a train is let down, as a multiple of its load.
 pub(crate) const LET_DOWN: f64 = 1.5;
 
-/// A generic pair of friction draft gears, as in `trains/gears/aar-friction-pair.csv`, which has the sources: travel, mm; loading and
-/// unloading force, kN.
-const GENERIC_GEARS: [[f64; 3]; 5] =
-    [[0.0, 0.0, 0.0], [7.0, 120.0, 60.0], [38.0, 680.0, 172.0], [114.0, 1350.0, 300.0], [149.0, 2520.0, 360.0]];
-/// Stiffness in series with them, N/m, and the slack of the second of their variants, m.
+/// Stiffness in series with [`Curve::generic_friction_gears`], N/m, and the slack of the second of their variants, m.
 const GENERIC_SOLID_N_PER_M: f64 = 2e8;
 const GENERIC_SLACK_M: f64 = 0.025;
 /// Masses of vehicles that have such gears, kg.
@@ -115,7 +110,7 @@ impl Variant {
             }
             Variant::GenericGears | Variant::GenericGearsAndSlack if !has_laws && is_of_common_size(train) => {
                 let slack_m = if self == Variant::GenericGears { 0.0 } else { GENERIC_SLACK_M };
-                let laws = vec![generic_gears(slack_m)?; train.couplers().len()];
+                let laws = vec![generic_gears(slack_m); train.couplers().len()];
                 with(train.with_laws(laws).with_dashpots(vec![]))
             }
             _ => None,
@@ -123,14 +118,9 @@ impl Variant {
     }
 }
 
-fn generic_gears(slack_m: f64) -> Option<Law> {
-    let row = |[travel, loading, unloading]: [f64; 3]| GearRow {
-        travel_m: 1e-3 * travel,
-        loading_n: 1e3 * loading,
-        unloading_n: 1e3 * unloading,
-    };
-    let curve = Curve::new(GENERIC_GEARS.map(row).to_vec()).ok()?;
-    Some(Law::Gear { solid_n_per_m: GENERIC_SOLID_N_PER_M, slack_m, draft: curve.clone(), buff: curve })
+fn generic_gears(slack_m: f64) -> Law {
+    let curve = Curve::generic_friction_gears();
+    Law::Gear { solid_n_per_m: GENERIC_SOLID_N_PER_M, slack_m, draft: curve.clone(), buff: curve }
 }
 
 /// Whether a coupler loses work in a cycle.
@@ -144,15 +134,9 @@ fn has_friction(train: &Train) -> bool {
 
 /// Whether generic gears fit: vehicles of the masses that have them, a load under their last row, no damping of the modes.
 fn is_of_common_size(train: &Train) -> bool {
-    let last_n = 1e3 * GENERIC_GEARS[GENERIC_GEARS.len() - 1][1];
+    let last_n = Curve::generic_friction_gears().rows().last().map_or(0.0, |row| row.loading_n);
     let masses = train.vehicles().iter().filter(|v| !v.held).all(|v| GENERIC_MASSES_KG.contains(&v.mass_kg));
     masses && train.initial_force_n().iter().all(|f| f.abs() < last_n) && train.extras().damping_ratio == 0.0
-}
-
-/// The case whose worst coupler has the largest utilisation; of alike ones the first.
-fn worst_case(cases: &[CaseFindings]) -> Option<&CaseFindings> {
-    let used = |case: &CaseFindings| case.worst.as_ref().map_or(-1.0, |w| w.utilisation);
-    cases.iter().filter(|c| c.worst.is_some()).reduce(|a, b| if used(b) > used(a) { b } else { a })
 }
 
 /// The variants that mean something for the train; none without a coupler to watch, and none that takes too long.
@@ -165,7 +149,7 @@ pub(super) fn variants(
     cases: &[CaseFindings],
     options: &Options,
 ) -> Result<Vec<VariantFindings>, SolveError> {
-    let Some(worst) = worst_case(cases) else { return Ok(Vec::new()) };
+    let Some((worst, _)) = worst_case(cases) else { return Ok(Vec::new()) };
     let one = |&variant: &Variant| {
         let (changed, scenario) = variant.of(train, scenario)?;
         let found = solved(&changed, &scenario, worst, options).transpose()?;
@@ -187,7 +171,7 @@ pub(super) fn damping(
 ) -> Result<Vec<DampingFindings>, SolveError> {
     let has_losses = train.extras().damping_ratio > 0.0 || !train.extras().dashpot_n_s_per_m.is_empty();
     let worst = worst_case(cases).filter(|_| !has_losses && !scenario::is_march(train, scenario));
-    let Some(worst) = worst else { return Ok(Vec::new()) };
+    let Some((worst, _)) = worst else { return Ok(Vec::new()) };
     let one = |&damping_ratio: &f64| {
         let critical = (0..train.couplers().len()).map(|i| critical_n_s_per_m(train, i));
         let dashpot_n_s_per_m = critical.map(|c| damping_ratio * c).collect();
@@ -209,11 +193,7 @@ fn solved(
     let options = Options { method: None, wanted: Wanted::Everything, ..options.clone() };
     let memo = Memo::new(0);
     let case = Case::new(train, scenario, broken, &options, &memo);
-    let estimate_s = match scenario::is_march(train, scenario) {
-        true => march::estimate_s(train, scenario, broken, case.horizon_s, &options),
-        false => general::estimate_s(train, scenario, broken, case.horizon_s, Rule::Keep),
-    };
-    if estimate_s > MOST_SECONDS {
+    if estimate::solved_s(train, scenario, broken, case.horizon_s, &options)? > MOST_SECONDS {
         return Ok(None);
     }
     let Solved { couplers, worst, error_bound_n, error_estimate_n, .. } = case.solve(case.horizon_s)?;
@@ -234,17 +214,4 @@ pub(crate) fn critical_n_s_per_m(train: &Train, coupler: usize) -> f64 {
     let live = [coupler, coupler + 1].into_iter().map(|v| &train.vehicles()[v]).filter(|v| !v.held);
     let mass = live.map(|v| v.mass_kg).fold(f64::INFINITY, f64::min);
     if mass.is_finite() { 2.0 * (train.couplers()[coupler].stiffness_n_per_m * mass).sqrt() } else { 0.0 }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_generic_gears_are_those_of_the_sample_file() {
-        let file = include_str!("../../trains/gears/aar-friction-pair.csv");
-        let numbers = |line: &str| line.split(',').map(|cell| cell.parse().ok()).collect::<Option<Vec<f64>>>();
-        let rows: Vec<Vec<f64>> = file.lines().filter(|line| !line.starts_with('#')).filter_map(numbers).collect();
-        assert_eq!(rows, GENERIC_GEARS.map(|row| row.to_vec()));
-    }
 }

@@ -64,6 +64,30 @@ pub struct Problem {
     pub mark_s: f64,
 }
 
+impl Problem {
+    /// Free vehicles at rest under no outside force, their couplers at no load in the middle of their slack.
+    pub fn at_rest(mass_kg: Vec<f64>, laws: Vec<Law>, horizon_s: f64) -> Problem {
+        let vehicles = mass_kg.len();
+        Problem {
+            start: vec![Rest::default(); laws.len()],
+            mass_kg,
+            laws,
+            held_head: false,
+            held_tail: false,
+            dashpot_n_s_per_m: Vec::new(),
+            speed_m_s: vec![0.0; vehicles],
+            common_speed_m_s: None,
+            steady_n: vec![0.0; vehicles],
+            forcing: Vec::new(),
+            gone: Vec::new(),
+            break_at_n: Vec::new(),
+            emergency: None,
+            horizon_s,
+            mark_s: horizon_s,
+        }
+    }
+}
+
 /// Emergency brakes: the pipe opens where a coupler parts, and a wave runs both ways from there.
 #[derive(Clone, Debug)]
 pub struct Emergency {

@@ -2,18 +2,14 @@
 
 use super::numbers::{brief_time, digits, down, given_force, given_speed, given_time, percent, time};
 use crate::consist;
-use crate::findings::{CaseFindings, CouplerFindings, LoadSearch, ScenarioFindings};
+use crate::findings::{self, CaseFindings, CouplerFindings, LoadSearch, ScenarioFindings};
+pub(crate) use crate::train::count;
 use crate::train::{Application, Event, Scenario, Train};
 use crate::units::UnitSystem;
 
 /// The scenario of the train that a scenario of findings was made from, with its index.
 pub fn source<'a>(train: &'a Train, findings: &ScenarioFindings) -> Option<(usize, &'a Scenario)> {
     train.scenarios().iter().enumerate().find(|(_, s)| s.name == findings.name)
-}
-
-/// "1 coupler", "2 couplers".
-pub fn count(n: usize, noun: &str) -> String {
-    format!("{n} {noun}{}", if n == 1 { "" } else { "s" })
 }
 
 /// "draft" or "buff", the sign of a force in the railway's words.
@@ -420,8 +416,7 @@ pub fn map_of_breaks(scenario: &ScenarioFindings) -> String {
 
 /// The case whose worst coupler has the largest utilisation, with that coupler.
 pub fn worst_case(scenario: &ScenarioFindings) -> Option<(&CaseFindings, &CouplerFindings)> {
-    let worst = scenario.cases.iter().filter_map(|case| Some((case, case.worst.as_ref()?)));
-    worst.reduce(|a, b| if b.1.utilisation > a.1.utilisation { b } else { a })
+    findings::worst_case(&scenario.cases)
 }
 
 /// What a safe factor multiplies: the load, a pulse's force, an impact's speed.

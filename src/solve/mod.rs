@@ -92,7 +92,7 @@ pub enum Wanted {
 pub struct Ask {
     /// The error that each force may have, in the scene's unit of force.
     pub tolerance: f64,
-    /// A method to use whatever it costs.
+    /// A method to use even where another needs less work.
     pub method: Option<Method>,
     /// Leave out springs whose all-time bound is under their ratings.
     pub verdict_only: bool,

@@ -1,7 +1,7 @@
 //! Trains with slack and gears for tests, and Verlet with a clamp: 20 lines that share nothing with the march.
 #![allow(dead_code)]
 
-use trainsafe::law::{Curve, GearRow, Law, Rest};
+use trainsafe::law::{Curve, GearRow, Law};
 use trainsafe::march::Problem;
 
 /// A table of travel mm, loading kN, unloading kN.
@@ -36,24 +36,7 @@ pub fn wedge(k: f64, kl: f64, friction: f64, slack: f64, travel: f64) -> Law {
 
 /// A run of vehicles under no steady force, at rest.
 pub fn train(mass_kg: Vec<f64>, laws: Vec<Law>, horizon_s: f64) -> Problem {
-    let n = mass_kg.len();
-    Problem {
-        start: vec![Rest::default(); n - 1],
-        mass_kg,
-        laws,
-        held_head: false,
-        held_tail: false,
-        dashpot_n_s_per_m: Vec::new(),
-        speed_m_s: vec![0.0; n],
-        common_speed_m_s: None,
-        steady_n: vec![0.0; n],
-        forcing: Vec::new(),
-        gone: Vec::new(),
-        break_at_n: Vec::new(),
-        emergency: None,
-        horizon_s,
-        mark_s: horizon_s,
-    }
+    Problem::at_rest(mass_kg, laws, horizon_s)
 }
 
 /// A held head, `cars` of one mass behind it, all couplers pulled to each of the forces in turn, and the end let go.

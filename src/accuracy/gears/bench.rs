@@ -1,8 +1,9 @@
 //! The march and the methods of simulators on one problem: run times, and errors against the reference.
 
 use super::exact::{GearReference, TooManySteps};
-use super::peers::{GearMarched, GearPeer};
+use super::peers::GearPeer;
 use crate::accuracy::bench::{difference, timed};
+use crate::accuracy::peers::Marched;
 use crate::accuracy::{AccuracyOptions, Effort, INSTANTS, MethodRow, RowOrigin, WATCHED};
 use crate::march::{Bound, MarchOptions, MarchOutcome, Problem, solve};
 
@@ -98,27 +99,17 @@ impl Bench {
                 self.left_out.push(format!("{name}: it would compute some {expected:.0e} accelerations"));
             } else {
                 let marched = peer.march(&self.problem, &self.times);
-                let (run_time_s, runs) = timed(&self.options, || drop(peer.march(&self.problem, &[])));
-                let row = self.peer_row(peer, &marched, run_time_s, runs);
+                let timed = timed(&self.options, || drop(peer.march(&self.problem, &[])));
+                let row = self.peer_row(peer, &marched, timed);
                 self.rows.push(row);
             }
         }
     }
 
-    fn peer_row(&self, peer: GearPeer, marched: &GearMarched, run_time_s: f64, runs: usize) -> MethodRow {
-        MethodRow {
-            origin: RowOrigin::Peer,
-            method: peer.name(),
-            setting: peer.setting(),
-            tolerances: None,
-            run_time_s,
-            runs,
-            work: Effort::Accelerations(marched.accelerations),
-            peak_error_n: self.reference.peak_error_n(&marched.extremes),
-            force_error_n: self.force_error_n(|n, _, i| marched.forces[n][i]),
-            bound_n: None,
-            estimate_n: None,
-        }
+    fn peer_row(&self, peer: GearPeer, marched: &Marched, timed: (f64, usize)) -> MethodRow {
+        let peak_error_n = self.reference.peak_error_n(&marched.extremes);
+        let force_error_n = self.force_error_n(|n, _, i| marched.forces[n][i]);
+        MethodRow::of_peer((peer.name(), peer.setting()), marched, timed, [peak_error_n, force_error_n])
     }
 
     /// The largest error at the instants; `found` gives the force at an instant of a watched coupler by its place and its number.

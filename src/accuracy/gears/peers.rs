@@ -5,6 +5,7 @@
 //! a step, and the law from the step's start; the method that chooses its steps ends one there.
 
 use super::clamp::{Between, Clamped, State};
+use crate::accuracy::peers::Marched;
 use crate::march::Problem;
 
 /// A way to march in time; `phase` is the step times the bound on the motion's rate.
@@ -35,17 +36,6 @@ pub enum GearPeer {
         /// By which number.
         divisor: f64,
     },
-}
-
-/// What a march saw.
-#[derive(Clone, Debug, PartialEq)]
-pub struct GearMarched {
-    /// Of every coupler the largest F and the largest -F at whole steps, N.
-    pub extremes: Vec<[f64; 2]>,
-    /// Every coupler's force at each of the instants asked for, N.
-    pub forces: Vec<Vec<f64>>,
-    /// Accelerations computed: one for each vehicle, each time.
-    pub accelerations: u64,
 }
 
 /// The phase of steps of methods whose own error is not of their steps.
@@ -129,7 +119,7 @@ impl GearPeer {
     }
 
     /// Marches a problem without later partings to its horizon; `times` ascend.
-    pub fn march(self, problem: &Problem, times: &[f64]) -> GearMarched {
+    pub fn march(self, problem: &Problem, times: &[f64]) -> Marched {
         let train = self.train(problem);
         let rate = train.rate();
         let mut run = Run { train, times, forces: Vec::new(), stages: Vec::new(), accelerations: 0 };
@@ -140,7 +130,7 @@ impl GearPeer {
             GearPeer::Softened { .. } => run.equal_steps(problem.horizon_s, FINE / rate, Run::verlet),
             GearPeer::DormandPrince5 { tolerance } => run.chosen_steps(problem.horizon_s, tolerance, rate),
         }
-        GearMarched { extremes: run.train.extremes, forces: run.forces, accelerations: run.accelerations }
+        Marched { extremes: run.train.extremes, forces: run.forces, accelerations: run.accelerations }
     }
 }
 

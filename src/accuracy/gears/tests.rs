@@ -26,28 +26,6 @@ fn spring(k: f64, slack_m: f64) -> Law {
     Law::Elastic { draft_n_per_m: k, buff_n_per_m: k, slack_m }
 }
 
-/// Vehicles at rest under no steady force.
-fn train(mass_kg: Vec<f64>, laws: Vec<Law>, horizon_s: f64) -> Problem {
-    let n = mass_kg.len();
-    Problem {
-        start: vec![Rest::default(); n - 1],
-        mass_kg,
-        laws,
-        held_head: false,
-        held_tail: false,
-        dashpot_n_s_per_m: Vec::new(),
-        speed_m_s: vec![0.0; n],
-        common_speed_m_s: None,
-        steady_n: vec![0.0; n],
-        forcing: Vec::new(),
-        gone: Vec::new(),
-        break_at_n: Vec::new(),
-        emergency: None,
-        horizon_s,
-        mark_s: horizon_s,
-    }
-}
-
 fn found(problem: &Problem, times: &[f64]) -> GearFound {
     let reference = GearReference::new(problem, times).expect("few steps");
     let largest = reference.found.largest.iter().flatten().map(|f| f.abs().hi).fold(0.0, f64::max);
@@ -64,7 +42,7 @@ fn near(got: Dd, want: [f64; 2], tolerance: f64) {
 /// The digits that are given end at 1e-19 of the force.
 #[test]
 fn two_cars_close_a_gap() {
-    let pair = Problem { speed_m_s: vec![0.0, 1.0], ..train(vec![M; 2], vec![spring(K, 0.025)], 0.3) };
+    let pair = Problem { speed_m_s: vec![0.0, 1.0], ..Problem::at_rest(vec![M; 2], vec![spring(K, 0.025)], 0.3) };
     near(found(&pair, &[]).largest[0][1], [1078656.0, 0.5718522276727], 1e-13);
 }
 
@@ -73,7 +51,8 @@ fn two_cars_close_a_gap() {
 fn wedge() {
     let table = curve(&[[0., 0., 0.], [1., 17.9e6, 4.475e6]]);
     let start = vec![Rest { force_n: 0.0, travel_m: -0.5 }];
-    let pair = Problem { speed_m_s: vec![0.0, 1.0], start, ..train(vec![M; 2], vec![gear(2e8, 1.0, &table)], 0.3) };
+    let pair =
+        Problem { speed_m_s: vec![0.0, 1.0], start, ..Problem::at_rest(vec![M; 2], vec![gear(2e8, 1.0, &table)], 0.3) };
     near(found(&pair, &[]).largest[0][1], [1033402.0, 0.6633934044193], 1e-13);
 }
 
@@ -81,7 +60,7 @@ fn wedge() {
 fn hard_contacts() {
     let contacts = |masses: [f64; 3], horizon: f64| Problem {
         speed_m_s: vec![0.0, 0.0, 1.0],
-        ..train(masses.to_vec(), vec![spring(1e10, 0.025); 2], horizon)
+        ..Problem::at_rest(masses.to_vec(), vec![spring(1e10, 0.025); 2], horizon)
     };
     let equal = found(&contacts([M; 3], 0.07), &[]);
     for force in [equal.largest[0][1], equal.largest[1][1], equal.largest[0][0]] {
@@ -98,8 +77,11 @@ fn hard_contacts() {
 fn sequence_of_events() {
     let h = 18.0 / 17.0;
     let law = gear(18.0, 0.5, &curve(&[[0., 0., 0.], [17.0, 17.0 * h, 8.5 * h]]));
-    let problem =
-        Problem { held_head: true, start: vec![law.rest(&[1.0]); 3], ..train(vec![1.0; 4], vec![law; 3], 40.0) };
+    let problem = Problem {
+        held_head: true,
+        start: vec![law.rest(&[1.0]); 3],
+        ..Problem::at_rest(vec![1.0; 4], vec![law; 3], 40.0)
+    };
     let forces = found(&problem, &[12.0, 40.0]).forces;
     let at_12 = [-0.32120696395859405864, -0.24544023974424768514, -0.1110785466292290856];
     let at_40 = [0.20237234374275118232, 0.15605554949119171759, 0.0];
@@ -112,7 +94,7 @@ fn sequence_of_events() {
 #[test]
 fn brake_ramp() {
     let ramp = Drive::Lines(vec![[0.0, 0.0], [1.5, -13500.0], [9.0, -13500.0]]);
-    let problem = Problem { forcing: vec![(1, ramp)], ..train(vec![M; 2], vec![spring(K, 0.0)], 2.0) };
+    let problem = Problem { forcing: vec![(1, ramp)], ..Problem::at_rest(vec![M; 2], vec![spring(K, 0.0)], 2.0) };
     let forces = found(&problem, &[1.0, 1.5]).forces;
     near(forces[0][0], [4710.0, 0.1637847407681903], 1e-15);
     near(forces[1][0], [6814.0, 0.6335138964503327], 1e-15);
@@ -123,7 +105,7 @@ fn brake_ramp() {
 fn half_sine_on_one_of_two() {
     let (peak, duration) = (1e6, 0.3);
     let drive = Drive::HalfSine { peak, duration };
-    let problem = Problem { forcing: vec![(1, drive)], ..train(vec![M; 2], vec![spring(K, 0.0)], 0.5) };
+    let problem = Problem { forcing: vec![(1, drive)], ..Problem::at_rest(vec![M; 2], vec![spring(K, 0.0)], 0.5) };
     let (omega, drive) = ((2.0 * K / M).sqrt(), std::f64::consts::PI / duration);
     let swing = |t: f64| {
         let share = omega * omega / (omega * omega - drive * drive);
@@ -146,7 +128,7 @@ fn bottoming() {
     for (mph, want) in [2.0, 4.0, 6.0, 8.0].into_iter().zip(wants) {
         let start = vec![Rest { force_n: 0.0, travel_m: -0.05 }];
         let speed_m_s = vec![0.0, mph * 0.44704];
-        let pair = Problem { speed_m_s, start, ..train(vec![M; 2], vec![gear(2e8, 0.1, &table)], 0.5) };
+        let pair = Problem { speed_m_s, start, ..Problem::at_rest(vec![M; 2], vec![gear(2e8, 0.1, &table)], 0.5) };
         near(found(&pair, &[]).largest[0][1], [want, 0.0], 3e-15 * want);
     }
 }
@@ -161,5 +143,5 @@ fn first_of_several_roots() {
     assert!(all.len() == 3 && all.iter().zip(want).all(|(a, b)| (a - b).abs() < 1e-14), "{all:?}");
     assert_eq!(roots::first_positive(&[-0.25, 1.0, -1.0 - 1e-9]), None);
     assert!(roots::first_positive(&[-0.25, 1.0, -1.0 + 1e-9]).is_some());
-    assert!(march(&train(vec![1.0], vec![], 1.0), &[], 0.8).is_ok());
+    assert!(march(&Problem::at_rest(vec![1.0], vec![], 1.0), &[], 0.8).is_ok());
 }

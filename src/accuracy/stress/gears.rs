@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use super::super::gears::exact::GearReference;
 use super::StressRow;
-use crate::law::{Curve, GearRow, Law, Rest};
+use crate::law::{Curve, Law, Rest};
 use crate::march::{Bound, MarchOptions, MarchOutcome, Problem, solve};
 
 /// A named extreme train.
@@ -93,49 +93,18 @@ fn verdicts(outcome: &MarchOutcome) -> (usize, usize) {
 
 type Named = (&'static str, Problem);
 
-/// A pair of friction gears, N and m.
-fn friction_gear() -> Curve {
-    table(&[[0., 0., 0.], [7., 120., 60.], [38., 680., 172.], [114., 1350., 300.], [149., 2520., 360.]])
-}
-
-fn table(rows: &[[f64; 3]]) -> Curve {
-    let row = |r: &[f64; 3]| GearRow { travel_m: r[0] / 1e3, loading_n: r[1] * 1e3, unloading_n: r[2] * 1e3 };
-    Curve::new(rows.iter().map(row).collect()).expect("rows that rise")
-}
-
 fn gear(solid_n_per_m: f64, slack_m: f64) -> Law {
-    Law::Gear { solid_n_per_m, slack_m, draft: friction_gear(), buff: friction_gear() }
+    Law::Gear { solid_n_per_m, slack_m, draft: Curve::generic_friction_gears(), buff: Curve::generic_friction_gears() }
 }
 
 fn elastic(slack_m: f64) -> Law {
     Law::Elastic { draft_n_per_m: STIFFNESS, buff_n_per_m: STIFFNESS, slack_m }
 }
 
-fn train(mass_kg: Vec<f64>, laws: Vec<Law>, horizon_s: f64) -> Problem {
-    let n = mass_kg.len();
-    Problem {
-        start: vec![Rest::default(); n - 1],
-        mass_kg,
-        laws,
-        held_head: false,
-        held_tail: false,
-        dashpot_n_s_per_m: Vec::new(),
-        speed_m_s: vec![0.0; n],
-        common_speed_m_s: None,
-        steady_n: vec![0.0; n],
-        forcing: Vec::new(),
-        gone: Vec::new(),
-        break_at_n: Vec::new(),
-        emergency: None,
-        horizon_s,
-        mark_s: horizon_s,
-    }
-}
-
 /// Cars behind a held head, all pulled, and the end let go.
 fn pulled(cars: usize, law: &Law, horizon_s: f64) -> Problem {
     let start = vec![law.rest(&[PULL]); cars];
-    Problem { held_head: true, start, ..train(vec![CAR; cars + 1], vec![law.clone(); cars], horizon_s) }
+    Problem { held_head: true, start, ..Problem::at_rest(vec![CAR; cars + 1], vec![law.clone(); cars], horizon_s) }
 }
 
 /// Motions that turn just where a coupler would go over to another curve, again and again.
@@ -146,7 +115,7 @@ fn grazing() -> Vec<Named> {
         held_head: true,
         start: vec![law.rest(&[PULL, 0.5 * PULL])],
         steady_n: vec![0.0, -0.75 * PULL],
-        ..train(vec![CAR; 2], vec![law], 30.0)
+        ..Problem::at_rest(vec![CAR; 2], vec![law], 30.0)
     };
     // A car between two held ones swings by the width of the gap.
     let stiffness = 2e7;
@@ -156,7 +125,7 @@ fn grazing() -> Vec<Named> {
         held_head: true,
         held_tail: true,
         start: vec![Rest { force_n: 1e6, travel_m: 0.0 }, Rest::default()],
-        ..train(vec![CAR; 3], vec![spring, gap], 60.0)
+        ..Problem::at_rest(vec![CAR; 3], vec![spring, gap], 60.0)
     };
     vec![("a locked gear that grazes its curve", locked), ("contacts that graze", contact)]
 }
@@ -187,7 +156,7 @@ fn light_and_stiff() -> Vec<Named> {
 fn impacts() -> Vec<Named> {
     let rake = |vehicles: usize, law: Law, horizon_s: f64| {
         let half = 0.5 * law.slack_m();
-        let mut problem = train(vec![CAR; vehicles], vec![law; vehicles - 1], horizon_s);
+        let mut problem = Problem::at_rest(vec![CAR; vehicles], vec![law; vehicles - 1], horizon_s);
         let joint = vehicles / 2;
         problem.speed_m_s[joint..].fill(EIGHT_MPH);
         problem.start[joint - 1].travel_m = -half;

@@ -58,24 +58,7 @@ pub fn draw(seed: u64) -> (GearKind, Problem) {
     let mean = mass_kg.iter().sum::<f64>() / n as f64;
     let transit_s = n as f64 * (mean / STIFFNESS).sqrt();
     let horizon_s = transit_s * r.between(2.0, 4.0);
-    let zeros = || vec![0.0; n];
-    let mut problem = Problem {
-        start: vec![Rest::default(); n - 1],
-        held_head: r.chance(0.5),
-        held_tail: false,
-        laws,
-        dashpot_n_s_per_m: Vec::new(),
-        speed_m_s: zeros(),
-        common_speed_m_s: None,
-        steady_n: zeros(),
-        forcing: Vec::new(),
-        gone: Vec::new(),
-        break_at_n: Vec::new(),
-        emergency: None,
-        horizon_s,
-        mark_s: horizon_s,
-        mass_kg,
-    };
+    let mut problem = Problem { held_head: r.chance(0.5), ..Problem::at_rest(mass_kg, laws, horizon_s) };
     match kind {
         GearKind::Break | GearKind::LetDown => {
             load(&mut r, &mut problem, kind == GearKind::LetDown);

@@ -229,7 +229,7 @@ pub struct Solver {
     /// The error each force may have, as a share of the largest rating; with slack, gears or brakes at least 1e-6
     #[arg(long, value_name = "SHARE", default_value = "1e-9", value_parser = share)]
     pub tolerance: f64,
-    /// Compute in this way, even where another method needs less work [default: the cheapest within the tolerance]
+    /// Compute by this method [default: the cheapest within the tolerance]
     #[arg(long, value_name = "NAME", value_parser = ["fronts", "modal", "propagator"])]
     pub method: Option<String>,
 }

@@ -1,0 +1,11 @@
+//! Couplers with slack and gears: the march from event to event.
+
+mod breaks;
+mod cli;
+mod gears;
+mod hard;
+mod invariants;
+mod linear;
+mod oracles;
+mod tables;
+mod verlet;

@@ -1,0 +1,24 @@
+//! The motion of linear trains against references, bounds, and what must hold for every train.
+
+#[path = "../helpers/scenes.rs"]
+mod scenes;
+
+mod bounds;
+mod buff_breaks;
+mod cascade;
+mod damped_modes;
+mod extremes;
+mod field;
+mod first_passage;
+mod horizon;
+mod impact_load;
+mod invariants;
+mod map;
+mod memo;
+mod motions;
+mod oracles;
+mod planner;
+mod random_trains;
+mod same;
+mod taylor;
+mod worst;

@@ -2,7 +2,8 @@
 
 use std::collections::HashSet;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
 use trainsafe::accuracy::{Accuracy, Effort, MethodRow, RowOrigin};
 use trainsafe::solve::Method;
@@ -18,11 +19,16 @@ fn figures(file: &Path) -> Vec<(String, String)> {
     files.into_iter().filter(|(name, _)| name.ends_with(".svg")).map(|(name, bytes)| (name, text(bytes))).collect()
 }
 
-fn sample_trains() -> impl Iterator<Item = std::path::PathBuf> {
+/// A train file and its figures, by name.
+type OfTrain = (PathBuf, Vec<(String, String)>);
+
+/// All figures of every sample train, made once for all tests.
+static OF_SAMPLE_TRAINS: LazyLock<Vec<OfTrain>> = LazyLock::new(|| {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("trains");
     let files = fs::read_dir(folder).expect("a folder").map(|e| e.expect("an entry").path());
-    files.filter(|path| path.extension().is_some_and(|e| e == "toml"))
-}
+    let trains = files.filter(|path| path.extension().is_some_and(|e| e == "toml"));
+    trains.map(|path| (path.clone(), figures(&path))).collect()
+});
 
 /// Attributes of a tag: `key="value"` only, each key once.
 fn attributes(tag: &str) -> Vec<(&str, &str)> {
@@ -74,11 +80,11 @@ fn parse(name: &str, svg: &str) -> (Vec<String>, Vec<String>) {
 
 #[test]
 fn every_figure_of_every_sample_train_is_xml_within_its_frame() {
-    for file in sample_trains() {
+    for (file, figures) in &*OF_SAMPLE_TRAINS {
         let (mut all, mut ids) = (0, HashSet::new());
-        for (figure, svg) in figures(&file) {
+        for (figure, svg) in figures {
             let name = format!("{}, {figure}", file.display());
-            let (tags, _) = parse(&name, &svg);
+            let (tags, _) = parse(&name, svg);
             assert_eq!(svg.trim().lines().count(), 1, "{name}");
             let root = attributes(&tags[0]);
             let number = |of: &[(&str, &str)], key: &str| -> Option<f64> {
@@ -109,8 +115,8 @@ fn every_figure_of_every_sample_train_is_xml_within_its_frame() {
 /// taken to be half as wide as that.
 #[test]
 fn texts_do_not_overlap() {
-    for file in sample_trains() {
-        for (figure, svg) in figures(&file) {
+    for (file, figures) in &*OF_SAMPLE_TRAINS {
+        for (figure, svg) in figures {
             for size in [15.0, 20.0] {
                 let boxes: Vec<_> = svg.split("<text ").skip(1).map(|t| text_box(t, size)).collect();
                 for (i, a) in boxes.iter().enumerate() {
@@ -180,7 +186,7 @@ fn every_exceedance_of_a_long_train_has_its_mark() {
 #[test]
 fn ratings_are_readable() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("trains/mixed-manifest-train.toml");
-    let all = figures(&file);
+    let (_, all) = OF_SAMPLE_TRAINS.iter().find(|(of, _)| *of == file).expect("a sample train");
     let texts = |name: &str| {
         let svg = &all.iter().find(|(n, _)| n == name).expect("a figure").1;
         parse(name, svg).1

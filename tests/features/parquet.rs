@@ -24,7 +24,7 @@ mod with_the_feature {
     use parquet::file::reader::{FileReader, SerializedFileReader};
     use parquet::record::Field;
 
-    use super::fleets::{results, trainsafe, unfinished};
+    use crate::fleets::{results, trainsafe, unfinished};
     use super::*;
 
     /// A cell as the CSV has it.

@@ -75,7 +75,7 @@ pub enum Amount {
     Share(f64),
 }
 
-/// A text that is no quantity of the wanted kind: what it is, and what would be right.
+/// A text that is no quantity of the expected kind: what it is, and what would be right.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BadQuantity {
     /// Completes a sentence that starts with the quantity's name: `has no unit`.

@@ -40,7 +40,7 @@ pub struct CampaignRow {
     pub method: Option<Method>,
     /// Scenes that it was run on.
     pub scenes: usize,
-    /// Largest true error over stated bound: over 1 is a broken promise.
+    /// Largest true error over stated bound: over 1 means that the bound does not hold.
     pub worst: f64,
     /// The seed of that scene.
     pub worst_seed: u64,

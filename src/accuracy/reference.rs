@@ -154,7 +154,7 @@ impl Reference {
         Ok(targets.par_iter().zip(found).map(|(target, found)| self.settle(target, found, until)).collect())
     }
 
-    /// The stretches of constant force, as the search wants them.
+    /// The stretches of constant force, in the form that the search takes.
     fn pieces(&self, omega: &[Dd], until: f64) -> Vec<Piece> {
         let Scene { force, duration, .. } = self.scene;
         let share: Vec<Vec<f64>> = self.modes.share.iter().map(|row| row.iter().map(rounded).collect()).collect();

@@ -11,7 +11,7 @@ pub(super) enum Content {
     Text,
 }
 
-/// A column that is wanted.
+/// A column that is looked for.
 pub(super) struct Wanted {
     /// The names that it may have, as [`normal`] writes them; the key's own name first.
     pub(super) names: Vec<String>,
@@ -27,7 +27,7 @@ pub(super) enum Heading {
         synonym: bool,
         unit: Option<String>,
     },
-    /// A wanted column in a unit that does not fit.
+    /// A column that is looked for, in a unit that does not fit.
     BadUnit {
         wanted: usize,
         found: String,
@@ -56,7 +56,7 @@ pub(super) fn normal(name: &str) -> String {
     lower.split(BETWEEN).filter(|word| !word.is_empty()).collect::<Vec<_>>().join("_")
 }
 
-/// What a heading means among the columns that are wanted.
+/// What a heading means among the columns that are looked for.
 pub(super) fn heading(text: &str, wanted: &[Wanted]) -> Heading {
     let text = text.trim();
     if text.len() > LONGEST {

@@ -1,5 +1,5 @@
 //! Tables of text as spreadsheets and loggers export them: where the header is, what separates cells, which mark stands before decimals,
-//! and which columns are those that are wanted. Vehicles and records are both read through it.
+//! and which columns are those that are looked for. Vehicles and records are both read through it.
 //!
 //! Above the header there may be a line `sep=;`, comments that start with `#`, and lines of titles or metadata; below it a row of units.
 //! What the text leaves open is refused with the reason, once for the file or the column.
@@ -135,7 +135,7 @@ impl Record {
     }
 }
 
-/// A wanted column: where it is, its heading as written, and the unit that its heading or the row of units gives.
+/// A column that is looked for: where it is, its heading as written, and the unit that its heading or the row of units gives.
 pub(super) struct Column {
     index: usize,
     pub(super) heading: String,
@@ -147,10 +147,10 @@ pub(super) struct Sheet<'t> {
     pub(super) text: &'t str,
     pub(super) separator: u8,
     decimal: Decimal,
-    /// In the order of what is wanted.
+    /// In the order in which they are looked for.
     pub(super) columns: Vec<Option<Column>>,
     header: Record,
-    /// Headings of the columns that are not wanted and have something in them.
+    /// Headings of the other columns that have something in them.
     pub(super) unread: Vec<String>,
     /// Rows that start with `#` and have as many cells as the header.
     pub(super) commented: Vec<usize>,
@@ -213,20 +213,20 @@ impl<'t> Sheet<'t> {
         Records { text: self.text, separator: self.separator, at: self.body.0, row: self.body.1 }
     }
 
-    /// What stands in a wanted column, if anything does.
+    /// What stands in a column that is looked for, if anything does.
     pub(super) fn cell(&self, record: &Record, wanted: usize) -> Option<(Cow<'t, str>, Range<usize>)> {
         let column = self.columns[wanted].as_ref()?;
         let text = record.text(self.text, column.index);
         (!text.is_empty()).then(|| (text, record.cell_span(column.index)))
     }
 
-    /// The place where a wanted column's cell is or would be.
+    /// The place where the cell of a column is or would be.
     pub(super) fn place(&self, record: &Record, wanted: usize) -> Range<usize> {
         let column = self.columns[wanted].as_ref();
         column.map_or(record.span.clone(), |column| record.cell_span(column.index))
     }
 
-    /// Where a wanted column's heading stands.
+    /// Where the heading of a column stands.
     pub(super) fn heading_span(&self, wanted: usize) -> Range<usize> {
         self.columns[wanted].as_ref().map_or(0..0, |column| self.header.cell_span(column.index))
     }
@@ -401,8 +401,8 @@ fn candidate(text: &str, separator: u8, start: usize, wanted: &[Wanted], needed:
     Some(best)
 }
 
-/// What each cell of a row means as a heading. Where no column has a name that is wanted, one with a fitting unit is taken for it,
-/// if what is wanted can be told by its unit.
+/// What each cell of a row means as a heading. Where no column has the name that is looked for, one with a fitting unit is taken for it,
+/// if its unit is enough to tell.
 fn headings(text: &str, header: &Record, wanted: &[Wanted]) -> Vec<Heading> {
     let cells: Vec<Cow<str>> = (0..header.cells.len()).map(|i| header.text(text, i)).collect();
     let uncommented = |(i, cell): (usize, &Cow<str>)| match cell.strip_prefix('#') {
@@ -426,7 +426,7 @@ fn headings(text: &str, header: &Record, wanted: &[Wanted]) -> Vec<Heading> {
     found
 }
 
-/// Where each wanted column is; notes what is wrong with the headings.
+/// Where each column that is looked for is; notes what is wrong with the headings.
 fn columns(text: &str, best: &Candidate, wanted: &[Wanted], problems: &mut Problems) -> Vec<Option<Column>> {
     let header = &best.header;
     let mut found: Vec<Option<Column>> = wanted.iter().map(|_| None).collect();

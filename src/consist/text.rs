@@ -80,7 +80,8 @@ impl Files {
         text.map_err(|[title, help]| InputError::of_file(path, title, help))
     }
 
-    /// The text of a file that a train file names, or of a sheet of a workbook: `consist.xlsx#Sheet1`, or the only sheet that is wanted.
+    /// The text of a file that a train file names, or of a sheet of a workbook: `consist.xlsx#Sheet1`, or the only sheet
+    /// with a table of the expected kind.
     /// Pipes and devices are refused: the train file may come from somebody else, and reading them may never end.
     pub(super) fn beside(&self, path: &Path, is_wanted: fn(&str) -> bool) -> Text {
         let give = "give the path of a CSV file";

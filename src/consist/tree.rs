@@ -1,4 +1,4 @@
-//! Reading a spanned TOML tree: every getter knows where its value stands and what would be right there.
+//! Reading a spanned TOML tree: every getter reports where its value stands and what would be right there.
 
 use std::borrow::Cow;
 use std::cell::{Cell, RefCell};
@@ -297,7 +297,7 @@ impl<'s> Value<'s> {
     }
 
     /// The text of a file that this value names, which stands beside the train file `path`, with its path. Of a workbook it is that
-    /// of the sheet behind a `#`, or else of the only one that is wanted.
+    /// of the sheet behind a `#`, or else of the only one with a table of the expected kind.
     pub(super) fn text_beside(
         &self,
         path: &Path,

@@ -85,7 +85,7 @@ fn percent(share: f64) -> f64 {
     shifted.unwrap_or(share * 100.0)
 }
 
-/// The text of a sheet: the one of that name, or else the only one that is wanted.
+/// The text of a sheet: the one of that name, or else the only one with a table of the expected kind.
 ///
 /// # Errors
 /// A file that is no workbook, is too large or has no such sheet.

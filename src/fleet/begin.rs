@@ -35,7 +35,7 @@ struct Whole<I> {
 /// The plan file: `fleet-parts/plan.json`.
 #[derive(Serialize, Deserialize)]
 struct PlanFile<I> {
-    /// The paths that were given, by which a worker knows its run.
+    /// The paths that were given; workers with the same paths compute the same run.
     #[serde(with = "names::paths")]
     paths: Vec<PathBuf>,
     whole: Whole<I>,

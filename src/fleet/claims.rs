@@ -141,7 +141,7 @@ fn claim(folder: &Path, what: &str) -> PathBuf {
     folder.join(format!("{what}.{CLAIM}"))
 }
 
-/// The worker that has a claim, as far as anybody knows alive.
+/// The worker that holds a claim which has not expired.
 pub fn owner(dir: &Path, what: &str) -> Option<String> {
     let folder = parts::folder(dir);
     let owner = fs::read_to_string(claim(&folder, what)).ok().filter(|owner| !owner.is_empty())?;

@@ -8,14 +8,14 @@ use crate::report::files::WriteError;
 
 const NAME: &str = ".fleet-run.lock";
 
-/// Holds a folder until it is dropped, or the process dies in whatever way.
+/// Holds a folder until it is dropped, or the process ends in whatever way.
 pub struct Lock {
     _file: Option<File>,
 }
 
 /// Takes a folder, made if need be: for this run alone, or together with other workers.
 ///
-/// The file stays, for one that is removed could be locked by two. On a file system that knows no locks nothing is held.
+/// The file stays, for one that is removed could be locked by two. On a file system without locks nothing is held.
 ///
 /// # Errors
 /// A folder that another run holds, or that cannot be written.

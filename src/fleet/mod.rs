@@ -66,7 +66,7 @@ use progress::Progress;
 use reports::Reports;
 use summary::Summary;
 
-/// What a run may remember of scenes that it has solved, bytes.
+/// Memory for solutions that a run may use again, bytes.
 const REMEMBERED: usize = 160 << 20;
 
 /// Why a run could not be made.
@@ -129,7 +129,7 @@ pub struct Outcome {
     pub verdict: Vec<String>,
     /// The report; `None` for a worker, and where none was asked for.
     pub report: Option<PathBuf>,
-    /// Trains with a result, as far as this run knows.
+    /// Trains with a result, counted in this run.
     pub computed: usize,
     /// Trains or cases without.
     pub failed: usize,

@@ -24,7 +24,7 @@ const MOST_CASES: u64 = 500;
 /// Cases of all variations of all trains, in order, cut into chunks.
 pub struct Plan<'a> {
     inputs: &'a Inputs,
-    /// Tolerance and method of each case, and whether only its worst coupler is wanted.
+    /// Tolerance and method of each case, and whether only its worst coupler is asked for.
     pub options: Options,
     /// Whether every coupler of every case is kept.
     #[cfg(feature = "parquet")]

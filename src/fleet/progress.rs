@@ -14,7 +14,7 @@ const EVERY: Duration = Duration::from_secs(10);
 /// Who is told how far a run is.
 #[derive(Clone, Default)]
 pub enum Telling {
-    /// Whoever sees standard error: by a bar on a terminal, by plain lines elsewhere.
+    /// To standard error: a bar on a terminal, plain lines elsewhere.
     #[default]
     Terminal,
     /// Nobody.

@@ -107,7 +107,7 @@ pub struct Emergency {
 pub struct MarchOptions {
     /// Capacity of each coupler in draft and buff, for the first instants above it. Empty for none.
     pub capacity_n: Vec<[f64; 2]>,
-    /// Couplers whose force over time is wanted.
+    /// Couplers whose force over time is asked for.
     pub history: Vec<usize>,
     /// Instants of the history, in order.
     pub times_s: Vec<f64>,

@@ -1,4 +1,4 @@
-//! Who may ask: only who knows the token, and by a name of this machine.
+//! Which requests are answered: those that carry the token and name this machine as their host.
 
 use std::hint::black_box;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! What is said of a text that is no quantity of the wanted kind.
+//! Messages about a text that is no quantity of the expected kind.
 
 use super::{BadQuantity, Dimension, one_of, spellings};
 use crate::error::quoted;

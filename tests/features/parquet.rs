@@ -24,8 +24,8 @@ mod with_the_feature {
     use parquet::file::reader::{FileReader, SerializedFileReader};
     use parquet::record::Field;
 
-    use crate::fleets::{results, trainsafe, unfinished};
     use super::*;
+    use crate::fleets::{results, trainsafe, unfinished};
 
     /// A cell as the CSV has it.
     fn cell(field: &Field) -> String {

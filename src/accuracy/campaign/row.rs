@@ -1,4 +1,4 @@
-//! What a row of a fleet needs of a solution: the same whether everything was wanted or the worst alone.
+//! What a row of a fleet needs of a solution: the same whether all couplers were asked for or the worst alone.
 
 use crate::chain::Scene;
 use crate::solve::local::Point;

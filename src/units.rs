@@ -11,7 +11,7 @@ mod spellings;
 
 use std::fmt;
 
-use refusal::{bad, no_number, with_units, wrong_unit};
+use refusal::{bad, no_number, right_units, with_units, wrong_unit};
 
 /// Smallest magnitude that is taken, in SI units.
 ///
@@ -224,7 +224,7 @@ pub fn parse(text: &str, dimension: Dimension, share: bool) -> Result<Amount, Ba
     }
     if spellings::is_per_cent(unit) && !dimension.is_in_per_cent() {
         if !share {
-            return Err(bad("is a share, but of what?", with_units(number, dimension, share)));
+            return Err(bad("is a share, but of what?", right_units(dimension, share)));
         }
         return in_range(mantissa, shifted(mantissa, exponent - 2), "100 %").map(Amount::Share);
     }

@@ -152,10 +152,7 @@ fn schedule(
         return Err(InputError::of_file(path, "the schedule has no rows", help));
     }
     let name = path.file_name().map_or_else(|| printable_path(path), |name| printable_path(Path::new(name)));
-    let not_read = |column: &String| {
-        Doubt::of_train("column-not-read", format!("the column {} of {name} is not read", quoted(column)))
-    };
-    let mut doubts: Vec<Doubt> = sheet.unread.iter().map(not_read).collect();
+    let mut doubts = sheet.doubts(&name);
     let start_s = courses.iter().filter_map(|c| Some(c.points.first()?[0])).fold(f64::INFINITY, f64::min);
     if start_s > LATE_S {
         let start = shown(start_s, Dimension::Time);
@@ -208,13 +205,17 @@ fn row(
                 (0..traction_n.len()).filter(|&v| traction_n[v] != 0.0).take(6).map(|v| quoted(&vehicles[v].label)),
             );
             let free = vehicle.filter(|&v| !vehicles[v].held);
-            vec![free.ok_or_else(|| {
-                wrong(
+            let right = format!("expected a vehicle that is not held, such as {known}");
+            let free = free.ok_or_else(|| wrong(3, format!("is {}", quoted(&text)), &right))?;
+            if sheet.columns[1].is_some() && traction_n[free] == 0.0 {
+                let found = format!("is {}, which has no tractive effort to take a share of", quoted(&text));
+                return Err(wrong(
                     3,
-                    format!("is {}", quoted(&text)),
-                    &format!("expected a vehicle that is not held, such as {known}"),
-                )
-            })?]
+                    found,
+                    &format!("expected one that has, such as {known}, or a column force [kN]"),
+                ));
+            }
+            vec![free]
         }
     };
     let force_n = sheet.columns[2].as_ref().map(|_| quantity(2, Dimension::Force)).transpose()?;

@@ -170,10 +170,7 @@ fn parse(text: &str, path: &Path) -> Result<(Gear, Vec<Doubt>), InputError> {
         }
         return Err(InputError::new(path, text, problems));
     }
-    let not_read = |column: &String| {
-        Doubt::of_train("column-not-read", format!("the column {} of {} is not read", quoted(column), gear.name))
-    };
-    let doubts = sheet.unread.iter().map(not_read).collect();
+    let doubts = sheet.doubts(&gear.name);
     Ok((gear, doubts))
 }
 

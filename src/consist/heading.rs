@@ -46,7 +46,7 @@ impl Heading {
 }
 
 /// Between the words of a name, and between a name and its unit.
-const BETWEEN: [char; 8] = [' ', '_', '-', '.', ',', '/', ':', '\u{a0}'];
+const BETWEEN: [char; 11] = [' ', '_', '-', '.', ',', '/', ':', '\u{a0}', '\n', '\r', '\t'];
 /// Longer headings are not looked at.
 const LONGEST: usize = 100;
 

@@ -71,7 +71,7 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<Course, InputError> {
         return Err(of_file("the record holds no force other than zero".into(), "expected a force that acts"));
     }
     let name = path.file_name().map_or_else(|| printable_path(path), |name| printable_path(Path::new(name)));
-    let mut doubts: Vec<Doubt> = sheet.unread.iter().map(|column| not_read(column, &name)).collect();
+    let mut doubts = sheet.doubts(&name);
     let (points, shift) = shifted(points, &name);
     doubts.extend(shift);
     Ok(Course { points, doubts })
@@ -91,10 +91,6 @@ fn several(text: &str) -> Option<String> {
         let all = found.iter().all(|(_, columns)| !columns.is_empty());
         all.then(|| format!("columns {which} of row {} could each be the {}; head one of them so", row + 1, open.0))
     })
-}
-
-fn not_read(column: &str, name: &str) -> Doubt {
-    Doubt::of_train("column-not-read", format!("the column {} of {name} is not read", quoted(column)))
 }
 
 fn points(sheet: &Sheet, problems: &mut Problems) -> Vec<[f64; 2]> {

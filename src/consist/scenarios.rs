@@ -78,9 +78,13 @@ fn scenario(table: &Table, context: &Context) -> Read<Scenario> {
         && !couplers.iter().any(|&b| context.train.in_buff(b))
     {
         let what = if name.is_empty() { "a scenario" } else { name };
-        let text = format!(
-            "buff_breaks of {what} changes nothing: no coupler that breaks in it carries buff, and it has no cascade"
-        );
+        let why = match context.train.extras().laws.is_empty() {
+            true => "no coupler that breaks in it carries buff, and it has no cascade",
+            false => {
+                "in a train with slack or gears a coupler that carries buff breaks without it, and it has no cascade"
+            }
+        };
+        let text = format!("buff_breaks of {what} changes nothing: {why}");
         table.doubt(Doubt::of_train("buff-breaks-unused", text));
     }
     let name = name.to_owned();

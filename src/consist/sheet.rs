@@ -10,6 +10,7 @@ use std::ops::Range;
 use super::heading::{Content, Heading, Wanted, heading, unit};
 use super::numbers::{Decimal, canonical, number_run};
 use crate::error::{Problem, Problems, quoted};
+use crate::train::Doubt;
 
 /// Wider tables are refused, and so are longer headers, in bytes.
 const MOST_COLUMNS: usize = 1000;
@@ -153,7 +154,7 @@ pub(super) struct Sheet<'t> {
     /// Headings of the other columns that have something in them.
     pub(super) unread: Vec<String>,
     /// Rows that start with `#` and have as many cells as the header.
-    pub(super) commented: Vec<usize>,
+    commented: Vec<usize>,
     /// Where the rows start, and how many are above.
     body: (usize, usize),
 }
@@ -241,6 +242,26 @@ impl<'t> Sheet<'t> {
         self.header.span.clone()
     }
 
+    /// Columns and rows of the table that are filled and not read; `name` is what messages call the table.
+    pub(super) fn doubts(&self, name: &str) -> Vec<Doubt> {
+        const SHOWN: usize = 12;
+        let mut doubts = vec![];
+        if !self.unread.is_empty() {
+            let all = self.unread.iter().take(SHOWN).map(|name| quoted(name)).collect::<Vec<_>>().join(", ");
+            let more = self.unread.len().saturating_sub(SHOWN);
+            let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+            let [columns, are] = if self.unread.len() == 1 { ["column", "is"] } else { ["columns", "are"] };
+            let text = format!("the {columns} {all}{more} of {name} {are} not read");
+            doubts.push(Doubt::of_train("column-not-read", text));
+        }
+        if let Some(row) = self.commented.first() {
+            let text =
+                format!("row {row} of {name} starts with # and is passed over, though it is filled like the others");
+            doubts.push(Doubt::of_train("row-commented", text));
+        }
+        doubts
+    }
+
     /// A quantity's text with a point before the decimals, without separators of thousands, and with its unit, if it has one.
     ///
     /// # Errors
@@ -306,6 +327,10 @@ impl<'t> Sheet<'t> {
             .filter_map(|w| self.columns[w].as_ref().map(|column| column.index))
             .collect();
         let width = self.header.count.min(MOST_COLUMNS);
+        let named = (0..width).rev().find(|&i| !self.header.text(self.text, i).is_empty()).map_or(0, |i| i + 1);
+        // Behind the last heading whole numbers may be the decimals of others.
+        let is_decimals =
+            |text: &str| self.separator == b',' && !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
         let mut marks = super::numbers::Marks::default();
         let mut filled = vec![false; width];
         let (mut commented, mut too_wide) = (vec![], None);
@@ -324,8 +349,10 @@ impl<'t> Sheet<'t> {
                 commented.extend(like_others.then_some(record.row));
                 continue;
             }
-            if too_wide.is_none() && record.cells.iter().skip(width).any(|cell| !cell.span.is_empty()) {
-                too_wide = Some((record.row, record.cells.len(), record.cell_span(width)));
+            let beyond = (named..record.cells.len())
+                .find(|&i| !record.cells[i].span.is_empty() && (i >= width || is_decimals(&record.text(self.text, i))));
+            if let (None, Some(beyond)) = (&too_wide, beyond) {
+                too_wide = Some((record.row, record.cells.len(), record.cell_span(beyond)));
             }
             for (filled, cell) in filled.iter_mut().zip(&record.cells) {
                 *filled |= !cell.span.is_empty();
@@ -335,7 +362,7 @@ impl<'t> Sheet<'t> {
             }
         }
         if let Some((row, cells, span)) = too_wide {
-            let title = format!("row {row} has {cells} cells, and the header has {width}");
+            let title = format!("row {row} has {cells} cells, and the header has {named}");
             let help = "give each column a heading; a number with a decimal comma is put in quotes, or the cells are separated by ;";
             problems.note(Problem::at(span, title, Some(help.into())));
             return;
@@ -366,7 +393,7 @@ fn separators(text: &str) -> (Vec<u8>, usize) {
         }
         // A tab at the end of a line is trimmed.
         Some([]) if line.contains('\t') => (vec![b'\t'], start + line.len()),
-        _ => (vec![b',', b';', b'\t'], start),
+        _ => (vec![b',', b';', b'\t', b'|'], start),
     }
 }
 

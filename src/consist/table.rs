@@ -353,24 +353,7 @@ impl<'t> Reader<'t> {
             let span = self.sheet.header_span();
             self.problems.note(Problem::at(span.start..span.start, "the table has no column of masses", Some(help)));
         }
-        if !unread.is_empty() {
-            let all = unread.iter().take(12).map(|name| quoted(name)).collect::<Vec<_>>().join(", ");
-            let more = if unread.len() > 12 { format!(" and {} more", unread.len() - 12) } else { String::new() };
-            let columns = if unread.len() == 1 { "the column" } else { "the columns" };
-            let text = format!(
-                "{columns} {all}{more} of {} {} not read",
-                self.name,
-                if unread.len() == 1 { "is" } else { "are" }
-            );
-            self.doubts.push(Doubt::of_train("column-not-read", text));
-        }
-        if let Some(row) = self.sheet.commented.first() {
-            let text = format!(
-                "row {row} of {} starts with # and is passed over, though it is filled like a vehicle's",
-                self.name
-            );
-            self.doubts.push(Doubt::of_train("row-commented", text));
-        }
+        self.doubts.extend(self.sheet.doubts(&self.name));
     }
 
     /// The cells of a row as the values of their keys; one that is wrong is noted and left out.
@@ -507,7 +490,7 @@ impl<'t> Reader<'t> {
     /// What is probably not meant: a row of sums, and a coupler behind the last vehicle.
     fn doubtful(&mut self, records: &[Record], rows: &Rows) {
         let (Some(last), Some(record)) = (rows.groups.last(), records.last()) else { return };
-        if let Some((at, why)) = sums(&rows.groups) {
+        for (at, why) in sums(&rows.groups) {
             let row = records[at].row;
             let text =
                 format!("{why} (row {row} of {}), and it is computed as a vehicle: delete it if it is none", self.name);
@@ -535,35 +518,38 @@ impl<'t> Reader<'t> {
     }
 }
 
-/// A row that is probably the sum of the others and no vehicle, and why: the last or the first one by its mass, any by its label.
-fn sums(groups: &[Group]) -> Option<(usize, &'static str)> {
+/// Rows that are probably sums or means of the others and no vehicles, and why: the first one and the last ones by their mass, any by
+/// its label.
+fn sums(groups: &[Group]) -> Vec<(usize, &'static str)> {
     let groups: Vec<&VehicleSpec> = groups.iter().map(|group| &group.vehicle).collect();
+    let labelled = |at: usize| {
+        let label = groups[at].label.as_deref().unwrap_or_default().trim_end_matches(':').to_lowercase();
+        SUMS.contains(&label.as_str())
+    };
     let near = |sum: f64, value: f64| (sum - value).abs() <= 1e-3 * value;
-    let is_sum = |at: usize| {
-        let sum = |of: &dyn Fn(&VehicleSpec) -> f64| {
-            groups.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, g)| of(g)).sum::<f64>()
-        };
+    let is_sum = |at: usize, least_others: usize| {
+        let others: Vec<_> = (0..groups.len()).filter(|&i| i != at && !labelled(i)).map(|i| groups[i]).collect();
+        let sum = |of: &dyn Fn(&VehicleSpec) -> f64| others.iter().map(|g| of(g)).sum::<f64>();
         let lengths = groups[at].length_m.is_none_or(|length| {
             near(sum(&|g| g.length_m.unwrap_or(0.0) * g.count as f64), length)
                 || near(sum(&|g| g.length_m.unwrap_or(0.0)), length)
         });
         let masses = [sum(&|g| g.mass_kg), sum(&|g| g.mass_kg * g.count as f64)];
-        lengths && masses.iter().any(|sum| near(*sum, groups[at].mass_kg))
+        others.len() >= least_others && lengths && masses.iter().any(|sum| near(*sum, groups[at].mass_kg))
     };
-    let says_so = |group: &&VehicleSpec| {
-        let label = group.label.as_deref().unwrap_or_default().trim_end_matches(':').to_lowercase();
-        SUMS.contains(&label.as_str())
+    let last = groups.len().saturating_sub(1);
+    let why = |at: usize| match at {
+        _ if at == last && is_sum(at, 2) => Some("the mass of the last row is the sum of the others"),
+        // A locomotive may weigh as much as two wagons.
+        0 if is_sum(0, 3) => Some("the mass of the first row is the sum of the others"),
+        _ if at == last && labelled(at) => Some("the last row is labelled as a sum"),
+        _ if labelled(at) => Some("a row is labelled as a sum"),
+        _ if (at + 1..groups.len()).all(labelled) && is_sum(at, 2) => {
+            Some("the mass of a row is the sum of the others")
+        }
+        _ => None,
     };
-    let last = groups.len().checked_sub(1)?;
-    if last > 1 && is_sum(last) {
-        return Some((last, "the mass of the last row is the sum of the others"));
-    }
-    // A locomotive may weigh as much as two wagons.
-    if last > 2 && is_sum(0) {
-        return Some((0, "the mass of the first row is the sum of the others"));
-    }
-    let labelled = groups.iter().rposition(says_so)?;
-    Some((labelled, if labelled == last { "the last row is labelled as a sum" } else { "a row is labelled as a sum" }))
+    (0..groups.len()).filter_map(|at| Some((at, why(at)?))).collect()
 }
 
 /// A number as TOML writes it: a whole one without decimals, and without leading zeros.

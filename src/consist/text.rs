@@ -180,7 +180,8 @@ fn workbook_text(what: &str, _: &[u8], _: Option<&str>, _: fn(&str) -> bool) -> 
     let title = format!(
         "this is {what}, and no CSV file; this trainsafe was built without the feature xlsx, by which workbooks are read"
     );
-    Err([title, "save its sheet as CSV, and give the path of that file; or build with --features xlsx".into()])
+    let build = if what.contains("xls)") || what.contains("xlsb)") { "" } else { "; or build with --features xlsx" };
+    Err([title, format!("save its sheet as CSV, and give the path of that file{build}")])
 }
 
 fn bytes(path: &Path, kind: &str, give: &str, most: u64) -> Result<Vec<u8>, [String; 2]> {

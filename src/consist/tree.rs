@@ -16,8 +16,8 @@ use crate::train::Doubt;
 use crate::units::{self, Amount, Dimension, UnitSystem, one_of};
 
 /// What to do about a path of Windows between double quotes.
-pub(super) const BACKSLASH: &str = "a backslash between double quotes starts an escape, such as \\t for a tab: write / between folders, \
-     \"data/consist.csv\", or single quotes, 'data\\consist.csv'";
+pub(crate) const BACKSLASH: &str = "write / between folders, as in \"data/consist.csv\": a backslash between double quotes starts an \
+     escape, such as \\t for a tab, and only on Windows does one stand between folders";
 
 /// What was found wrong with a text so far.
 #[derive(Default)]

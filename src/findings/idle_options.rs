@@ -1,6 +1,6 @@
 //! Options that do nothing for a train.
 
-use super::{Options, limits};
+use super::{Options, limits, march};
 use crate::scenario;
 use crate::train::{Event, Scenario, Train};
 
@@ -28,6 +28,10 @@ fn of_scenario(train: &Train, scenario: &Scenario, options: &Options) -> Vec<Str
             if given {
                 told.push(format!("{option} does nothing for {event}: {why}"));
             }
+        }
+        if options.tolerance < march::TOLERANCE && options.tolerance != Options::default().tolerance {
+            let [asked, least] = [options.tolerance, march::TOLERANCE];
+            told.push(format!("--tolerance {asked:e} is taken as {least:e}, the least for {event}"));
         }
         return told;
     }

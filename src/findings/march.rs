@@ -12,7 +12,7 @@ use crate::train::{Scenario, Train};
 
 /// The error that forces may have, as a share of the largest rating, where less is asked for: a march that goes on until its
 /// estimate passes what is asked for ends late enough for every use.
-const TOLERANCE: f64 = 1e-6;
+pub(super) const TOLERANCE: f64 = 1e-6;
 
 /// A rating that lies so many estimated errors from a peak, or less, is not decided.
 const MARGIN: f64 = 10.0;

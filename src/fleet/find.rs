@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use super::FleetError;
 use super::study::is_study;
 use crate::consist::Files;
+use crate::consist::tree::BACKSLASH;
 use crate::error::printable_path;
 
 /// Train files, each once, and what was passed over, as sentences.
@@ -43,7 +44,8 @@ impl Found {
         }
         let text = path.to_string_lossy();
         if !text.contains(['*', '?', '[']) {
-            return none("does not exist");
+            let written_on_windows = if text.contains('\\') { format!("; {BACKSLASH}") } else { String::new() };
+            return none(&format!("does not exist{written_on_windows}"));
         }
         let matches = glob::glob(&text).map_err(|e| FleetError::Usage(format!("{text} is no glob: {}", e.msg)))?;
         let matches: Vec<PathBuf> = matches.flatten().filter(|found| found.is_file()).collect();

@@ -15,6 +15,11 @@ use crate::law::Law;
 const PAST: f64 = 2.5e-14;
 /// Motion under this share of the scale is none, at the edge of the part that moves.
 const NOTHING: f64 = 1e-24;
+/// Steps shorter than this share of the reciprocal of the largest rate take no time.
+const NO_TIME: f64 = 1e-10;
+/// So many events in a row that take no time, for each coupler, and rounding decides between two modes: an elongation then has to be
+/// twice as far past its guard.
+const STALLED: usize = 64;
 /// A step is tried with this many times the mean width of the last ones.
 const AHEAD: f64 = 2.5;
 /// How a run is made: other runs of the same problem tell its error.
@@ -53,6 +58,8 @@ pub struct March<'a> {
     /// Elongation and speed that are none at the edge of what moves.
     pub nothing: [f64; 2],
     mean_width: f64,
+    /// Events in a row that took no time.
+    in_no_time: usize,
     /// Width of the step as tried.
     pub width: f64,
     pub random: u64,
@@ -108,6 +115,7 @@ impl<'a> March<'a> {
             past: 0.0,
             nothing: [0.0; 2],
             mean_width: f64::INFINITY,
+            in_no_time: 0,
             width: 0.0,
             random: manner.noise.map_or(0, |n| n.0),
             problem,
@@ -132,11 +140,11 @@ impl<'a> March<'a> {
         for (s, law) in self.start.iter().zip(&self.problem.laws) {
             scale = scale.max(s[0].abs()).max(0.5 * law.slack_m());
         }
-        if scale == 0.0 && softest.is_finite() {
+        if softest > 0.0 && softest.is_finite() {
             let drive = |d: &(usize, crate::play::Drive)| d.1.measures()[0];
             let force = self.problem.forcing.iter().map(drive).chain(self.state.unbalanced.iter().map(|f| f.abs()));
             let brakes = self.problem.emergency.iter().flat_map(|e| e.full_n.iter().copied());
-            scale = force.chain(brakes).fold(0.0, f64::max) / softest;
+            scale = scale.max(force.chain(brakes).fold(0.0, f64::max) / softest);
         }
         self.past = self.manner.margin * PAST * scale;
         self.nothing = [NOTHING * scale, NOTHING * scale * rate];
@@ -220,6 +228,11 @@ impl<'a> March<'a> {
         }
         self.series.advance(&mut self.state);
         self.t = next;
+        self.in_no_time = if width * rate > NO_TIME { 0 } else { self.in_no_time + found.len() };
+        if self.in_no_time > STALLED * self.couplers.len() {
+            self.past *= 2.0;
+            self.in_no_time = 0;
+        }
         self.steps += 1;
         self.mean_width = if self.steps == 1 { width } else { 0.8 * self.mean_width + 0.2 * width }
             .max(1e-3 * self.manner.phase / rate);

@@ -51,6 +51,23 @@ fn distance(a: &March, b: &March) -> f64 {
     sum
 }
 
+/// Guards far under the rounding of the motion: the march widens them until it goes on, and ends.
+#[test]
+fn a_guard_under_rounding_is_widened() {
+    let rows =
+        [[0.0, 0.0, 0.0], [0.07, 1e6, 2e5]].map(|r| GearRow { travel_m: r[0], loading_n: r[1], unloading_n: r[2] });
+    let gear = Curve::new(rows.to_vec()).expect("a table");
+    let law = Law::Gear { solid_n_per_m: 2e8, slack_m: 0.01, draft: gear.clone(), buff: gear };
+    let mut problem = train(vec![law; 3], vec![Rest::default(); 3], vec![0.0; 4]);
+    problem.forcing = vec![(3, crate::play::Drive::rectangle(-1e6, 9.0))];
+    for margin in [1.0, 1e-6, 0.0] {
+        let manner = Manner { phase: 1.0, noise: None, margin };
+        let mut march = March::new(&problem, &MarchOptions::default(), manner);
+        march.advance_to(9.0);
+        assert_eq!(march.t, 9.0, "{margin}");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
 

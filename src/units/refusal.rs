@@ -9,20 +9,27 @@ const INSTEAD: &[(&[&str], &[[&str; 2]])] = &[
     (&["mt", "mton", "mtons"], &[["t", "metric, 1000 kg"]]),
     (&["kip", "kips", "klbf"], &[["klb", "1000 lb of mass"]]),
     (&["lbf"], &[["lb", "a pound of mass"]]),
+    (&["kg"], &[["kgf", "the weight of 1 kg"]]),
 ];
 
 pub(super) fn bad(found: impl Into<String>, right: impl Into<String>) -> BadQuantity {
     BadQuantity { found: found.into(), right: right.into() }
 }
 
-/// The number with each unit that it could have.
+/// The number with each unit that it could have; one below 1 may be a share of 1, not of 100.
 pub(super) fn with_units(number: &str, dimension: Dimension, share: bool) -> String {
+    let below_1 = number.parse().ok().filter(|n: &f64| *n != 0.0 && n.abs() < 1.0);
+    if let Some(share_of_1) = below_1.filter(|_| dimension.is_in_per_cent()) {
+        let per_cent = format!("{:.6}", 100.0 * share_of_1);
+        let per_cent = per_cent.trim_end_matches('0').trim_end_matches('.');
+        return format!("write \"{per_cent} %\" if {number} is a share of 1, or \"{number} %\" if it is in per cent");
+    }
     let units = dimension.units().chain(share.then_some("%"));
     format!("write {}", one_of(units.map(|unit| format!("\"{number} {unit}\""))))
 }
 
 /// The units that a quantity may have, as a phrase.
-fn right_units(dimension: Dimension, share: bool) -> String {
+pub(super) fn right_units(dimension: Dimension, share: bool) -> String {
     format!("a {dimension} is in {}{}", dimension.choices(), if share { ", or a share in %" } else { "" })
 }
 
@@ -63,7 +70,7 @@ fn nearest(dimension: Dimension, unit: &str) -> Vec<String> {
     let same = spellings::in_any_case(dimension, &compact);
     let elsewhere = || Dimension::ALL.iter().any(|d| spellings::find(*d, unit).is_some());
     // In a short unit another letter is another unit.
-    if !same.is_empty() || !(4..=20).contains(&compact.len()) || elsewhere() {
+    if !same.is_empty() || !(6..=20).contains(&compact.len()) || elsewhere() {
         return same;
     }
     let near = dimension.units().find(|known| strsim::damerau_levenshtein(known, &compact) == 1);

@@ -143,3 +143,21 @@ fn a_force_on_the_middle_of_a_train() {
         assert!((ahead.draft.force_n + behind.buff.force_n).abs() < 1e-6, "{i}: {ahead:?} {behind:?}");
     }
 }
+
+/// A load that is small beside the pulse: the motion is a thousand times as wide as what the couplers are stretched at rest, and every
+/// contact is met in double precision of that. The report's variants are computed too.
+#[test]
+fn a_large_pulse_on_a_small_load() {
+    for load in ["1 N", "1 kN", "-1 kN", "1157.85 N", "5 kN"] {
+        for masses in ["25 t,42 t", "100 t,100 t", "25 t,42 t,30 t"] {
+            let mut text =
+                format!("[coupler]\nstiffness = \"30 MN/m\"\nrated_load = \"1 MN\"\n[load]\nuniform = \"{load}\"\n");
+            masses.split(',').for_each(|mass| text += &format!("[[vehicle]]\nmass = \"{mass}\"\n"));
+            text += "[[scenario]]\nkind = \"pulse\"\nat = \"tail\"\nforce = \"1 MN\"\nduration = \"5 s\"\nhorizon = \"1 s\"\n";
+            let train = trainsafe::consist::parse(&text, "train.toml".as_ref()).expect("a train");
+            let options = trainsafe::Options { damping: true, ..trainsafe::Options::default() };
+            let analysis = trainsafe::analyze(&train, &options).expect("sound");
+            assert!(!analysis.scenarios[0].variants.is_empty(), "{load}, {masses}");
+        }
+    }
+}

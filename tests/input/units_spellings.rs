@@ -258,7 +258,7 @@ const REFUSED: &[(&str, Dimension, &str, &str)] = &[
     ("30 mn / m", Dimension::Stiffness, "has the unknown unit \"mn / m\"", "did you mean \"30 MN/m\"?"),
     ("30 mN/m", Dimension::Stiffness, "has the unknown unit \"mN/m\"", "did you mean \"30 MN/m\"?"),
     ("3 tons", Dimension::Force, "has the unknown unit \"tons\"", "a force is in N, kN, MN, lbf or kip"),
-    ("3 kg", Dimension::Force, "has \"kg\", a unit of mass", "a force is in N, kN, MN, lbf or kip"),
+    ("3 kg", Dimension::Force, "has \"kg\", a unit of mass", "write \"3 kgf\" (the weight of 1 kg)"),
     (
         "15 N/ton",
         Dimension::Resistance,

@@ -339,6 +339,12 @@ pub enum AnalyzeError {
         /// The names there are, quoted.
         known: Vec<String>,
     },
+    /// No scenario has a case.
+    #[error(
+        "no case is left: every coupler that would break carries buff, so that nothing parts; buff_breaks = true computes a break \
+         of one that is named"
+    )]
+    NoCase,
     /// The date that the environment sets is none.
     #[error("{0}")]
     Date(String),
@@ -393,6 +399,9 @@ pub fn analyze(train: &Train, options: &Options) -> Result<Analysis, AnalyzeErro
     let date = date::today().map_err(AnalyzeError::Date)?;
     let memo = Memo::new(REMEMBERED);
     let chosen = chosen(train, options)?;
+    if chosen.iter().all(|s| cases(&s.event).is_empty()) {
+        return Err(AnalyzeError::NoCase);
+    }
     let about = |d: &Doubt| d.scenario.as_ref().is_none_or(|name| chosen.iter().any(|s| s.name == *name));
     let mut doubts: Vec<Doubt> = doubts::doubts(train).into_iter().filter(about).collect();
     let file = |source: &Source| InputFile {
@@ -458,7 +467,8 @@ fn ask(train: &Train, options: &Options) -> Ask {
         method: options.method,
         verdict_only: options.verdict_only && !limits::any_below_rating(train),
         all_time_bound: options.all_time_bound,
-        wanted: options.wanted,
+        // How many couplers pass a limit can be told from all of them alone.
+        wanted: if train.extras().limits.is_empty() { options.wanted } else { Wanted::Everything },
     }
 }
 

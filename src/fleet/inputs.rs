@@ -161,6 +161,14 @@ impl Inputs {
         }
     }
 
+    /// Whether the files that the first variations are read from are what they were at the start.
+    ///
+    /// # Errors
+    /// [`FleetError::Changed`] for one that is not.
+    pub fn unchanged(&self) -> Result<(), FleetError> {
+        (0..self.files.len()).into_par_iter().try_for_each(|file| self.load(file, 0).map(|_| ()))
+    }
+
     /// How many cases a variation of a train has.
     pub fn cases(&self, file: usize, variation: usize) -> u32 {
         self.surveys[file].count(variation)

@@ -193,6 +193,10 @@ fn take_part(request: &Request, dir: &Path, worker: &Worker) -> Result<Outcome, 
     let Begun { inputs, run, left, .. } = begin::join(request, dir, &claims)?;
     let memo = memo(request);
     let plan = Plan::new(&inputs, request, &memo);
+    if (0..plan.chunks()).all(|chunk| parts::is_done(dir, chunk)) {
+        // Nothing will be read again that could show a change.
+        inputs.unchanged()?;
+    }
     let failed = if left { compute(dir, &plan, Some(&claims), &request.progress)? } else { 0 };
     let warnings = doubts::lines_of_share(&plan.doubts());
     let notes = [inputs.passed_over, run.notes].concat();
@@ -221,8 +225,17 @@ pub fn merge(request: &Request, dir: &Path) -> Result<Outcome, FleetError> {
     let run = parts::read(dir)?.ok_or_else(none)?;
     let planned = begin::planned(dir, None)?;
     let (inputs, options) = planned.map(|begun| (begun.inputs, begun.options)).unzip();
+    let changed = inputs.as_ref().and_then(|inputs| match inputs.unchanged() {
+        Err(FleetError::Changed(path)) => Some(path),
+        _ => None,
+    });
     let request = Request { options: options.unwrap_or_default(), ..request.clone() };
-    finish(&request, dir, &run, inputs.as_ref(), &Words::new())
+    let mut outcome = finish(&request, dir, &run, inputs.as_ref(), &Words::new())?;
+    outcome.warnings.extend(changed.map(|path| {
+        let file = printable_path(&path);
+        format!("{file} has changed since the run was planned: the results are of the file as it was")
+    }));
+    Ok(outcome)
 }
 
 /// Whether a folder holds a run, finished or not.

@@ -11,7 +11,7 @@ use super::rows::{self, Chunk};
 use super::variation::Varied;
 use super::{FleetError, Request};
 use crate::doubts::doubts;
-use crate::findings::{self, Options, cases};
+use crate::findings::{self, AnalyzeError, Options, cases};
 use crate::solve::Wanted;
 use crate::solve::memo::Memo;
 use crate::train::{Doubt, Train};
@@ -166,11 +166,7 @@ impl<'a> Plan<'a> {
             }
         };
         if all_cases(&train).next().is_none() {
-            rows.fail(
-                &place,
-                None,
-                "no case is left: every coupler carries buff, and none of those can be broken apart",
-            );
+            rows.fail(&place, None, &AnalyzeError::NoCase.to_string());
             return Ok(());
         }
         place.doubts = doubts(&train);

@@ -2,14 +2,13 @@
 
 use crate::findings::CaseFindings;
 use crate::report::cells::{number, optional, text};
-use crate::train::Doubt;
-use crate::train::{Scenario, Train};
+use crate::train::{Doubt, LIMITS, Scenario, Train};
 
 /// Columns before those of a study's inputs.
 pub const FRONT: [&str; 4] = ["file", "train", "vehicles", "variation"];
 
 /// Columns after those of a study's inputs, named as in `couplers.csv` and `result.json`.
-pub const BACK: [&str; 34] = [
+pub const BACK: [&str; 41] = [
     "scenario",
     "kind",
     "broken_coupler",
@@ -36,6 +35,13 @@ pub const BACK: [&str; 34] = [
     "first_passage_peak_buff_n",
     "first_passage_peak_buff_time_s",
     "first_passage_exceeds",
+    "passing_fatigue",
+    "passing_proof",
+    "passing_ultimate",
+    "undecided_limits",
+    "further_breaks",
+    "pieces",
+    "cascade_undecided_from_s",
     "safe_load_factor",
     "error_bound_n",
     "error_estimate_n",
@@ -65,7 +71,7 @@ pub const TEXTS: [&str; 10] = [
 
 /// Columns of whole numbers.
 #[cfg(feature = "parquet")]
-pub const WHOLE: [&str; 10] = [
+pub const WHOLE: [&str; 16] = [
     "vehicles",
     "variation",
     "broken_coupler",
@@ -75,6 +81,12 @@ pub const WHOLE: [&str; 10] = [
     "undecided",
     "exceeding_first_passage",
     "first_passage_worst_coupler",
+    "passing_fatigue",
+    "passing_proof",
+    "passing_ultimate",
+    "undecided_limits",
+    "further_breaks",
+    "pieces",
     "rod_exceeding",
 ];
 
@@ -159,6 +171,12 @@ fn back(scenario: &Scenario, case: &CaseFindings, doubts: String) -> [String; BA
     // Not always the worst one: a weaker wave may have met another coupler before.
     let times = case.couplers.iter().filter_map(|c| Some((c.first_exceeds_s?, c.coupler)));
     let first = times.min_by(|a, b| a.0.total_cmp(&b.0));
+    let limits = || case.couplers.iter().filter_map(|c| c.limits.as_ref());
+    let has = |limit: &str| limits().any(|l| l.by_sense.iter().any(|of| of.limit == limit));
+    let passing = |limit: &str| has(limit).then(|| limits().filter(|l| l.passed.contains(&limit)).count());
+    let [fatigue, proof, ultimate] = LIMITS.map(|limit| whole(passing(limit)));
+    let undecided_limits = limits().next().map(|_| limits().filter(|l| !l.undecided.is_empty()).count());
+    let cascade = case.cascade.as_ref();
     [
         text(&scenario.name),
         scenario.event.kind().to_owned(),
@@ -186,6 +204,13 @@ fn back(scenario: &Scenario, case: &CaseFindings, doubts: String) -> [String; BA
         optional(passage.and_then(|w| w.peak_buff_n)),
         optional(passage.and_then(|w| w.peak_buff_time_s)),
         passage.and_then(|w| w.exceeds).map(|e| e.to_string()).unwrap_or_default(),
+        fatigue,
+        proof,
+        ultimate,
+        whole(undecided_limits),
+        whole(cascade.map(|c| c.breaks.len())),
+        whole(cascade.map(|c| c.pieces.len())),
+        optional(cascade.and_then(|c| c.undecided_from_s)),
         optional(case.safe_load_factor),
         number(case.error_bound_n),
         optional(case.error_estimate_n),

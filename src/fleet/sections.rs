@@ -10,6 +10,7 @@ use super::summary::{CAUSES, Case, Factors, Places, Summary, TrainSummary};
 use crate::report::figures;
 use crate::report::numbers::{digits, down, percent, without_zeros};
 use crate::report::words::count;
+use crate::train::LIMITS;
 
 /// Rows of a table at most.
 pub const LISTED: usize = 50;
@@ -92,6 +93,16 @@ pub fn verdict(run: &Run, summary: &Summary) -> Vec<String> {
     }
     if summary.harmful_later > 0 {
         text.push(LATER.to_owned());
+    }
+    for (limit, cases) in LIMITS.into_iter().zip(summary.passing) {
+        if cases > 0 {
+            text.push(format!("In {} some coupler passes its {limit} load.", count(cases, "case")));
+        }
+    }
+    let [cases, most] = summary.cascades;
+    if cases > 0 {
+        let cases = count(cases, "case");
+        text.push(format!("In {cases} more couplers break after the event, up to {most} in one case."));
     }
     match summary.undecided_trains() {
         0 => {}

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::rows::{BACK, FRONT};
+use crate::train::LIMITS;
 
 /// Examples of errors that a report shows.
 const SHOWN: usize = 20;
@@ -21,6 +22,10 @@ pub struct Summary {
     pub harmful: usize,
     /// Those of them in which none does in the first passage.
     pub harmful_later: usize,
+    /// Cases in which some coupler passes a limit, in the order of [`LIMITS`].
+    pub passing: [usize; 3],
+    /// Cases in which more couplers break after the event, and the most of one case.
+    pub cascades: [usize; 2],
     /// Where couplers break: cases, and those in which another coupler exceeds.
     pub breaks: Places,
     /// Where the worst coupler is: cases in which some coupler exceeds, twice.
@@ -210,6 +215,11 @@ impl Summary {
             safe,
         };
         self.cases += 1;
+        for (cases, limit) in self.passing.iter_mut().zip(LIMITS) {
+            *cases += usize::from(back(&format!("passing_{limit}")).parse().is_ok_and(|couplers: usize| couplers > 0));
+        }
+        let breaks: usize = back("further_breaks").parse().unwrap_or(0);
+        self.cascades = [self.cascades[0] + usize::from(breaks > 0), self.cascades[1].max(breaks)];
         self.harmful += usize::from(exceeds);
         self.harmful_later += usize::from(later);
         let couplers = cell(2).parse::<usize>().map_or(1, |vehicles| vehicles.saturating_sub(1));

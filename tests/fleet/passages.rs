@@ -28,6 +28,50 @@ coupler = "each"
 horizon = "20 s"
 "#;
 
+/// Limits and a cascade are in the rows and in the verdict; a study of them has an effect.
+#[test]
+fn limits_and_cascades_are_told() {
+    const TRAIN: &str = r#"
+[coupler]
+stiffness = "30 MN/m"
+rated_load = "0.7 MN"
+limits = { fatigue = "0.65 MN", ultimate = "0.71 MN" }
+[[vehicle]]
+mass = "100 t"
+[[vehicle]]
+count = 4
+mass = "90 t"
+[load]
+uniform = "0.6 MN"
+[[scenario]]
+kind = "break"
+coupler = 1
+cascade = true
+"#;
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("train.toml"), TRAIN).expect("a train");
+    let study =
+        "trains = [\"train.toml\"]\n[[vary]]\nkey = \"coupler.limits.ultimate\"\nvalues = [\"0.71 MN\", \"0.9 MN\"]\n";
+    fs::write(folder.path().join("study.toml"), study).expect("a study");
+    let output = fleet(folder.path(), &["study.toml", "--out", "out"]);
+    assert!(output.status.success(), "{}", complaint(&output));
+    let printed = String::from_utf8_lossy(&output.stdout).into_owned();
+    let rows = crate::fleets::rows(&folder.path().join("out/fleet.csv"));
+    let of = |column: &str| rows.iter().map(|row| row[column].clone()).collect::<Vec<_>>();
+    // With 0.71 MN a second coupler breaks, with 0.9 MN none does.
+    assert_eq!((of("further_breaks"), of("pieces")), (vec!["1".into(), "0".into()], vec!["3".into(), "2".into()]));
+    let ultimate = of("passing_ultimate");
+    assert!(ultimate[0] != "0" && ultimate[1] == "0", "{ultimate:?}");
+    assert!(of("passing_fatigue").iter().all(|n| n == "2") && of("passing_proof").iter().all(String::is_empty));
+    for sentence in [
+        "In 2 cases some coupler passes its fatigue load.",
+        "In 1 case some coupler passes its ultimate load.",
+        "In 1 case more couplers break after the event, up to 1 in one case.",
+    ] {
+        assert!(printed.contains(sentence), "{printed}");
+    }
+}
+
 /// Two vehicles are pulled apart until their coupler breaks, and pushed together again.
 const GAP: &str = r#"
 [coupler]

@@ -134,6 +134,22 @@ fn the_plan_is_made_once_by_a_worker_that_lives() {
     assert_merged(folder.path());
 }
 
+/// A finished plan of trains that have changed since: a worker is refused, and what is joined is told to be of the old ones.
+#[test]
+fn a_finished_plan_of_changed_trains_is_told() {
+    let folder = folder(6, 4);
+    done(folder.path(), WORK);
+    let changed = folder.path().join("trains/train-0003.toml");
+    let text = fs::read_to_string(&changed).expect("a train");
+    fs::write(&changed, text.replace("1 MN", "0.1 MN")).expect("a train");
+    let told = "has changed since the run started: what is done belongs to the old one\n";
+    refused(folder.path(), WORK, &format!("error: trains/train-0003.toml {told}"));
+    let output = fleet(folder.path(), MERGE);
+    let told = "trains/train-0003.toml has changed since the run was planned: the results are of the file as it was";
+    assert!(output.status.success() && complaint(&output).contains(told), "{}", complaint(&output));
+    assert_eq!(results(&folder.path().join("whole")), results(&folder.path().join("parts")));
+}
+
 #[test]
 fn a_worker_with_another_command_is_refused() {
     let folder = folder(6, 4);

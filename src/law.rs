@@ -259,6 +259,12 @@ impl Law {
         matches!(self, Law::Elastic { draft_n_per_m, buff_n_per_m, slack_m } if draft_n_per_m == buff_n_per_m && *slack_m == 0.0)
     }
 
+    /// Whether a cycle can lose work, so that the force depends on what was before.
+    pub(crate) fn has_friction(&self) -> bool {
+        let loses = |c: &Curve| c.rows.iter().any(|r| r.unloading_n < r.loading_n);
+        matches!(self, Law::Gear { draft, buff, .. } if loses(draft) || loses(buff))
+    }
+
     /// Free play between draft and buff, m.
     pub fn slack_m(&self) -> f64 {
         match self {

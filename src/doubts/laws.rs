@@ -60,9 +60,9 @@ fn elastic(train: &Train) -> Option<Doubt> {
 
 /// A pull before that no coupler remembers.
 fn no_memory(train: &Train) -> Option<Doubt> {
-    let gears = train.extras().laws.iter().any(|law| matches!(law, Law::Gear { .. }));
+    let remembers = train.extras().laws.iter().any(Law::has_friction);
     let text = "pulled_to changes nothing: only a gear with friction remembers the pull before";
-    (!train.extras().pulled_to_n.is_empty() && !gears).then(|| Doubt::of_train("pulled-to-unused", text))
+    (!train.extras().pulled_to_n.is_empty() && !remembers).then(|| Doubt::of_train("pulled-to-unused", text))
 }
 
 /// Keys of brakes in a train none of whose scenarios applies any.

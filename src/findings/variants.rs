@@ -103,7 +103,9 @@ impl Variant {
                 let event = matches!(scenario.event, Event::Break { .. });
                 event.then(|| (train.clone(), Scenario { response: Response::default(), ..scenario.clone() }))
             }
-            Variant::LetDown if has_friction(train) && train.extras().pulled_to_n.is_empty() => {
+            Variant::LetDown
+                if train.extras().laws.iter().any(Law::has_friction) && train.extras().pulled_to_n.is_empty() =>
+            {
                 let pulled_to_n = train.initial_force_n().iter().map(|f| LET_DOWN * f).collect::<Vec<f64>>();
                 let is_pulled = pulled_to_n.iter().all(|f| *f >= 0.0) && pulled_to_n.iter().any(|f| *f > 0.0);
                 is_pulled.then(|| with(train.with_pulled_to(pulled_to_n)))?
@@ -121,15 +123,6 @@ impl Variant {
 fn generic_gears(slack_m: f64) -> Law {
     let curve = Curve::generic_friction_gears();
     Law::Gear { solid_n_per_m: GENERIC_SOLID_N_PER_M, slack_m, draft: curve.clone(), buff: curve }
-}
-
-/// Whether a coupler loses work in a cycle.
-fn has_friction(train: &Train) -> bool {
-    let loses = |law: &Law| match law {
-        Law::Gear { draft, buff, .. } => draft.lost_share() > 0.0 || buff.lost_share() > 0.0,
-        Law::Elastic { .. } => false,
-    };
-    train.extras().laws.iter().any(loses)
 }
 
 /// Whether generic gears fit: vehicles of the masses that have them, a load under their last row, no damping of the modes.

@@ -409,7 +409,7 @@ pub fn analyze(train: &Train, options: &Options) -> Result<Analysis, AnalyzeErro
     let inputs = train.origin().sources.iter().map(file).collect();
     let scenarios = chosen.iter().map(|s| scenario_findings(train, s, options, &memo));
     let scenarios: Vec<ScenarioFindings> = scenarios.collect::<Result<_, _>>()?;
-    doubts.extend(chosen.iter().zip(&scenarios).flat_map(|(s, found)| doubts_found::found(s, &found.cases)));
+    doubts.extend(chosen.iter().zip(&scenarios).flat_map(|(s, found)| doubts_found::found(train, s, &found.cases)));
     let (vehicles, couplers) = (train.vehicles().len(), train.couplers().len());
     Ok(Analysis {
         schema_version: 2,

@@ -165,6 +165,11 @@ impl Curve {
         self.area(|r| r.loading_n)
     }
 
+    /// Force of loading at which it closes.
+    pub(crate) fn closes_at_n(&self) -> f64 {
+        self.rows.last().map_or(0.0, |row| row.loading_n)
+    }
+
     /// Share of the work of a full stroke that is lost to friction.
     pub(crate) fn lost_share(&self) -> f64 {
         1.0 - self.area(|r| r.unloading_n) / self.absorbed_j()

@@ -18,7 +18,7 @@ fn closed(train: &Train) -> Option<Doubt> {
     let over = |i: &usize| match &train.extras().laws[*i] {
         Law::Gear { draft, buff, .. } => {
             let f = force_n(*i);
-            f.abs() > last_n(if f < 0.0 { buff } else { draft })
+            f.abs() > if f < 0.0 { buff } else { draft }.closes_at_n()
         }
         Law::Elastic { .. } => false,
     };
@@ -31,10 +31,6 @@ fn closed(train: &Train) -> Option<Doubt> {
         shown(force_n(first).abs(), Dimension::Force)
     );
     Some(Doubt::of_train("gear-closed", text))
-}
-
-fn last_n(curve: &Curve) -> f64 {
-    curve.rows().last().map_or(0.0, |row| row.loading_n)
 }
 
 /// A gear that loses nothing at small forces, beside slack: vehicles rattle in it, and small differences grow.

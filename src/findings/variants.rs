@@ -127,7 +127,7 @@ fn generic_gears(slack_m: f64) -> Law {
 
 /// Whether generic gears fit: vehicles of the masses that have them, a load under their last row, no damping of the modes.
 fn is_of_common_size(train: &Train) -> bool {
-    let last_n = Curve::generic_friction_gears().rows().last().map_or(0.0, |row| row.loading_n);
+    let last_n = Curve::generic_friction_gears().closes_at_n();
     let masses = train.vehicles().iter().filter(|v| !v.held).all(|v| GENERIC_MASSES_KG.contains(&v.mass_kg));
     masses && train.initial_force_n().iter().all(|f| f.abs() < last_n) && train.extras().damping_ratio == 0.0
 }

@@ -5,6 +5,7 @@ mod case;
 mod date;
 mod doubts_found;
 mod estimate;
+mod evidence;
 mod field;
 mod first_passage;
 mod general;
@@ -24,14 +25,17 @@ pub(crate) use case::case_findings;
 pub(crate) use doubts_found::found;
 pub(crate) use estimate::case_estimate_s;
 pub use estimate::{estimate_s, memory_bytes};
+pub use evidence::Evidence;
 pub(crate) use field::larger;
 pub use field::{Field, Of, field};
 pub use first_passage::FirstPassage;
-pub use history::{history, loop_of, rod_history};
+pub use history::{history, rod_history};
 pub use idle_options::idle_options;
 pub use limits::{LimitFindings, LimitInSense};
 pub use load_search::LoadSearch;
 pub use map::{MapFindings, MapPoint};
+use std::sync::OnceLock;
+
 use rayon::prelude::*;
 use serde::Serialize;
 pub use stop::{Stop, Stopped};
@@ -163,6 +167,9 @@ pub struct ScenarioFindings {
     /// the train, and none where not asked for.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub variants: Vec<VariantFindings>,
+    /// What reports draw.
+    #[serde(skip)]
+    pub(crate) evidence: OnceLock<Option<Evidence>>,
 }
 
 /// What one event does to every coupler.
@@ -411,7 +418,7 @@ pub fn analyze(train: &Train, options: &Options) -> Result<Analysis, AnalyzeErro
     let inputs = train.origin().sources.iter().map(file).collect();
     let scenarios = chosen.iter().map(|s| scenario_findings(train, s, options, &memo));
     let scenarios: Vec<ScenarioFindings> = scenarios.collect::<Result<_, _>>()?;
-    doubts.extend(chosen.iter().zip(&scenarios).flat_map(|(s, found)| doubts_found::found(s, &found.cases)));
+    doubts.extend(chosen.iter().zip(&scenarios).flat_map(|(s, found)| doubts_found::found(train, s, &found.cases)));
     let (vehicles, couplers) = (train.vehicles().len(), train.couplers().len());
     Ok(Analysis {
         schema_version: 2,
@@ -497,7 +504,7 @@ fn scenario_findings(
     }
     let left_out_in_buff = scenario.left_out_in_buff.iter().map(|i| i + 1).collect();
     let (name, kind) = (scenario.name.clone(), scenario.event.kind());
-    Ok(ScenarioFindings { name, kind, cases, left_out_in_buff, map, damping, variants })
+    Ok(ScenarioFindings { name, kind, cases, left_out_in_buff, map, damping, variants, evidence: OnceLock::new() })
 }
 
 /// The findings of the coupler of that number, if they are among these, which are in order from the head.

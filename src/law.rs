@@ -165,6 +165,11 @@ impl Curve {
         self.area(|r| r.loading_n)
     }
 
+    /// Force of loading at which it closes.
+    pub(crate) fn closes_at_n(&self) -> f64 {
+        self.rows.last().map_or(0.0, |row| row.loading_n)
+    }
+
     /// Share of the work of a full stroke that is lost to friction.
     pub(crate) fn lost_share(&self) -> f64 {
         1.0 - self.area(|r| r.unloading_n) / self.absorbed_j()
@@ -257,6 +262,12 @@ impl Law {
     /// Whether the force is proportional to the elongation.
     pub fn is_linear(&self) -> bool {
         matches!(self, Law::Elastic { draft_n_per_m, buff_n_per_m, slack_m } if draft_n_per_m == buff_n_per_m && *slack_m == 0.0)
+    }
+
+    /// Whether a cycle can lose work, so that the force depends on what was before.
+    pub(crate) fn has_friction(&self) -> bool {
+        let loses = |c: &Curve| c.rows.iter().any(|r| r.unloading_n < r.loading_n);
+        matches!(self, Law::Gear { draft, buff, .. } if loses(draft) || loses(buff))
     }
 
     /// Free play between draft and buff, m.

@@ -52,11 +52,10 @@ fn kind(law: &Law) -> String {
 
 /// Stroke, work and share of it that is lost.
 fn gear(curve: &Curve) -> String {
-    let last_n = curve.rows().last().map_or(0.0, |row| row.loading_n);
     format!(
         "which closes after {} at {}; a full stroke takes {:.1} kJ and loses {:.0} % of it",
         shown(curve.stroke_m(), Dimension::Length),
-        shown(last_n, Dimension::Force),
+        shown(curve.closes_at_n(), Dimension::Force),
         1e-3 * curve.absorbed_j(),
         100.0 * curve.lost_share()
     )

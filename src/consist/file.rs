@@ -433,7 +433,7 @@ pub(super) fn group(table: &Table) -> Read<Group> {
     let length = table.get("length").map(|v| v.quantity()).transpose();
     let held = table.get("held").map_or(Ok(false), |v| v.flag());
     let load = loads::own(table, held.as_ref().is_ok_and(|held| *held));
-    let (count, load) = (count?, load.unwrap_or_default());
+    let count = count?;
     Ok(Group {
         vehicle: VehicleSpec {
             label: label.unwrap_or(None).map(|label| label.trim().to_owned()),

@@ -34,8 +34,9 @@ pub(super) fn tractions(own: &[OwnLoad]) -> Vec<f64> {
 
 const OWN_KEYS: [&str; 4] = ["tractive_effort", "rolling_resistance", "grade", "brake_force"];
 
-/// Reads the loads of one `[[vehicle]]` table.
-pub(super) fn own(table: &Table, held: bool) -> Read<OwnLoad> {
+/// Reads the loads of one `[[vehicle]]` table. In the place of what is wrong, which is noted, stands a number that leads to no further
+/// problem.
+pub(super) fn own(table: &Table, held: bool) -> OwnLoad {
     let quantity = |key| table.get(key).map(|v| v.quantity()).transpose();
     let traction = quantity("tractive_effort");
     let brake = quantity("brake_force");
@@ -46,16 +47,18 @@ pub(super) fn own(table: &Table, held: bool) -> Read<OwnLoad> {
     let braked = || Some(("emergency_brake", table.key_span("emergency_brake")?));
     if let Some((key, span)) = first.clone().or_else(braked).as_ref().filter(|_| held) {
         let wrong = of_held("vehicle", key);
-        return Err(table.note_at(span.clone(), wrong.message, wrong.help));
+        table.note_at(span.clone(), wrong.message, wrong.help);
+        return OwnLoad::default();
     }
-    Ok(OwnLoad {
-        tractive_effort_n: traction?.unwrap_or(0.0),
-        brake_force_n: brake?.unwrap_or(0.0),
-        emergency_brake_n: emergency?.unwrap_or(0.0),
-        resistance_n_per_kg: resistance?,
-        grade: grade?,
+    let read = |force: Read<Option<f64>>| force.map_or(1.0, |n| n.unwrap_or(0.0));
+    OwnLoad {
+        tractive_effort_n: read(traction),
+        brake_force_n: read(brake),
+        emergency_brake_n: read(emergency),
+        resistance_n_per_kg: resistance.unwrap_or(None),
+        grade: grade.unwrap_or(None),
         given: first.is_some(),
-    })
+    }
 }
 
 /// The load, and the largest pull before.

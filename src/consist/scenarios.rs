@@ -117,7 +117,8 @@ fn only_of(table: &Table, kind: &str) {
         if let Some(span) = table.key_span(key) {
             let (one, kind) = (with_article(other.word), with_article(kind));
             let title = format!("{key} is a key of {one}, and this scenario is {kind}");
-            table.note_at(span, title, format!("the keys of {kind} are {all}"));
+            let own = if key == "speed" { "; the train's speed stands at the top of the file" } else { "" };
+            table.note_at(span, title, format!("the keys of {kind} are {all}{own}"));
         }
     }
 }

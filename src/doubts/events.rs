@@ -18,7 +18,8 @@ pub(super) fn of_scenario(train: &Train, scenario: &Scenario) -> Vec<Doubt> {
         Event::Impact { .. } => impact(train, scenario),
         Event::Brake { .. } => vec![],
     };
-    let found = found.into_iter().map(|(code, text)| Doubt::of_scenario(code, scenario, text));
+    let found = found.into_iter().chain(changes(train, scenario));
+    let found = found.map(|(code, text)| Doubt::of_scenario(code, scenario, text));
     found.chain(short_horizon(train, scenario)).collect()
 }
 
@@ -94,6 +95,31 @@ fn pulse(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
         found.push(("record-ends-at-a-force", text));
     }
     found
+}
+
+/// Brakes and tractive efforts that change nothing, or go on changing after the horizon.
+fn changes(train: &Train, scenario: &Scenario) -> Option<(&'static str, String)> {
+    let until_s = longest_horizon_s(train, scenario);
+    let time = |s: f64| shown(s, Dimension::Time);
+    let efforts = &scenario.response.efforts;
+    if !efforts.is_empty() && efforts.iter().all(|f| f.points.iter().all(|p| p[1] == 0.0)) {
+        let text = "the schedule of tractive efforts changes none of them, and so nothing";
+        return Some(("efforts-unchanged", text.to_owned()));
+    }
+    let ends = match &scenario.event {
+        Event::Break { couplers } => vec![couplers.iter().min().copied(), couplers.iter().max().copied()],
+        Event::Brake { .. } => vec![None],
+        Event::Pulse { .. } | Event::Shaped { .. } | Event::Impact { .. } => return None,
+    };
+    let last_s = ends.into_iter().map(|b| last_change_s(train, scenario, b)).fold(0.0, f64::max);
+    let text = || {
+        format!(
+            "brakes or tractive efforts go on changing until {}, after the horizon of {}: what that does is not seen",
+            time(last_s),
+            time(until_s)
+        )
+    };
+    (last_s > until_s).then(|| ("changes-beyond-horizon", text()))
 }
 
 fn impact(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {

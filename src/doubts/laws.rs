@@ -18,7 +18,7 @@ fn closed(train: &Train) -> Option<Doubt> {
     let over = |i: &usize| match &train.extras().laws[*i] {
         Law::Gear { draft, buff, .. } => {
             let f = force_n(*i);
-            f.abs() > last_n(if f < 0.0 { buff } else { draft })
+            f.abs() > if f < 0.0 { buff } else { draft }.closes_at_n()
         }
         Law::Elastic { .. } => false,
     };
@@ -31,10 +31,6 @@ fn closed(train: &Train) -> Option<Doubt> {
         shown(force_n(first).abs(), Dimension::Force)
     );
     Some(Doubt::of_train("gear-closed", text))
-}
-
-fn last_n(curve: &Curve) -> f64 {
-    curve.rows().last().map_or(0.0, |row| row.loading_n)
 }
 
 /// A gear that loses nothing at small forces, beside slack: vehicles rattle in it, and small differences grow.
@@ -60,9 +56,9 @@ fn elastic(train: &Train) -> Option<Doubt> {
 
 /// A pull before that no coupler remembers.
 fn no_memory(train: &Train) -> Option<Doubt> {
-    let gears = train.extras().laws.iter().any(|law| matches!(law, Law::Gear { .. }));
+    let remembers = train.extras().laws.iter().any(Law::has_friction);
     let text = "pulled_to changes nothing: only a gear with friction remembers the pull before";
-    (!train.extras().pulled_to_n.is_empty() && !gears).then(|| Doubt::of_train("pulled-to-unused", text))
+    (!train.extras().pulled_to_n.is_empty() && !remembers).then(|| Doubt::of_train("pulled-to-unused", text))
 }
 
 /// Keys of brakes in a train none of whose scenarios applies any.

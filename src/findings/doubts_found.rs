@@ -1,15 +1,44 @@
 //! Doubts that only an analysis can find.
 
-use super::CaseFindings;
-use crate::train::{Doubt, Scenario, more};
+use std::collections::BTreeMap;
+
+use super::{CaseFindings, CouplerFindings};
+use crate::law::Law;
+use crate::train::{Doubt, Scenario, Train, more};
 use crate::units::{Dimension, shown};
 
 /// Every doubt that the cases of a scenario have.
-pub fn found(scenario: &Scenario, cases: &[CaseFindings]) -> Vec<Doubt> {
-    [closing_gap(scenario, cases), not_predictable(scenario, cases), stops(scenario, cases)]
-        .into_iter()
-        .flatten()
-        .collect()
+pub fn found(train: &Train, scenario: &Scenario, cases: &[CaseFindings]) -> Vec<Doubt> {
+    let doubts = [
+        closing_gap(scenario, cases),
+        not_predictable(scenario, cases),
+        stops(scenario, cases),
+        closing_gears(train, scenario, cases),
+    ];
+    doubts.into_iter().flatten().collect()
+}
+
+/// Gears that the event closes, where the load did not.
+fn closing_gears(train: &Train, scenario: &Scenario, cases: &[CaseFindings]) -> Option<Doubt> {
+    let over_n = |c: &CouplerFindings| {
+        let Law::Gear { draft, buff, .. } = train.extras().laws.get(c.coupler - 1)? else { return None };
+        let closed = |force_n: f64| force_n.abs() > if force_n < 0.0 { buff } else { draft }.closes_at_n();
+        let largest = [c.peak_draft_n, c.peak_buff_n].into_iter().flatten().filter(|f| closed(*f)).map(f64::abs);
+        largest.reduce(f64::max).filter(|_| !closed(c.initial_force_n))
+    };
+    let mut largest_n = BTreeMap::new();
+    for (coupler, n) in cases.iter().flat_map(|case| &case.couplers).filter_map(|c| Some((c.coupler, over_n(c)?))) {
+        let kept = largest_n.entry(coupler).or_insert(n);
+        *kept = n.max(*kept);
+    }
+    let (coupler, n) = largest_n.iter().max_by(|a, b| a.1.total_cmp(b.1))?;
+    let text = format!(
+        "the gear of coupler {coupler}{} closes: the force goes to {}, over the last row of its table, and from there on depends on \
+         solid_stiffness alone",
+        more(largest_n.len() - 1, "coupler"),
+        shown(*n, Dimension::Force)
+    );
+    Some(Doubt::of_scenario("gear-closes", scenario, text))
 }
 
 /// The end of what can be told of a motion in which small differences grow.

@@ -6,7 +6,7 @@ use crate::play::Rule;
 use crate::rod::Rod;
 use crate::scenario::{self, Scales};
 use crate::solve::field;
-use crate::train::Train;
+use crate::train::{Scenario, Train};
 
 /// Values that are kept: a picture has no room for more, and a page would be slow with them.
 const KEPT: usize = 400_000;
@@ -107,44 +107,84 @@ fn middle(of: &[f64]) -> f64 {
     0.5 * (of[0] + of[of.len() - 1])
 }
 
+/// The instants at which forces are looked at, and the field that they fill.
+pub(super) struct Frame {
+    pub times_s: Vec<f64>,
+    field: Field,
+}
+
+impl Frame {
+    /// `None` where it would take long.
+    pub fn new(train: &Train, scenario: &Scenario, case: &CaseFindings) -> Option<Frame> {
+        let couplers = train.couplers().len();
+        let looked = if scenario::is_march(train, scenario) { LOOKED_IN_MARCH } else { LOOKED };
+        let times_s = instants(train, case.horizon_s, looked)?;
+        let couplers_per_row = couplers.div_ceil(ROWS);
+        let rows = couplers.div_ceil(couplers_per_row);
+        let instants_per_column = times_s.len().div_ceil((KEPT / rows).min(MOST_KEPT));
+        let columns: Vec<f64> = times_s.chunks(instants_per_column).map(middle).collect();
+        let share = vec![f32::NAN; rows * columns.len()];
+        Some(Frame { times_s, field: Field { couplers_per_row, instants_per_column, times_s: columns, share } })
+    }
+
+    fn see(&mut self, train: &Train, instant: usize, coupler: usize, force_n: f64) {
+        let Field { couplers_per_row, instants_per_column, .. } = self.field;
+        self.field.keep(coupler / couplers_per_row, instant / instants_per_column, use_of(train, coupler, force_n));
+    }
+
+    /// From the forces of every coupler at the instants, N; not numbers after the end of the march.
+    pub fn of_march(mut self, train: &Train, case: &CaseFindings, histories_n: &[Vec<f64>], of: Of) -> Field {
+        let broken = case.broken_coupler.map(|b| b - 1).filter(|_| of == Of::Event);
+        for (i, forces_n) in histories_n.iter().enumerate().filter(|(i, _)| Some(*i) != broken) {
+            forces_n.iter().enumerate().filter(|(_, f)| f.is_finite()).for_each(|(t, f)| self.see(train, t, i, *f));
+        }
+        self.finish(train, case, of)
+    }
+
+    /// Puts the exact largest forces in.
+    fn finish(mut self, train: &Train, case: &CaseFindings, of: Of) -> Field {
+        for c in case.couplers.iter().filter(|_| of == Of::Event) {
+            let peaks = [(c.peak_draft_n, c.peak_draft_time_s), (c.peak_buff_n, c.peak_buff_time_s)];
+            for (force_n, time_s) in peaks.into_iter().filter_map(|(f, t)| Some((f?, t?))) {
+                if let Some(column) = self.field.column(time_s) {
+                    let row = (c.coupler - 1) / self.field.couplers_per_row;
+                    self.field.keep(row, column, use_of(train, c.coupler - 1, force_n));
+                }
+            }
+        }
+        self.field
+    }
+}
+
+/// The utilisation, with the force's sign.
+fn use_of(train: &Train, coupler: usize, force_n: f64) -> f32 {
+    let c = &train.couplers()[coupler];
+    (force_n / if force_n < 0.0 { c.rated_buff_n } else { c.rated_draft_n }) as f32
+}
+
 /// Forces in every coupler of a case; `scenario` is an index into the train's scenarios. `None` where it would take long, or
 /// for a rod that there is not.
 ///
 /// Up to the horizon, or as far as is affordable. Every coupler's exact largest draft and buff are among the values, whatever
 /// the instants in between.
 pub fn field(train: &Train, scenario: usize, case: &CaseFindings, of: Of) -> Option<Field> {
-    let couplers = train.couplers().len();
-    let marched = train.scenarios().get(scenario).is_some_and(|s| scenario::is_march(train, s));
-    let looked = if marched { LOOKED_IN_MARCH } else { LOOKED };
-    let times_s = instants(train, case.horizon_s, looked)?;
-    let couplers_per_row = couplers.div_ceil(ROWS);
-    let rows = couplers.div_ceil(couplers_per_row);
-    let instants_per_column = times_s.len().div_ceil((KEPT / rows).min(MOST_KEPT));
-    let columns: Vec<f64> = times_s.chunks(instants_per_column).map(middle).collect();
-    let share = vec![f32::NAN; rows * columns.len()];
-    let mut field = Field { couplers_per_row, instants_per_column, times_s: columns, share };
-    let use_of = |coupler: usize, force_n: f64| {
-        let c = &train.couplers()[coupler];
-        (force_n / if force_n < 0.0 { c.rated_buff_n } else { c.rated_draft_n }) as f32
-    };
-    let mut see = |instant: usize, coupler: usize, force_n: f64| {
-        field.keep(coupler / couplers_per_row, instant / instants_per_column, use_of(coupler, force_n));
-    };
-    if !compute(train, scenario, case, of, &times_s, &mut see) {
-        return None;
+    let scenario = train.scenarios().get(scenario)?;
+    let mut frame = Frame::new(train, scenario, case)?;
+    if scenario::is_march(train, scenario) {
+        let rule = match of {
+            Of::Event => Rule::Keep,
+            Of::Cascade => scenario.cascade,
+            Of::Rod => return None,
+        };
+        let until_s = frame.times_s[frame.times_s.len() - 1];
+        let problem = scenario::march(train, scenario, case.broken_coupler.map(|b| b - 1), [until_s; 2], rule);
+        let (history, times_s) = ((0..train.couplers().len()).collect(), frame.times_s.clone());
+        let outcome = march::solve(&problem, &MarchOptions { history, times_s, ..MarchOptions::default() });
+        return Some(frame.of_march(train, case, &outcome.history, of));
     }
-    if of == Of::Event {
-        for c in &case.couplers {
-            let peaks = [(c.peak_draft_n, c.peak_draft_time_s), (c.peak_buff_n, c.peak_buff_time_s)];
-            for (force_n, time_s) in peaks.into_iter().filter_map(|(f, t)| Some((f?, t?))) {
-                let share = use_of(c.coupler - 1, force_n);
-                if let Some(column) = field.column(time_s) {
-                    field.keep((c.coupler - 1) / couplers_per_row, column, share);
-                }
-            }
-        }
-    }
-    Some(field)
+    let times_s = frame.times_s.clone();
+    compute(train, scenario, case, of, &times_s, &mut |t, i, f| frame.see(train, t, i, f))
+        .then(|| frame.finish(train, case, of))
 }
 
 /// Even instants from 0 to the horizon, or as far as there may be enough of them.
@@ -159,37 +199,20 @@ fn instants(train: &Train, horizon_s: f64, looked: f64) -> Option<Vec<f64>> {
     usable.then(|| (0..=count as usize).map(step).collect())
 }
 
-/// Shows the force, N, in every coupler at every instant; whether it is affordable.
+/// Shows the force, N, in every coupler at every instant, of what is not marched; whether it is affordable.
 fn compute(
     train: &Train,
-    index: usize,
+    scenario: &Scenario,
     case: &CaseFindings,
     of: Of,
     times_s: &[f64],
     see: &mut dyn FnMut(usize, usize, f64),
 ) -> bool {
-    let scenario = &train.scenarios()[index];
     let scales = Scales::of(train);
     let broken = case.broken_coupler.map(|b| b - 1);
     let times: Vec<f64> = times_s.iter().map(|t| t / scales.time_s).collect();
     // Nothing beyond the last instant is wanted.
     let until_s = times_s[times_s.len() - 1];
-    if scenario::is_march(train, scenario) {
-        let rule = if of == Of::Cascade { scenario.cascade } else { Rule::Keep };
-        let problem = scenario::march(train, scenario, broken, [until_s; 2], rule);
-        let ask = MarchOptions {
-            history: (0..train.couplers().len()).collect(),
-            times_s: times_s.to_vec(),
-            ..MarchOptions::default()
-        };
-        if of != Of::Rod {
-            let histories = march::solve(&problem, &ask).history;
-            for (i, forces_n) in histories.iter().enumerate().filter(|(i, _)| of == Of::Cascade || Some(*i) != broken) {
-                forces_n.iter().enumerate().filter(|(_, f)| f.is_finite()).for_each(|(t, f)| see(t, i, *f));
-            }
-        }
-        return of != Of::Rod;
-    }
     if of == Of::Cascade || scenario::beyond_steps(&train.extras().dashpot_n_s_per_m, &scenario.event) {
         let rule = if of == Of::Cascade { scenario.cascade } else { Rule::Keep };
         let play = scenario::play(train, scenario, broken, until_s, rule);

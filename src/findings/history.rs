@@ -1,7 +1,7 @@
 //! Forces over time, for figures.
 
 use crate::chain::Scene;
-use crate::march::{self, MarchOptions, MarchOutcome};
+use crate::march::{self, MarchOptions};
 use crate::play::Rule;
 use crate::rod::Rod;
 use crate::scenario::{self, Part, Scales};
@@ -14,7 +14,10 @@ use crate::train::Train;
 pub fn history(train: &Train, scenario: usize, broken: Option<usize>, coupler: usize, times_s: &[f64]) -> Vec<f64> {
     let event = &train.scenarios()[scenario].event;
     if scenario::is_march(train, &train.scenarios()[scenario]) {
-        return marched(train, scenario, broken, coupler, times_s).history.pop().unwrap_or_default();
+        let horizon_s = times_s.iter().copied().fold(0.0, f64::max);
+        let problem = scenario::march(train, &train.scenarios()[scenario], broken, [horizon_s; 2], Rule::Keep);
+        let ask = MarchOptions { history: vec![coupler], times_s: times_s.to_vec(), ..MarchOptions::default() };
+        return march::solve(&problem, &ask).history.pop().unwrap_or_default();
     }
     if scenario::beyond_steps(&train.extras().dashpot_n_s_per_m, event) {
         let (scales, scenario) = (Scales::of(train), &train.scenarios()[scenario]);
@@ -28,27 +31,6 @@ pub fn history(train: &Train, scenario: usize, broken: Option<usize>, coupler: u
         ratio => Some(damped_modes::Damped::new(scene, ratio).history(i, t)),
     });
     forces.unwrap_or_else(|| vec![0.0; times_s.len()])
-}
-
-/// Elongation, m from the middle of the slack, and force, N, of a coupler that is not linear, at given times; `None` of a linear one.
-pub fn loop_of(
-    train: &Train,
-    scenario: usize,
-    broken: Option<usize>,
-    coupler: usize,
-    times_s: &[f64],
-) -> Option<Vec<[f64; 2]>> {
-    train.extras().laws.get(coupler).filter(|law| !law.is_linear())?;
-    let outcome = marched(train, scenario, broken, coupler, times_s);
-    let (elongations, forces) = (outcome.elongations.first()?, outcome.history.first()?);
-    Some(elongations.iter().zip(forces).map(|(q, f)| [*q, *f]).collect())
-}
-
-fn marched(train: &Train, scenario: usize, broken: Option<usize>, coupler: usize, times_s: &[f64]) -> MarchOutcome {
-    let horizon_s = times_s.iter().copied().fold(0.0, f64::max);
-    let problem = scenario::march(train, &train.scenarios()[scenario], broken, [horizon_s; 2], Rule::Keep);
-    let ask = MarchOptions { history: vec![coupler], times_s: times_s.to_vec(), ..MarchOptions::default() };
-    march::solve(&problem, &ask)
 }
 
 /// The force over time in the elastic rod; `None` where the coupler's part has no rod.

@@ -103,7 +103,9 @@ impl Variant {
                 let event = matches!(scenario.event, Event::Break { .. });
                 event.then(|| (train.clone(), Scenario { response: Response::default(), ..scenario.clone() }))
             }
-            Variant::LetDown if has_friction(train) && train.extras().pulled_to_n.is_empty() => {
+            Variant::LetDown
+                if train.extras().laws.iter().any(Law::has_friction) && train.extras().pulled_to_n.is_empty() =>
+            {
                 let pulled_to_n = train.initial_force_n().iter().map(|f| LET_DOWN * f).collect::<Vec<f64>>();
                 let is_pulled = pulled_to_n.iter().all(|f| *f >= 0.0) && pulled_to_n.iter().any(|f| *f > 0.0);
                 is_pulled.then(|| with(train.with_pulled_to(pulled_to_n)))?
@@ -123,18 +125,9 @@ fn generic_gears(slack_m: f64) -> Law {
     Law::Gear { solid_n_per_m: GENERIC_SOLID_N_PER_M, slack_m, draft: curve.clone(), buff: curve }
 }
 
-/// Whether a coupler loses work in a cycle.
-fn has_friction(train: &Train) -> bool {
-    let loses = |law: &Law| match law {
-        Law::Gear { draft, buff, .. } => draft.lost_share() > 0.0 || buff.lost_share() > 0.0,
-        Law::Elastic { .. } => false,
-    };
-    train.extras().laws.iter().any(loses)
-}
-
 /// Whether generic gears fit: vehicles of the masses that have them, a load under their last row, no damping of the modes.
 fn is_of_common_size(train: &Train) -> bool {
-    let last_n = Curve::generic_friction_gears().rows().last().map_or(0.0, |row| row.loading_n);
+    let last_n = Curve::generic_friction_gears().closes_at_n();
     let masses = train.vehicles().iter().filter(|v| !v.held).all(|v| GENERIC_MASSES_KG.contains(&v.mass_kg));
     masses && train.initial_force_n().iter().all(|f| f.abs() < last_n) && train.extras().damping_ratio == 0.0
 }

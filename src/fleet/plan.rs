@@ -176,7 +176,7 @@ impl<'a> Plan<'a> {
             self.options.stop.check()?;
             match findings::case_findings(&train, scenario, broken, &self.options, self.memo) {
                 Ok(case) => {
-                    let found = findings::found(scenario, std::slice::from_ref(&case));
+                    let found = findings::found(&train, scenario, std::slice::from_ref(&case));
                     self.keep(&cell, variation, &found);
                     rows.add(&place, &train, scenario, &case, &found);
                 }

@@ -240,7 +240,7 @@ fn finish(
         stopped: march.stopped,
         predictable_until_s,
         history: record.history,
-        elongations: record.elongations,
+        watched: record.watched.values,
         end_speed_m_s: march.state.v[0].clone(),
         energy: march.audit.map(|a| a.energy),
         events: march.events,

@@ -111,6 +111,8 @@ pub struct MarchOptions {
     pub history: Vec<usize>,
     /// Instants of the history, in order.
     pub times_s: Vec<f64>,
+    /// A coupler whose force and elongation are wanted at instants of its own, in order.
+    pub watched: Option<(usize, Vec<f64>)>,
     /// How good forces have to be: the march ends where the estimate of any coupler's error passes this. `None`: one run only,
     /// and no estimate.
     pub tolerance_n: Option<f64>,
@@ -188,8 +190,8 @@ pub struct MarchOutcome {
     pub predictable_until_s: Option<f64>,
     /// Forces of the couplers of the history at its instants; not a number beyond the end of the march.
     pub history: Vec<Vec<f64>>,
-    /// Elongations of these couplers at the same instants, m, from the middle of the slack.
-    pub elongations: Vec<Vec<f64>>,
+    /// Elongation, m from the middle of the slack, and force, N, of the coupler watched at its instants; not a number beyond the end.
+    pub watched: Vec<[f64; 2]>,
     /// Speed of each vehicle at the end of the march, against the common motion.
     pub end_speed_m_s: Vec<f64>,
     /// Energy over the march, if it was to be followed.

@@ -9,12 +9,19 @@ pub struct Record {
     pub to_mark: Option<Vec<Extremes>>,
     pub first_over_s: Vec<[Option<f64>; 2]>,
     pub history: Vec<Vec<f64>>,
-    /// Elongations at the same instants, from the middle of the slack.
-    pub elongations: Vec<Vec<f64>>,
+    pub watched: Watched,
     capacity: Vec<[f64; 2]>,
     wanted: Vec<usize>,
     times: Vec<f64>,
     next: usize,
+}
+
+/// Elongation, from the middle of the slack, and force of one coupler at instants of its own.
+#[derive(Clone, Debug, Default)]
+pub struct Watched {
+    pub values: Vec<[f64; 2]>,
+    coupler: usize,
+    times: Vec<f64>,
 }
 
 /// A step that has been taken: the series are cut to it, the state is that at its beginning.
@@ -23,6 +30,27 @@ pub struct Taken<'a> {
     pub series: &'a Series,
     pub from: f64,
     pub width: f64,
+}
+
+impl Taken<'_> {
+    /// Tension and elongation of a coupler at an instant of the step, against those at t = 0.
+    fn tension(&self, i: usize, t: f64) -> f64 {
+        self.value(i, t, 0.0, |c| self.series.tension_of(self.state, i, self.width, c))
+    }
+
+    fn elongation(&self, i: usize, t: f64) -> f64 {
+        self.value(i, t, self.state.elongation(i), |c| self.series.beyond(self.state, i, 0.0, 1.0, c))
+    }
+
+    /// Of a coupler that no wave has reached, what it is at rest.
+    fn value(&self, i: usize, t: f64, at_rest: f64, series: impl Fn(&mut [f64; DEGREE + 1])) -> f64 {
+        if !self.state.couplers().contains(&i) {
+            return at_rest;
+        }
+        let mut c = [0.0; DEGREE + 1];
+        series(&mut c);
+        roots::at(&c[..=self.series.terms], (t - self.from) / self.width.max(f64::MIN_POSITIVE))
+    }
 }
 
 impl Record {
@@ -40,7 +68,11 @@ impl Record {
             to_mark: None,
             first_over_s: start.iter().zip(&capacity).map(over).collect(),
             history: vec![Vec::with_capacity(ask.times_s.len()); ask.history.len()],
-            elongations: vec![Vec::with_capacity(ask.times_s.len()); ask.history.len()],
+            watched: ask.watched.clone().map_or_else(Watched::default, |(coupler, times)| Watched {
+                values: Vec::with_capacity(times.len()),
+                coupler,
+                times,
+            }),
             capacity,
             wanted: ask.history.clone(),
             times: ask.times_s.clone(),
@@ -107,26 +139,19 @@ impl Record {
         }
     }
 
-    /// Forces and elongations at the asked instants of the step.
+    /// What was asked for at instants of the step.
     fn tell(&mut self, taken: &Taken, start: &[[f64; 2]]) {
         let until = taken.from + taken.width;
-        let mut c = [0.0; DEGREE + 1];
         while let Some(t) = self.times.get(self.next).copied().filter(|t| *t <= until) {
-            let place = (t - taken.from) / taken.width.max(f64::MIN_POSITIVE);
-            let (state, series) = (taken.state, taken.series);
-            for ((forces, elongations), &i) in self.history.iter_mut().zip(&mut self.elongations).zip(&self.wanted) {
-                let (force, elongation) = if state.couplers().contains(&i) {
-                    series.tension_of(state, i, taken.width, &mut c);
-                    let force = roots::at(&c[..=series.terms], place);
-                    series.beyond(state, i, 0.0, 1.0, &mut c);
-                    (force, roots::at(&c[..=series.terms], place))
-                } else {
-                    (0.0, state.elongation(i))
-                };
-                forces.push(start[i][1] + force);
-                elongations.push(start[i][0] + elongation);
+            for (forces, &i) in self.history.iter_mut().zip(&self.wanted) {
+                forces.push(start[i][1] + taken.tension(i, t));
             }
             self.next += 1;
+        }
+        let Watched { values, coupler, times } = &mut self.watched;
+        while let Some(t) = times.get(values.len()).copied().filter(|t| *t <= until) {
+            let [elongation, force] = start[*coupler];
+            values.push([elongation + taken.elongation(*coupler, t), force + taken.tension(*coupler, t)]);
         }
     }
 
@@ -139,7 +164,8 @@ impl Record {
     pub fn cut(&mut self, until: f64, extremes: Vec<Extremes>, over: Vec<[Option<f64>; 2]>) {
         (self.extremes, self.first_over_s) = (extremes, over);
         let known = self.times.iter().take_while(|t| **t <= until).count();
-        self.history.iter_mut().chain(&mut self.elongations).for_each(|h| h.truncate(known));
+        self.history.iter_mut().for_each(|h| h.truncate(known));
+        self.watched.values.truncate(self.watched.times.iter().take_while(|t| **t <= until).count());
     }
 
     /// Not a number where nothing is known; no force where it is under `none`, what an event leaves, of each coupler.
@@ -149,7 +175,8 @@ impl Record {
                 peak.force_n = 0.0;
             }
         }
-        self.history.iter_mut().chain(&mut self.elongations).for_each(|h| h.resize(self.times.len(), f64::NAN));
+        self.history.iter_mut().for_each(|h| h.resize(self.times.len(), f64::NAN));
+        self.watched.values.resize(self.watched.times.len(), [f64::NAN; 2]);
         if self.to_mark.is_none() {
             self.to_mark = Some(self.extremes.clone());
         }

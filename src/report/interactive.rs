@@ -92,7 +92,7 @@ struct Forces {
 
 /// The data of a page, one entry per scenario; null where nothing is drawn.
 pub fn data(shown: &[Option<Shown>]) -> Result<String, serde_json::Error> {
-    let fields = shown.iter().flatten().map(|s| usize::from(s.wave.is_some()) + usize::from(s.rod.is_some()));
+    let fields = shown.iter().flatten().map(|s| [&s.evidence.wave, &s.evidence.rod].into_iter().flatten().count());
     let values = VALUES / fields.sum::<usize>().max(1);
     let mut room = COUPLERS;
     let mut scenes = Vec::new();
@@ -125,8 +125,8 @@ fn scene<'a>(shown: &'a Shown, values: usize) -> Scene<'a> {
         broken: shown.findings.cases.iter().flat_map(|c| &c.couplers).find(|c| broken == Some(c.coupler)).map(peaks),
         largest: if several { largest(shown) } else { Vec::new() },
         breaks: if several { breaks(shown) } else { None },
-        wave: shown.wave.as_ref().and_then(|f| forces(shown, f, values)),
-        rod: shown.rod.as_ref().and_then(|f| forces(shown, f, values)),
+        wave: shown.evidence.wave.as_ref().and_then(|f| forces(shown, f, values)),
+        rod: shown.evidence.rod.as_ref().and_then(|f| forces(shown, f, values)),
     }
 }
 

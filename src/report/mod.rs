@@ -8,6 +8,7 @@
 //! | `result.json` | the same for programs |
 //! | `figure-N-envelope.svg` | largest draft and buff along the train; N is the scenario's place in the train file |
 //! | `figure-N-force.svg` | the worst coupler's force over time |
+//! | `figure-N-loop.svg` | its force against its elongation, of a coupler with slack or a gear |
 //! | `figure-N-wave.svg` | force in every coupler by place and time, and the elastic rod's |
 //! | `figure-N-cascade.svg` | the same when couplers break one after the other, where a scenario follows that |
 //! | `figure-N-map.svg`, `map-N.csv` | overloading force by duration, or safe load by broken coupler, where asked for |
@@ -148,7 +149,7 @@ pub fn light_page(train: &Train, analysis: &Analysis) -> io::Result<String> {
 fn is_ours(name: &str) -> bool {
     let number = |n: &str| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit());
     let figure = name.strip_prefix("figure-").and_then(|n| n.strip_suffix(".svg")).and_then(|n| n.split_once('-'));
-    let kinds = ["breaks", "cascade", "envelope", "force", "map", "wave"];
+    let kinds = ["breaks", "cascade", "envelope", "force", "loop", "map", "wave"];
     let map = name.strip_prefix("map-").and_then(|n| n.strip_suffix(".csv"));
     figure.is_some_and(|(n, kind)| number(n) && kinds.contains(&kind))
         || map.is_some_and(number)

@@ -4,7 +4,7 @@ use super::figures::{self, Marks};
 use super::markdown::Picture;
 use super::numbers::brief_time;
 use super::words;
-use crate::findings::{self, CascadeFindings, CaseFindings, CouplerFindings, Field, Of, ScenarioFindings};
+use crate::findings::{CascadeFindings, CaseFindings, CouplerFindings, Evidence, Field, ScenarioFindings};
 use crate::train::{Event, Scenario, Train};
 
 /// A scenario that has something to show: of many cases, the one with the worst coupler.
@@ -21,14 +21,8 @@ pub struct Shown<'a> {
     pub case: &'a CaseFindings,
     /// Its coupler with the largest utilisation.
     pub worst: &'a CouplerFindings,
-    /// Forces by place and time after the event alone; `None` where they say no more than one coupler's history.
-    pub wave: Option<Field>,
-    /// Those forces would take long to find, and are left out.
-    pub wave_left_out: bool,
-    /// The rod's.
-    pub rod: Option<Field>,
-    /// Those when couplers break one after the other, and the sequence.
-    pub cascade: Option<(Field, &'a CascadeFindings)>,
+    /// What is drawn over time.
+    pub evidence: &'a Evidence,
 }
 
 impl<'a> Shown<'a> {
@@ -36,20 +30,12 @@ impl<'a> Shown<'a> {
     pub fn new(train: &'a Train, findings: &'a ScenarioFindings) -> Option<Shown<'a>> {
         let (index, scenario) = words::source(train, findings)?;
         let (case, worst) = words::worst_case(findings)?;
-        let field = |of: Of| findings::field(train, index, case, of);
-        let moving = |of: Of| field(of).filter(Field::moves);
-        let wave = if case.couplers.len() > 1 { field(Of::Event) } else { None };
-        let wave_left_out = case.couplers.len() > 1 && wave.is_none();
-        let wave = wave.filter(Field::moves);
-        let rod = wave.as_ref().and_then(|_| moving(Of::Rod));
-        let breaks = case.cascade.as_ref().filter(|c| findings.cases.len() == 1 && !c.breaks.is_empty());
-        let cascade = breaks.and_then(|c| Some((moving(Of::Cascade)?, c)));
-        Some(Shown { train, findings, index, scenario, case, worst, wave, wave_left_out, rod, cascade })
+        Some(Shown { train, findings, index, scenario, case, worst, evidence: findings.evidence(train)? })
     }
 
     /// Its figures.
     pub fn pictures(&self) -> Vec<Picture> {
-        let Shown { train, findings, index, case, worst, .. } = *self;
+        let Shown { train, findings, index, case, worst, evidence, .. } = *self;
         let number = index + 1;
         let picture = |kind: &'static str, caption: String, draw: &dyn Fn(&str) -> String| {
             let name = format!("figure-{number}-{kind}");
@@ -57,7 +43,7 @@ impl<'a> Shown<'a> {
         };
         let several = findings.cases.len() > 1;
         let mut all = Vec::new();
-        if let Some((field, cascade)) = &self.cascade {
+        if let Some((field, cascade)) = evidence.cascade.as_ref().zip(case.cascade.as_ref()) {
             let caption = self.wave_caption("What breaks next: force in every coupler over time", field, None);
             all.push(picture("cascade", caption, &|n| self.draw_wave(field, None, Some(cascade), n)));
         }
@@ -84,23 +70,26 @@ impl<'a> Shown<'a> {
             all.push(picture("map", caption, &|n| figures::map(map, &self.scenario.event, train.origin().units, n)));
         }
         let when = self.when();
-        if let Some(field) = &self.wave {
-            let rod = self.rod.as_ref();
+        if let Some(field) = &evidence.wave {
+            let rod = evidence.rod.as_ref();
             let caption = self.wave_caption(&format!("Force in every coupler over time{when}"), field, rod);
             all.push(picture("wave", caption, &|n| self.draw_wave(field, rod, None, n)));
         }
-        let shown = match figures::window(train, case, worst) {
+        let shown = match evidence.window_s {
             (from, to) if to - from < case.horizon_s => {
                 format!(", from {} to {} of {}", brief_time(from), brief_time(to), brief_time(case.horizon_s))
             }
             _ => String::new(),
         };
-        let others =
-            if self.wave_left_out { " To follow all couplers over time would take long, and is left out." } else { "" };
+        let others = if evidence.wave_left_out {
+            " To follow all couplers over time would take long, and is left out."
+        } else {
+            ""
+        };
         let caption = format!("Force in the worst coupler, {}{when}{shown}.{others}", words::place(worst));
-        all.push(picture("force", caption, &|n| figures::history(train, index, case, worst, n)));
+        all.push(picture("force", caption, &|n| figures::history(train, case, worst, evidence, n)));
         let name = format!("figure-{number}-loop");
-        if let Some(svg) = figures::hysteresis(train, index, case, worst, &name) {
+        if let Some(svg) = figures::hysteresis(train, worst, &evidence.way, &name) {
             let caption =
                 format!("Force against elongation of {}{when}, with the curves of its law.", words::place(worst));
             all.push(Picture { svg, file: format!("{name}.svg"), caption });

@@ -1,5 +1,7 @@
 //! `result.json`: everything that was found, for programs.
 
+use std::sync::OnceLock;
+
 use crate::findings::{Analysis, CaseFindings, ScenarioFindings};
 
 /// The analysis as JSON, indented; the field names are those of [`crate::findings`].
@@ -45,6 +47,7 @@ fn shorten(scenario: &ScenarioFindings) -> ScenarioFindings {
         map: scenario.map.clone(),
         damping: scenario.damping.clone(),
         variants: scenario.variants.clone(),
+        evidence: OnceLock::new(),
         ..*scenario
     }
 }

@@ -256,3 +256,21 @@ fn sample_gears_are_read() {
     }
     assert_eq!(count, 5);
 }
+
+/// A gear that an impact closes is told; one that stays within its table is not.
+#[test]
+fn closing_gears_are_told() {
+    let codes = |speed: &str| {
+        let text = format!(
+            "[coupler]\ngear = \"trains/gears/aar-friction-pair.csv\"\nsolid_stiffness = \"200 MN/m\"\nslack = \"25 mm\"\nrated_load = \
+             \"1.7 MN\"\n[[vehicle]]\ncount = 12\nmass = \"130 t\"\n[[scenario]]\nname = \"impact\"\nkind = \"impact\"\nat = \
+             \"head\"\nvehicles = 3\nspeed = \"{speed}\"\nhorizon = \"5 s\"\n"
+        );
+        let train = trainsafe::consist::parse(&text, Path::new("a.toml")).unwrap_or_else(|e| panic!("{e}"));
+        let analysis = trainsafe::analyze(&train, &trainsafe::Options::default()).expect("sound");
+        let largest_n = analysis.scenarios[0].cases[0].worst.as_ref().expect("a coupler").peak_force_n.abs();
+        (analysis.doubts.iter().map(|d| d.code).collect::<Vec<_>>(), largest_n > 2.52e6)
+    };
+    assert_eq!(codes("4 mph"), (vec![], false));
+    assert_eq!(codes("6 mph"), (vec!["gear-closes"], true));
+}

@@ -124,7 +124,7 @@ pub fn verlet(problem: &Problem, steps: usize) -> Vec<[f64; 2]> {
                 q[i] += change;
                 let (low, high) = (between(&curves[i].lower, q[i]), between(&curves[i].upper, q[i]));
                 let solid = if curves[i].solid.is_finite() { force[i] + curves[i].solid * change } else { low };
-                force[i] = if problem.gone.contains(&i) { 0.0 } else { solid.clamp(low, high) };
+                force[i] = if problem.gone.contains(&i) { 0.0 } else { solid.max(low).min(high) };
                 extremes[i] = [extremes[i][0].max(force[i]), extremes[i][1].min(force[i])];
             }
         }

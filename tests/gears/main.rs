@@ -7,5 +7,6 @@ mod hard;
 mod invariants;
 mod linear;
 mod oracles;
+mod published;
 mod tables;
 mod verlet;

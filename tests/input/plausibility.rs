@@ -227,3 +227,54 @@ fn the_sample_trains_have_few_doubts() {
     }
     assert!(codes(&parse(consist::TEMPLATE)).is_empty());
 }
+
+/// A hauled train with gears whose brakes and tractive efforts change.
+const BRAKED: &str = "speed = \"60 km/h\"
+[coupler]
+gear = [[\"0 mm\", \"0 kN\", \"0 kN\"], [\"80 mm\", \"2 MN\", \"0.5 MN\"]]
+solid_stiffness = \"200 MN/m\"
+slack = \"10 mm\"
+rated_load = \"1.7 MN\"
+[[vehicle]]
+mass = \"196 t\"
+length = \"20 m\"
+tractive_effort = \"400 kN\"
+[[vehicle]]
+count = 10
+mass = \"130 t\"
+length = \"16 m\"
+emergency_brake = \"45 kN\"
+[load]
+pulled_to = \"0.8 MN\"
+[[scenario]]
+kind = \"break\"
+coupler = 5
+emergency = \"UIC P\"
+cut_power = { after = \"3 s\", over = \"2 s\" }
+horizon = \"20 s\"
+";
+
+/// What brakes, tractive efforts and the pull before do not change, or only after the horizon, is told.
+#[test]
+fn changes_that_are_not_seen_are_doubted() {
+    assert!(codes(&parse(BRAKED)).is_empty());
+    for (from, to, expected) in [
+        // Brakes are full 4 s after the wave at 250 m/s has reached the farther end, and power is gone after 5 s.
+        ("20 s", "6 s", &[][..]),
+        ("20 s", "4.5 s", &["changes-beyond-horizon"]),
+        ("UIC P", "UIC G", &["changes-beyond-horizon"]),
+        ("after = \"3 s\"", "after = \"30 s\"", &["changes-beyond-horizon"]),
+        ("\"0.5 MN\"", "\"2 MN\"", &["pulled-to-unused", "slack-without-friction"]),
+        ("emergency = \"UIC P\"\n", "", &["emergency-brake-unused", "speed-unused"]),
+    ] {
+        assert!(BRAKED.contains(from), "{from}");
+        let mut found = codes(&parse(&BRAKED.replace(from, to)));
+        found.sort_unstable();
+        assert_eq!(found, expected, "{to}");
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("level.csv"), "time [s],share [%]\n0,100\n10,100\n").expect("a file");
+    let level = BRAKED.replace("cut_power = { after = \"3 s\", over = \"2 s\" }", "throttle = \"level.csv\"");
+    let train = consist::parse(&level, &folder.path().join("train.toml")).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(codes(&train), ["efforts-unchanged"]);
+}

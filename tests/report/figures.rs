@@ -262,3 +262,33 @@ fn figures_of_methods_and_of_fleets_are_xml() {
     let (_, texts) = parse("safe factors", &svg);
     assert!(texts.iter().any(|t| t == "safe factor on the load"), "{texts:?}");
 }
+
+/// One run of a march gives what all figures of a scenario show: the same as the runs for one coupler and for all, and once only.
+#[test]
+fn the_evidence_of_a_march_is_one() {
+    for (name, scenario) in [("shunting-european-rake", 0), ("unit-train-emergency", 1)] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("trains").join(format!("{name}.toml"));
+        let train = consist::read(&path).expect("a train");
+        let analysis = analyze(&train, &Options::default()).expect("sound");
+        let found = &analysis.scenarios[scenario];
+        let evidence = found.evidence(&train).expect("couplers to watch");
+        assert!(std::ptr::eq(evidence, found.evidence(&train).expect("the same")), "found twice");
+        let case = &found.cases[0];
+        let worst = case.worst.as_ref().expect("a worst coupler");
+        let (broken, largest_n) = (case.broken_coupler.map(|b| b - 1), worst.peak_force_n.abs());
+        // Other steps: the error of both is the case's.
+        let near = 1e-9 * largest_n + 2.0 * case.error_n();
+        let alone = trainsafe::findings::history(&train, scenario, broken, worst.coupler - 1, &evidence.times_s);
+        assert!(alone.iter().zip(&evidence.force_n).all(|(a, b)| (a - b).abs() < near), "{name}");
+        let on_way = evidence.way.iter().map(|p| p[1].abs()).fold(0.0, f64::max);
+        assert!((on_way - largest_n).abs() < near, "{name}: the way shows the peak");
+        let law = &train.extras().laws[worst.coupler - 1];
+        let free = |p: &&[f64; 2]| p[0].abs() < 0.5 * law.slack_m();
+        assert!(evidence.way.iter().filter(free).all(|p| p[1] == 0.0), "{name}: no force in the slack");
+        let field =
+            trainsafe::findings::field(&train, scenario, case, trainsafe::findings::Of::Event).expect("affordable");
+        let wave = evidence.wave.as_ref().expect("a wave");
+        let alike = |(a, b): (&f32, &f32)| a == b || a.is_nan() && b.is_nan() || (a - b).abs() < 1e-6;
+        assert!(wave.share.iter().zip(&field.share).all(alike), "{name}");
+    }
+}

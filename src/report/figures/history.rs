@@ -3,60 +3,24 @@
 use super::reach::Reach;
 use super::{HEIGHT, RATED, ROD};
 use crate::figures::{Axis, Color, Figure, Panel, Point, Sample, Stroke};
-use crate::findings::{self, CaseFindings, CouplerFindings};
+use crate::findings::{CaseFindings, CouplerFindings, Evidence};
 use crate::report::numbers::{force_unit, time, time_unit};
 use crate::report::words::time_axis;
-use crate::scenario;
 use crate::train::Train;
 
-/// Instants in a figure per unit of time sqrt(m / k): about eight in the period of the fastest vibration of equal vehicles.
-const PER_UNIT: f64 = 2.5;
-/// Instants in a figure: enough for a line, and no more than the eye can use.
-const FEWEST: usize = 600;
-const MOST: usize = 3000;
 /// Width of the line, in pixels.
 const LINE: f64 = 2.0;
 
-/// The stretch of time that a figure shows, s: all of it, or, where that is too long to resolve, a window.
-///
-/// The window begins at t = 0 when it reaches the peak so, and else lies around the peak.
-pub fn window(train: &Train, case: &CaseFindings, coupler: &CouplerFindings) -> (f64, f64) {
-    let longest = MOST as f64 / PER_UNIT * scenario::wave(train).time_unit_s;
-    let horizon = case.horizon_s;
-    if horizon <= longest || !longest.is_normal() {
-        return (0.0, horizon);
-    }
-    let from = if coupler.peak_time_s < 0.9 * longest { 0.0 } else { coupler.peak_time_s - 0.5 * longest };
-    let from = from.min(horizon - longest);
-    (from, from + longest)
-}
-
-/// Evenly spaced instants, and those that the text names.
-fn instants(train: &Train, case: &CaseFindings, coupler: &CouplerFindings) -> Vec<f64> {
-    let (from, to) = window(train, case, coupler);
-    let count = ((to - from) / scenario::wave(train).time_unit_s * PER_UNIT) as usize;
-    let count = count.clamp(FEWEST, MOST);
-    let even = (0..=count).map(|i| from + (to - from) * i as f64 / count as f64);
-    let named = [Some(coupler.peak_time_s), coupler.first_exceeds_s].into_iter().flatten();
-    let mut all: Vec<f64> = even.chain(named.filter(|t| (from..=to).contains(t))).collect();
-    all.sort_by(f64::total_cmp);
-    all.dedup();
-    all
-}
-
-/// The force in a coupler of a case over time, as SVG; `index` is that of the scenario in the train.
-pub fn history(train: &Train, index: usize, case: &CaseFindings, c: &CouplerFindings, name: &str) -> String {
-    let broken = case.broken_coupler.map(|b| b - 1);
-    let times = instants(train, case, c);
-    let chain = findings::history(train, index, broken, c.coupler - 1, &times);
-    let rod = findings::rod_history(train, index, broken, c.coupler - 1, &times).unwrap_or_default();
-    let reach = Reach::new(chain.iter().chain(&rod).copied(), &[c.rated_draft_n], &[c.rated_buff_n]);
+/// The force in the worst coupler of a case over time, as SVG.
+pub fn history(train: &Train, case: &CaseFindings, c: &CouplerFindings, evidence: &Evidence, name: &str) -> String {
+    let Evidence { times_s: times, force_n: chain, rod_force_n: rod, .. } = evidence;
+    let reach = Reach::new(chain.iter().chain(rod).copied(), &[c.rated_draft_n], &[c.rated_buff_n]);
     let unit = force_unit(train.origin().units, reach.largest());
     let clock = time_unit(times.last().copied().unwrap_or(1.0));
     let points = |forces: &[f64]| -> Vec<Point> {
         times.iter().zip(forces).map(|(t, f)| (t / clock.size, f / unit.size)).collect()
     };
-    let chain = points(&chain);
+    let chain = points(chain);
     let x = (chain.first().map_or(0.0, |p| p.0), chain.last().map_or(1.0, |p| p.0));
     let x_axis = Axis::new(&format!("{}, {}", time_axis(case), clock.name), x);
     let y_label = format!("force in coupler {}, {} (draft +, buff −)", c.coupler, unit.name);
@@ -68,7 +32,7 @@ pub fn history(train: &Train, index: usize, case: &CaseFindings, c: &CouplerFind
         panel.line(&[(x.0, r / unit.size), (x.1, r / unit.size)], RATED);
     }
     if !rod.is_empty() {
-        panel.line(&points(&rod), ROD);
+        panel.line(&points(rod), ROD);
         figure.explain("elastic rod", Sample::Line(ROD));
     }
     // A line along the rating is not over it.

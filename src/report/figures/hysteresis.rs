@@ -2,24 +2,17 @@
 
 use super::HEIGHT;
 use crate::figures::{Axis, Color, Figure, Point, Sample, Shape, Stroke};
-use crate::findings::{self, CaseFindings, CouplerFindings};
+use crate::findings::CouplerFindings;
 use crate::law::{Curve, GearRow, Law};
 use crate::report::numbers::{force_unit, gap_unit};
 use crate::train::Train;
 
-/// Instants of the way.
-const INSTANTS: usize = 4000;
 const WAY: Stroke = Stroke::solid(Color::Ink, 1.6);
 const LAW: Stroke = Stroke::solid(Color::Quiet, 2.4);
 
-/// The way of a coupler in a case, as SVG; `None` of a linear coupler. `index` is that of the scenario in the train.
-pub fn hysteresis(train: &Train, index: usize, case: &CaseFindings, c: &CouplerFindings, name: &str) -> Option<String> {
-    let law = train.extras().laws.get(c.coupler - 1)?;
-    let mut times: Vec<f64> = (0..=INSTANTS).map(|i| case.horizon_s * i as f64 / INSTANTS as f64).collect();
-    times.push(c.peak_time_s);
-    times.sort_by(f64::total_cmp);
-    let way = findings::loop_of(train, index, case.broken_coupler.map(|b| b - 1), c.coupler - 1, &times)?;
-    let way: Vec<[f64; 2]> = way.into_iter().filter(|p| p.iter().all(|x| x.is_finite())).collect();
+/// The way of a coupler as elongations, m, and forces, N, as SVG; `None` of a linear coupler, which has none.
+pub fn hysteresis(train: &Train, c: &CouplerFindings, way: &[[f64; 2]], name: &str) -> Option<String> {
+    let law = train.extras().laws.get(c.coupler - 1).filter(|_| !way.is_empty())?;
     let span = |of: usize| {
         let values = || way.iter().map(|p| p[of]);
         let (low, high) = (values().fold(0.0, f64::min), values().fold(0.0, f64::max));

@@ -14,7 +14,7 @@ mod wave;
 
 pub use breaks::breaks;
 pub use envelope::{couplers_per_place, envelope};
-pub use history::{history, window};
+pub use history::history;
 pub use hysteresis::hysteresis;
 pub use influences::influences;
 pub use map::map;

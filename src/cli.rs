@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
+use trainsafe::Train;
 use trainsafe::fleet;
 use trainsafe::report;
 use trainsafe::units::UnitSystem;
@@ -31,14 +32,15 @@ train file is written when Save is pressed; files that it names are read in its 
 Example: trainsafe serve trains/ore-train.toml";
 
 const CHECK: &str = "\
-Exit status 2 if some file is wrong. In the JSON, files has an entry for each file: problems (path, line, column, span in
-bytes, key, message, help, related) and doubts (code, scenario, text).
+Exit status 2 if some file is wrong. In the JSON, files has an entry for each file: problems (path,
+line, column, span in bytes, key, message, help, related) and doubts (code, scenario, text).
 
 Example: trainsafe check trains/ore-train.toml trains/paper-figure-4.toml";
 
 const IMPORT: &str = "\
-Behind each number stands where it comes from. What is missing is marked MISSING and told here; the file cannot be
-analysed before it is filled in. The vehicles of a consist are looked for beside it, in TRAINSET and in ../TRAINSET.
+A comment behind each number says where it comes from. What is missing is marked MISSING and listed
+here; the file cannot be analysed before it is filled in. The vehicles of a consist are looked for
+beside it, in TRAINSET and in ../TRAINSET.
 
 Example: echo \"mass [t],90,80\" | tr , '\\n' > cars.csv && trainsafe import cars.csv > train.toml";
 
@@ -132,8 +134,27 @@ pub struct Check {
     #[arg(required = true, value_name = "TRAIN")]
     pub trains: Vec<PathBuf>,
     /// Print what is wrong and what is doubtful as JSON, with places by line, column and bytes
-    #[arg(long)]
+    #[arg(long, conflicts_with = "units")]
     pub json: bool,
+    #[command(flatten)]
+    pub units: Units,
+}
+
+#[derive(Debug, Args)]
+pub struct Units {
+    /// Units of what is printed and of the report: si or us [default: the file's]
+    #[arg(long, value_name = "SYSTEM", value_parser = UnitSystem::NAMES, hide_possible_values = true)]
+    units: Option<String>,
+}
+
+impl Units {
+    /// The train with these units, or as it is.
+    pub fn of(&self, train: Train) -> Train {
+        match self.units.as_deref().and_then(UnitSystem::from_name) {
+            Some(units) => train.with_units(units),
+            None => train,
+        }
+    }
 }
 
 #[derive(Debug, Args)]
@@ -147,14 +168,13 @@ pub struct Analyze {
     #[arg(long, value_name = "LIST", default_value = "md,html", value_delimiter = ',',
           value_parser = report::Format::ALL.map(report::Format::name), conflicts_with = "json")]
     pub format: Vec<String>,
-    /// Units of the report [default: the file's]
-    #[arg(long, value_name = "SYSTEM", value_parser = UnitSystem::NAMES, conflicts_with = "json")]
-    pub units: Option<String>,
+    #[command(flatten)]
+    pub units: Units,
     /// Run this scenario only
     #[arg(long, value_name = "NAME")]
     pub scenario: Option<String>,
     /// Print result.json to standard output; write no files
-    #[arg(long, conflicts_with = "out")]
+    #[arg(long, conflicts_with_all = ["out", "units"])]
     pub json: bool,
     /// Exit with status 1 if some coupler exceeds, or cannot be told not to
     #[arg(long)]

@@ -3,7 +3,7 @@
 use super::overloaded;
 use crate::scenario::{self, horizon_s, initial_force_n, last_change_s, longest_horizon_s, longest_transit_s};
 use crate::train::{Doubt, Event, Scenario, Train, more};
-use crate::units::{Dimension, shown};
+use crate::units::{Dimension, rounded, shown, shown_time};
 
 /// Speeds over this are doubtful, m/s: 200 km/h.
 const FAST_M_PER_S: f64 = 200.0 / 3.6;
@@ -63,21 +63,23 @@ fn breaks(train: &Train, scenario: &Scenario, couplers: &[usize]) -> Vec<(&'stat
 fn pulse(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
     let mut found = vec![];
     let (end_s, until_s) = (last_change_s(train, scenario, None), longest_horizon_s(train, scenario));
-    let time = |s: f64| shown(s, Dimension::Time);
     if end_s > until_s {
         let [begins_s, peaks_s] = match &scenario.event {
             Event::Shaped { drive, .. } => [drive.begins(), drive.peaks()],
             _ => [0.0; 2],
         };
         let unseen = if begins_s >= until_s {
-            format!("has not begun at the horizon of {}, so nothing of it is seen", time(until_s))
+            format!("has not begun at the horizon of {}, so nothing of it is seen", shown_time(until_s))
         } else if peaks_s >= until_s {
-            format!("has not reached its largest value at the horizon of {}", time(until_s))
+            format!("has not reached its largest value at the horizon of {}", shown_time(until_s))
         } else {
-            format!("outlasts the horizon of {}, so what its end does is not seen", time(until_s))
+            format!("outlasts the horizon of {}, so what its end does is not seen", shown_time(until_s))
         };
         let whole_s = horizon_s(train, &Scenario { horizon_s: None, ..scenario.clone() }, None);
-        found.push(("pulse-beyond-horizon", format!("the pulse {unseen}; a horizon of {} covers it", time(whole_s))));
+        found.push((
+            "pulse-beyond-horizon",
+            format!("the pulse {unseen}; a horizon of {} covers it", shown_time(whole_s)),
+        ));
         if train.vehicles().iter().all(|v| !v.held) {
             let text =
                 "the force does not end within the horizon and nothing holds the train, so it is pulled along for ever";
@@ -87,7 +89,7 @@ fn pulse(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
     if let Event::Shaped { shape: "record", drive, force_n, duration_s, .. } = &scenario.event
         && drive.ends_at().abs() > CUT * force_n.abs()
     {
-        let [force, end] = [shown(drive.ends_at(), Dimension::Force), time(*duration_s)];
+        let [force, end] = [shown(train.origin().units, drive.ends_at(), Dimension::Force), shown_time(*duration_s)];
         let text = format!(
             "the record ends at {force}, and the force drops to 0 there, at {end}; end it with a row of force 0"
         );
@@ -97,17 +99,18 @@ fn pulse(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
 }
 
 fn impact(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
-    let mut found = vec![];
+    let (mut found, units) = (vec![], train.origin().units);
     let before = initial_force_n(train, &scenario.event);
     found.extend(overloaded(train, &before).map(|text| ("load-over-rating", text)));
     let joint = scenario.event.joint(train.vehicles().len());
     let (Some(joint), Event::Impact { speed_m_per_s, .. }) = (joint, &scenario.event) else { return found };
     if *speed_m_per_s > FAST_M_PER_S {
-        let speed = shown(*speed_m_per_s, Dimension::Speed);
-        found.push(("speed", format!("the vehicles arrive at {speed}, over 200 km/h; check the number and its unit")));
+        let [speed, most] =
+            [shown(units, *speed_m_per_s, Dimension::Speed), rounded(units, FAST_M_PER_S, Dimension::Speed)];
+        found.push(("speed", format!("the vehicles arrive at {speed}, over {most}; check the number and its unit")));
     }
     if let Some(&c) = train.extras().dashpot_n_s_per_m.get(joint).filter(|c| **c > 0.0) {
-        let force = shown(c * speed_m_per_s, Dimension::Force);
+        let force = shown(units, c * speed_m_per_s, Dimension::Force);
         let text = format!(
             "the dashpot of coupler {} carries {force} at the instant of contact, its damping times the speed, while the force of \
              a draft gear begins at 0; compare with the impact without damping",
@@ -125,7 +128,7 @@ fn short_horizon(train: &Train, scenario: &Scenario) -> Option<Doubt> {
     };
     let transit_s = ends.into_iter().map(|b| longest_transit_s(train, b.copied())).fold(0.0, f64::max);
     let horizon_s = longest_horizon_s(train, scenario);
-    let [horizon, transit] = [horizon_s, transit_s].map(|t| shown(t, Dimension::Time));
+    let [horizon, transit] = [horizon_s, transit_s].map(shown_time);
     let text = format!("the horizon of {horizon} ends before a wave has crossed {what}, {transit}");
     (horizon_s < transit_s).then(|| Doubt::of_scenario("short-horizon", scenario, text))
 }

@@ -28,7 +28,7 @@ fn closed(train: &Train) -> Option<Doubt> {
         "the load closes the gear of coupler {}{}: {} is over the last row of its table",
         first + 1,
         more(over.count(), "coupler"),
-        shown(force_n(first).abs(), Dimension::Force)
+        shown(train.origin().units, force_n(first).abs(), Dimension::Force)
     );
     Some(Doubt::of_train("gear-closed", text))
 }

@@ -2,7 +2,7 @@
 
 use super::CaseFindings;
 use crate::train::{Doubt, Scenario, more};
-use crate::units::{Dimension, shown};
+use crate::units::shown_time;
 
 /// Every doubt that the cases of a scenario have.
 pub fn found(scenario: &Scenario, cases: &[CaseFindings]) -> Vec<Doubt> {
@@ -16,7 +16,7 @@ pub fn found(scenario: &Scenario, cases: &[CaseFindings]) -> Vec<Doubt> {
 fn not_predictable(scenario: &Scenario, cases: &[CaseFindings]) -> Option<Doubt> {
     let mut ends = cases.iter().filter_map(|c| c.predictable_until_s);
     let first = ends.next()?;
-    let at = shown(ends.clone().fold(first, f64::min), Dimension::Time);
+    let at = shown_time(ends.clone().fold(first, f64::min));
     let text = format!(
         "forces can be told up to {at} only{}: from then on small differences grow beyond the error that was asked for, and nothing \
          later is reported; a larger --tolerance or more friction at small forces reaches further",
@@ -33,7 +33,7 @@ fn stops(scenario: &Scenario, cases: &[CaseFindings]) -> Option<Doubt> {
     let (at_s, vehicle) = stops.fold(first, |a, b| if b.0 < a.0 { b } else { a });
     let text = format!(
         "vehicle {vehicle} would come to a stand at {}{}: a standing vehicle is not computed, and nothing later is reported",
-        shown(at_s, Dimension::Time),
+        shown_time(at_s),
         more(others, "case")
     );
     Some(Doubt::of_scenario("vehicle-stops", scenario, text))
@@ -51,7 +51,7 @@ fn closing_gap(scenario: &Scenario, cases: &[CaseFindings]) -> Option<Doubt> {
     let text = format!(
         "the gap at coupler {coupler} closes at {}{after}: its vehicles would push each other from then on, which is not \
          computed, so that nothing later holds",
-        shown(time_s, Dimension::Time)
+        shown_time(time_s)
     );
     Some(Doubt::of_scenario("gap-closes", scenario, text))
 }

@@ -1,11 +1,11 @@
 //! What the findings come to, in sentences: plain text, shared by the report and the terminal.
 
-use super::numbers::{brief_time, digits, down, given_force, given_speed, given_time, percent, time};
+use super::numbers::{brief_time, digits, down, given_force, percent, time};
 use crate::consist;
 use crate::findings::{self, CaseFindings, CouplerFindings, LoadSearch, ScenarioFindings};
 pub(crate) use crate::train::count;
 use crate::train::{Application, Event, Scenario, Train};
-use crate::units::UnitSystem;
+use crate::units::{Dimension, UnitSystem, shown, shown_time};
 
 /// The scenario of the train that a scenario of findings was made from, with its index.
 pub fn source<'a>(train: &'a Train, findings: &ScenarioFindings) -> Option<(usize, &'a Scenario)> {
@@ -91,7 +91,7 @@ fn happens(train: &Train, scenario: &Scenario) -> String {
         Event::Pulse { vehicle, force_n, duration_s } => {
             let way = if *force_n < 0.0 { "backward" } else { "forward" };
             let label = &train.vehicles()[*vehicle].label;
-            let (size, lasting) = (given_force(train.origin().units, *force_n), given_time(*duration_s));
+            let (size, lasting) = (given_force(train.origin().units, *force_n), shown_time(*duration_s));
             format!(
                 "A constant force of {size} acts {way} on vehicle {} ({label}) from t = 0 for {lasting}.",
                 vehicle + 1
@@ -100,7 +100,7 @@ fn happens(train: &Train, scenario: &Scenario) -> String {
         Event::Shaped { vehicle, shape, force_n, duration_s, .. } => {
             let way = if *force_n < 0.0 { "backward" } else { "forward" };
             let label = &train.vehicles()[*vehicle].label;
-            let (size, lasting) = (given_force(train.origin().units, *force_n), given_time(*duration_s));
+            let (size, lasting) = (given_force(train.origin().units, *force_n), shown_time(*duration_s));
             format!(
                 "A force pulls vehicle {} ({label}) {way} with up to {size} from t = 0 to {lasting}, its course over time: {shape}.",
                 vehicle + 1
@@ -109,7 +109,7 @@ fn happens(train: &Train, scenario: &Scenario) -> String {
         Event::Brake { from, emergency, application: a } => applied(train, from, *emergency, a),
         Event::Impact { vehicles, at_head, speed_m_per_s } => {
             let end = if *at_head { "head" } else { "tail" };
-            let speed = given_speed(train.origin().units, *speed_m_per_s);
+            let speed = shown(train.origin().units, *speed_m_per_s, Dimension::Speed);
             let before = match scenario.event.joint(train.vehicles().len()) {
                 Some(joint) if train.initial_force_n().iter().any(|f| *f != 0.0) => {
                     format!(
@@ -129,7 +129,7 @@ fn happens(train: &Train, scenario: &Scenario) -> String {
 
 fn applied(train: &Train, from: &[usize], emergency: bool, application: &Application) -> String {
     let what = if emergency { "Emergency" } else { "Service" };
-    let (place, course) = (consist::place(train, from), consist::application(application));
+    let (place, course) = (consist::place(train, from), consist::application(application, train.origin().units));
     format!("{what} brakes are applied from {place} at t = 0 ({course}).")
 }
 

@@ -89,14 +89,14 @@ fn an_ore_train() {
 #[test]
 fn an_ore_train_in_words() {
     let expected = "Ore train
-105 vehicles, 104 couplers, 16640 t without what is held
+105 vehicles, 104 couplers, 16640 t, not counting held vehicles
   1 x locomotive (held) of 195 t
   104 x ore car of 160 t, 10.9 m
 couplers: stiffness 30 MN/m; rated 900 kN to 1.5 MN in draft, 2 MN in buff
 load before the event: 600 kN in draft
 to be run:
   knuckle breaks: coupler 53 between ore car 52 and ore car 53 breaks; 1 case, horizon 8 s
-  the rear is hit: 1.2 MN backward on ore car 104 for 60 ms; 1 case, horizon 30.44 s
+  the rear is hit: 1.2 MN backward on ore car 104 for 60 ms; 1 case, horizon 30.4403 s
 ";
     assert_eq!(describe(&parse(ORE_TRAIN)), expected);
 }
@@ -236,8 +236,8 @@ fn warnings_say_what_is_likely_not_meant() {
     assert_eq!(warned("[load]\nuniform = \"1.5 MN\""), Vec::<String>::new(), "at the rating is not over it");
     let short =
         "[load]\nuniform = \"1 MN\"\n[[scenario]]\nname = \"b\"\nkind = \"break\"\ncoupler = 9\nhorizon = \"0.58 s\"";
-    // Eight couplers in front of the broken one, each sqrt(160e3 / 30e6) s = 73.03 ms: 584.24 ms.
-    let expected = "b: the horizon of 580 ms ends before a wave has crossed the longest part, 584.24 ms";
+    // Eight couplers in front of the broken one, each sqrt(160e3 / 30e6) s = 73.03 ms: 584.237 ms.
+    let expected = "b: the horizon of 580 ms ends before a wave has crossed the longest part, 584.237 ms";
     assert_eq!(warned(short), [expected]);
     assert_eq!(warned(&short.replace("0.58", "0.59")), Vec::<String>::new());
     let long =
@@ -269,7 +269,7 @@ fn horizons_of_many_cases_are_told_from_the_shortest_to_the_longest() {
         let Event::Break { couplers } = &train.scenarios()[0].event else { panic!("a break") };
         let horizons = couplers.iter().map(|&b| trainsafe::scenario::horizon_s(&train, &train.scenarios()[0], Some(b)));
         let (low, high) = horizons.fold((f64::INFINITY, 0.0f64), |(l, h), t| (l.min(t), h.max(t)));
-        let [low, high] = [low, high].map(|t| trainsafe::units::shown(t, trainsafe::units::Dimension::Time));
+        let [low, high] = [low, high].map(trainsafe::units::shown_time);
         let told = format!("horizon {low} to {high}\n");
         assert!(describe(&train).contains(&told), "{told} is not in {}", describe(&train));
     }

@@ -215,7 +215,7 @@ impl Page<'_> {
         let caption = escaped(caption);
         let svg = inline(svg, &caption);
         self.out += &format!(
-            "<figure data-scenario=\"{scenario}\" data-kind=\"{kind}\">\n{svg}\n<figcaption>{caption}</figcaption>\n</figure>\n"
+            "<figure data-scenario=\"{scenario}\" data-kind=\"{kind}\" tabindex=\"0\">\n{svg}\n<figcaption>{caption}</figcaption>\n</figure>\n"
         );
     }
 
@@ -232,7 +232,7 @@ impl Page<'_> {
             None => (heading.clone(), heading),
         };
         self.out += &format!(
-            "<div class=\"table\" role=\"region\" aria-label=\"{label}\" tabindex=\"0\">\n<table>\n<caption>{caption}</caption>\n"
+            "<div class=\"table\" role=\"region\" aria-label=\"{label}\" tabindex=\"0\">\n<table>\n<caption><span>{caption}</span></caption>\n"
         );
         let named = block
             .iter()

@@ -66,12 +66,17 @@ pub fn percent(share: f64) -> String {
 
 /// A number that a user may rely on as a bound from below: rounded down to three digits.
 pub fn down(value: f64) -> String {
+    down_to(value, 3)
+}
+
+/// The same to so many digits.
+pub fn down_to(value: f64, most: i32) -> String {
     if value <= 0.0 || !value.is_finite() {
-        return digits(value, 0.0, 3);
+        return digits(value, 0.0, most);
     }
-    let step = 10f64.powi(2 - value.log10().floor().clamp(-300.0, 2.0) as i32);
-    // A number of three digits keeps them all, though its double lies a little under it.
-    digits((value * step * (1.0 + 1e-12)).floor() / step, 0.0, 3)
+    let step = 10f64.powi((f64::from(most - 1) - value.log10().floor()).clamp(0.0, 300.0) as i32);
+    // A number of that many digits keeps them all, though its double lies a little under it.
+    digits((value * step * (1.0 + 1e-12)).floor() / step, 0.0, most)
 }
 
 /// The interval `value` +- `error`, with as many digits as tell its ends apart.

@@ -1,6 +1,6 @@
 //! What the findings come to, in sentences: plain text, shared by the report and the terminal.
 
-use super::numbers::{brief_time, digits, down, given_force, percent, time};
+use super::numbers::{brief_time, digits, down, down_to, given_force, percent, time};
 use crate::consist;
 use crate::findings::{self, CaseFindings, CouplerFindings, LoadSearch, ScenarioFindings};
 pub(crate) use crate::train::count;
@@ -464,6 +464,11 @@ pub fn safe_load(
 fn searched(cause: &str, search: &LoadSearch) -> String {
     let LoadSearch { none_exceeds_at, exceeds_at, tried } = *search;
     let at = |factor: f64| down(100.0 * factor);
+    // Both shares with the digits that tell them apart.
+    let apart = |low: f64, high: f64| {
+        let both = |most: i32| [down_to(100.0 * low, most), digits(100.0 * high, 0.0, most)];
+        (3..17).map(both).find(|[a, b]| a != b).unwrap_or_else(|| both(17))
+    };
     match exceeds_at {
         None => format!(
             " In a search no coupler exceeded at any of {tried} factors up to {} % of the {cause}.",
@@ -472,12 +477,13 @@ fn searched(cause: &str, search: &LoadSearch) -> String {
         Some(over) if none_exceeds_at == 0.0 => {
             format!(" In a search a coupler exceeded at {} % of the {cause}, the smallest share tried.", at(over))
         }
-        Some(over) => format!(
-            " In a search of {tried} factors no coupler exceeded up to {} % of the {cause}, and one did at {} %; factors between those that \
-             were tried are not covered.",
-            at(none_exceeds_at),
-            at(over)
-        ),
+        Some(over) => {
+            let [none, some] = apart(none_exceeds_at, over);
+            format!(
+                " In a search of {tried} factors no coupler exceeded up to {none} % of the {cause}, and one did at {some} %; factors between \
+                 those that were tried are not covered."
+            )
+        }
     }
 }
 
@@ -493,7 +499,8 @@ pub fn rod(scenario: &ScenarioFindings) -> String {
         (1, _) => String::new(),
         (all, n) if all == n => format!(", summed over all {n} breaks"),
         (all, n) => {
-            format!("; this is of the {n} of {all} breaks that leave parts of equal vehicles and couplers only")
+            let these = if n == 1 { "the one break" } else { &format!("the {n} breaks") };
+            format!("; of the {all} breaks, this compares only {these} whose parts have equal vehicles and couplers")
         }
     };
     format!(

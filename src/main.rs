@@ -264,7 +264,7 @@ fn summary(text: &str) -> Result<(), Failure> {
     if quiet() { Ok(()) } else { print(text) }
 }
 
-/// A line on standard error, with colours only where they are wanted. Nobody is left to hear of it if that fails.
+/// A line on standard error, with colours where asked for. If that fails, there is no other place to report it.
 fn say(text: &str) {
     let _ = writeln!(anstream::stderr(), "{}", text.trim_end());
 }

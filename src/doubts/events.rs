@@ -26,14 +26,20 @@ fn breaks(train: &Train, scenario: &Scenario, couplers: &[usize]) -> Vec<(&'stat
     let mut found = vec![];
     let load = |b: usize| train.initial_force_n()[b];
     if train.couplers().len() == 1 && !couplers.is_empty() {
-        found.push(("nothing-left", "once its only coupler is broken the train has none left to look at".to_owned()));
+        found.push((
+            "nothing-left",
+            "the train has one coupler only: after its break there is none left to examine".to_owned(),
+        ));
     } else if couplers.iter().any(|&b| load(b) == 0.0) {
         let advice = if train.extras().steady.is_some() {
             "check the forces on the vehicles: a tractive_effort, a brake_force or a held vehicle may be missing"
         } else {
             "give [load] a uniform force"
         };
-        found.push(("no-load", format!("a coupler without load breaks and nothing changes; {advice}")));
+        found.push((
+            "no-load",
+            format!("the coupler that breaks carries no load, so its break changes nothing; {advice}"),
+        ));
     }
     let mut in_buff = couplers.iter().filter(|&&b| load(b) < 0.0);
     if let Some(first) = in_buff.next() {
@@ -69,11 +75,14 @@ fn pulse(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
             _ => [0.0; 2],
         };
         let unseen = if begins_s >= until_s {
-            format!("has not begun at the horizon of {}, so nothing of it is seen", shown_time(until_s))
+            format!("begins after the horizon of {}, so it has no effect", shown_time(until_s))
         } else if peaks_s >= until_s {
             format!("has not reached its largest value at the horizon of {}", shown_time(until_s))
         } else {
-            format!("outlasts the horizon of {}, so what its end does is not seen", shown_time(until_s))
+            format!(
+                "lasts longer than the horizon of {}, so the effect of its end is not computed",
+                shown_time(until_s)
+            )
         };
         let whole_s = horizon_s(train, &Scenario { horizon_s: None, ..scenario.clone() }, None);
         found.push((
@@ -81,8 +90,7 @@ fn pulse(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
             format!("the pulse {unseen}; a horizon of {} covers it", shown_time(whole_s)),
         ));
         if train.vehicles().iter().all(|v| !v.held) {
-            let text =
-                "the force does not end within the horizon and nothing holds the train, so it is pulled along for ever";
+            let text = "the force does not end within the horizon and no vehicle is held, so the train is accelerated without end";
             found.push(("force-never-ends", format!("{text}; hold an end, or let the force end")));
         }
     }

@@ -50,8 +50,8 @@ fn elastic(train: &Train) -> Option<Doubt> {
     let mut all = (0..train.extras().laws.len()).filter(|&i| is(&train.extras().laws[i]));
     let first = all.next()?;
     let text = format!(
-        "coupler {}{} has slack and no friction at small forces, where vehicles rattle: small differences grow, and forces can be told for a \
-         shorter time; give a gear with friction at all loads, if it has any",
+        "coupler {}{} has slack and no friction at small forces: the vehicles collide again and again, small differences grow, and forces can be \
+         reported for a shorter time only; give a gear with friction at all loads, if it has any",
         first + 1,
         more(all.count(), "coupler")
     );
@@ -61,7 +61,7 @@ fn elastic(train: &Train) -> Option<Doubt> {
 /// A pull before that no coupler remembers.
 fn no_memory(train: &Train) -> Option<Doubt> {
     let gears = train.extras().laws.iter().any(|law| matches!(law, Law::Gear { .. }));
-    let text = "pulled_to changes nothing: only a gear with friction remembers the pull before";
+    let text = "pulled_to changes nothing: only the force in a gear with friction depends on an earlier pull";
     (!train.extras().pulled_to_n.is_empty() && !gears).then(|| Doubt::of_train("pulled-to-unused", text))
 }
 

@@ -127,7 +127,7 @@ fn modal_damping(train: &Train) -> Option<Doubt> {
     let dashpot = 2.0 * ratio * (train.couplers().first()?.stiffness_n_per_m * mass).sqrt();
     let text = format!(
         "damping_ratio = {ratio} damps every mode of vibration by that share, which no device does and which takes off more than \
-         dashpots of that ratio; the published 0.05 to 0.26 are dashpots' c / 2 sqrt(k m): for them give [coupler] damping = {:?}",
+         dashpots of that ratio; the published 0.14 to 0.26 are dashpots' c / 2 sqrt(k m): for them give [coupler] damping = {:?}",
         shown(train.origin().units, dashpot, Dimension::Damping)
     );
     (ratio > 0.0).then(|| Doubt::of_train("modal-damping", text))

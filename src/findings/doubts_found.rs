@@ -18,8 +18,8 @@ fn not_predictable(scenario: &Scenario, cases: &[CaseFindings]) -> Option<Doubt>
     let first = ends.next()?;
     let at = shown_time(ends.clone().fold(first, f64::min));
     let text = format!(
-        "forces can be told up to {at} only{}: from then on small differences grow beyond the error that was asked for, and nothing \
-         later is reported; a larger --tolerance or more friction at small forces reaches further",
+        "forces are reported up to {at} only{}: from then on small differences grow beyond the error that was asked for; with a \
+         larger --tolerance, or more friction at small forces, forces are reported for longer",
         more(ends.count(), "case")
     );
     Some(Doubt::of_scenario("not-predictable", scenario, text))

@@ -9,7 +9,7 @@ use crate::units::{Dimension, UnitSystem, rounded};
 /// What the table of losses is of.
 pub fn losses_lead(scenario: &ScenarioFindings) -> String {
     format!(
-        "{} with dashpots in every coupler, for which 0.05 to 0.26 of critical damping are published for draft gears",
+        "{} with dashpots in every coupler (published models of draft gears have ratios of 0.14 to 0.26)",
         same_event(scenario)
     )
 }
@@ -57,12 +57,12 @@ pub fn sentences(scenario: &ScenarioFindings) -> String {
             percent(given)
         );
         text += &match (linear > 1.0, given > 1.0) {
-            (true, false) => ": nothing is left of the overload.".to_owned(),
+            (true, false) => ": with them there is no overload.".to_owned(),
             (true, true) => {
                 let left = digits(100.0 * (given - 1.0) / (linear - 1.0), 0.0, 3);
                 format!(": that is {left} % of the overload of linear couplers.")
             }
-            (false, true) => ": linear couplers would hide the overload.".to_owned(),
+            (false, true) => ": with linear couplers the overload would not be found.".to_owned(),
             (false, false) => ".".to_owned(),
         };
     }

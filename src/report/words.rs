@@ -460,6 +460,20 @@ pub fn safe_load(
     }
 }
 
+/// The rating that the worst coupler would need; empty where none exceeds.
+pub fn needed(scenario: &ScenarioFindings, units: UnitSystem) -> String {
+    let over = worst_case(scenario).filter(|(_, worst)| worst.exceeds == Some(true));
+    over.map_or(String::new(), |(case, worst)| {
+        format!(
+            " As it is, a coupler that exceeds needs a rating above its largest force: the worst, coupler {}, above {} in {} instead of {}.",
+            worst.coupler,
+            super::numbers::force(units, worst.peak_force_n, case.error_n()),
+            sense(worst.peak_force_n),
+            given_force(units, rating(worst))
+        )
+    })
+}
+
 /// What a search for the factor at which couplers begin to exceed has found.
 fn searched(cause: &str, search: &LoadSearch) -> String {
     let LoadSearch { none_exceeds_at, exceeds_at, tried } = *search;

@@ -230,7 +230,10 @@ fn without_a_scenario_each_coupler_breaks_and_without_a_name_the_file_gives_it()
 fn warnings_say_what_is_likely_not_meant() {
     let warned = |more: &str| warnings(&ten(COUPLER, more));
     let breaks = "[[scenario]]\nname = \"b\"\nkind = \"break\"\ncoupler = 5\n";
-    assert_eq!(warned(breaks), ["b: a coupler without load breaks and nothing changes; give [load] a uniform force"]);
+    assert_eq!(
+        warned(breaks),
+        ["b: the coupler that breaks carries no load, so its break changes nothing; give [load] a uniform force"]
+    );
     let over = "the load is over the rating of 9 of 9 couplers before anything happens";
     assert_eq!(warned("[load]\nuniform = \"1.6 MN\""), [over]);
     assert_eq!(warned("[load]\nuniform = \"1.5 MN\""), Vec::<String>::new(), "at the rating is not over it");
@@ -246,16 +249,17 @@ fn warnings_say_what_is_likely_not_meant() {
     assert_eq!(
         warned(long),
         [
-            "p: the pulse outlasts the horizon of 2 s, so what its end does is not seen; a horizon of 5.6291 s covers it",
-            "p: the force does not end within the horizon and nothing holds the train, so it is pulled along for ever; hold an \
+            "p: the pulse lasts longer than the horizon of 2 s, so the effect of its end is not computed; a horizon of 5.62907 s covers it",
+            "p: the force does not end within the horizon and no vehicle is held, so the train is accelerated without end; hold an \
              end, or let the force end"
         ]
     );
     let length = "[[vehicle]]\nmass = \"10 t\"\nlength = \"9 m\"\n[load]\nuniform = \"1 N\"";
-    let expected = "no length is given for 10 vehicles, so there are no speeds in m/s and no places along the train";
+    let expected =
+        "no length is given for 10 vehicles, so there are no wave speeds over the ground and no places along the train";
     assert_eq!(warned(length), [expected]);
     let two = format!("[coupler]\n{COUPLER}\n[[vehicle]]\ncount = 2\nmass = \"10 t\"\n[load]\nuniform = \"1 N\"");
-    let expected = "break of coupler 1: once its only coupler is broken the train has none left to look at";
+    let expected = "break of coupler 1: the train has one coupler only: after its break there is none left to examine";
     assert_eq!(warnings(&parse(&two)), [expected]);
 }
 

@@ -112,19 +112,19 @@ pub fn data(shown: &[Option<Shown>]) -> Result<String, serde_json::Error> {
 
 fn scene<'a>(shown: &'a Shown, values: usize) -> Scene<'a> {
     let pair = |u: Unit| (u.name, u.size);
-    let ratings = shown.train.couplers().iter().map(|c| c.rated_draft_n.max(c.rated_buff_n)).fold(0.0, f64::max);
     let several = shown.findings.cases.len() > 1;
     let broken = shown.case.broken_coupler;
     let before = initial_force_n(shown.train, &shown.scenario.event);
+    let reach_n = reach(shown, &before);
     Scene {
         when: shown.when(),
         since: words::time_axis(shown.case),
         several,
         broken_coupler: broken,
-        force_unit: pair(force_unit(shown.train.origin().units, ratings)),
+        force_unit: pair(force_unit(shown.train.origin().units, reach_n.1.max(-reach_n.0))),
         time_unit: pair(time_unit(shown.case.horizon_s)),
         worst: shown.worst.coupler,
-        reach_n: reach(shown, &before),
+        reach_n,
         horizon_s: shown.case.horizon_s,
         initial_force_n: Some(before.clone())
             .filter(|f| shown.findings.kind != "impact" || f.iter().any(|n| *n != 0.0)),

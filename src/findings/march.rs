@@ -10,8 +10,8 @@ use crate::scenario;
 use crate::solve::SolveError;
 use crate::train::{Scenario, Train};
 
-/// The error that forces may have, as a share of the largest rating, where less is asked for: a march that goes on until its
-/// estimate passes what is asked for ends late enough for every use.
+/// The smallest tolerance of a march, as a share of the largest rating: with a smaller one it would end earlier, because it ends
+/// where its estimate passes the tolerance.
 pub(super) const TOLERANCE: f64 = 1e-6;
 
 /// A rating that lies so many estimated errors from a peak, or less, is not decided.
@@ -32,7 +32,7 @@ pub(super) fn tolerance_n(train: &Train, options: &Options) -> f64 {
     options.tolerance.max(TOLERANCE) * largest_rating_n(train)
 }
 
-/// What is asked of a march: forces as good as the options want them, and when they pass the ratings.
+/// The options of a march: the tolerance that the options give, and the ratings whose first passing is to be found.
 pub(super) fn ask(train: &Train, options: &Options) -> MarchOptions {
     MarchOptions {
         capacity_n: train.couplers().iter().map(|c| [c.rated_draft_n, c.rated_buff_n]).collect(),

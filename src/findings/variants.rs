@@ -24,7 +24,7 @@ pub(crate) const LET_DOWN: f64 = 1.5;
 
 /// Stiffness in series with [`Curve::generic_friction_gears`], N/m, and the slack of the second of their variants, m.
 const GENERIC_SOLID_N_PER_M: f64 = 2e8;
-const GENERIC_SLACK_M: f64 = 0.025;
+pub(crate) const GENERIC_SLACK_M: f64 = 0.025;
 /// Masses of vehicles that have such gears, kg.
 const GENERIC_MASSES_KG: std::ops::RangeInclusive<f64> = 5e3..=4e5;
 

@@ -66,7 +66,7 @@ pub struct Search<'a> {
     scene: &'a Scene,
     motion: &'a Motion,
     watch: Watch,
-    /// What the springs race for, where only the worst is wanted; and what it was when levels were last made from it.
+    /// What springs have certainly reached so far, where only the worst is asked for; and the same when levels were last computed from it.
     lead: Option<[Lead; 2]>,
     sides: Vec<[Side; 2]>,
     /// Per sign and spring: what G, or -G, has to pass to matter; whole blocks of springs.
@@ -326,7 +326,7 @@ impl<'a> Search<'a> {
     fn matters(&self, spring: usize, negative: bool, side: &Side, open: &Open) -> bool {
         let rating = self.watch.rating(spring, negative);
         let may_cross = open.upper > self.watch.cautious_rating(spring, negative);
-        // Of a side that may be the worst every step is kept that would be if everything were wanted.
+        // For a side that may be the worst, the same steps are kept as where everything is asked for.
         let asked = |[lead, _]: &[Lead; 2]| open.step.from < lead.crossed || open.upper >= lead.level(rating);
         let is_first = |over_in: u64| open.step.number <= over_in && self.lead.as_ref().is_none_or(asked);
         let may_be_first = side.over_in.is_none_or(|(over_in, _)| is_first(over_in));

@@ -184,9 +184,9 @@ impl Form {
     /// The solution of the canonical form in the scene's own units and order.
     ///
     /// Rounding to the canonical units and back moves a force by no more than is added to the bound: one unit roundoff
-    /// each way of its own size, and what happens within what the horizon (six roundoffs of it, on each of the two steps of
-    /// a pulse) and the duration are moved by, during which a force changes by at most the outside force per unit of time. (A unit impulse brings a unit mass the energy 1/2,
-    /// and no spring of stiffness 1 ever holds more.)
+    /// of its own size each way, and its change during the shift of the horizon (six roundoffs of it, for each of the two steps of a
+    /// pulse) and of the duration. A force changes by at most the outside force per unit of time: a unit impulse gives a unit mass
+    /// the energy 1/2, and a spring of stiffness 1 never stores more.
     fn back(&self, solution: &Solution, scene: &Scene) -> Solution {
         let mut own = solution.clone();
         if let Some((time, force)) = self.units {

@@ -80,10 +80,11 @@ pub enum Wanted {
     /// All.
     #[default]
     Everything,
-    /// The largest utilisation, of which spring and when, all that the error bound does not tell from it, whether each spring
-    /// exceeds its rating, and the earliest instant at which one does: to the bit what [`Wanted::Everything`] says, unless a
-    /// spring has peaks within an eighth of the error bound of each other; of those it may be another. Other extremes are what
-    /// was found on the way, never more than the true ones, and other first exceedances may be late. Ratings are finite.
+    /// The largest utilisation with its spring and time, those that differ from it by less than the error bound, whether each
+    /// spring exceeds its rating, and the earliest instant at which one does. These are identical to those of
+    /// [`Wanted::Everything`], except where a spring has peaks within an eighth of the error bound of each other: then another of
+    /// these peaks may be given. Other extremes are at most the true ones, and other first exceedances may be late. Ratings are
+    /// finite.
     Worst,
 }
 

@@ -57,9 +57,9 @@ pub struct Found {
     pub peaks: Vec<SpringPeaks>,
     /// The work done.
     pub work: Work,
-    /// How much further than its bound an extreme can be because of what the search does not look into: by an eighth of what the
-    /// watch was told, and the difference between that and the bound; more where it was eased, by a tenth of the tolerance, or
-    /// given up.
+    /// How much further than its bound an extreme can be because of what the search does not examine: an eighth of the bound that
+    /// the watch was given, and the difference between that bound and `bound`; a tenth of the tolerance more where the search was
+    /// eased, and more where it was given up.
     pub missed: f64,
     /// The search for an extreme or for a first exceedance was given up: that time is then an upper limit.
     pub given_up: bool,
@@ -67,10 +67,10 @@ pub struct Found {
 
 /// Extremes of every spring's force in a scene from values that are within `bound` of the truth.
 ///
-/// The watch is told that they are within a quarter more ([`hazy`]): cells leave out modes, or round, by up to the fineness.
+/// The watch is given a bound larger by a quarter ([`hazy`]), because cells leave out modes, or round, by up to the fineness.
 ///
-/// Modes beyond a wide gap are left to looks first. Where so many cells want a look that a grid which resolves all modes would
-/// have taken less, it is laid.
+/// Modes beyond a wide gap are at first computed only in cells that are examined. Where so many cells have to be examined that a
+/// grid which resolves all modes would need less work, that grid is used.
 pub fn peaks(scene: &Scene, modes: &Modes, bound: f64, tolerance: f64) -> Found {
     let field = Field::new(scene, modes);
     let (slow, all) = (resolved_modes(&field.omega), field.omega.len());
@@ -207,7 +207,7 @@ impl Scan<'_> {
         self.watch.departs(spring, negative, self.lowest[spring][usize::from(negative)]);
     }
 
-    /// The sides that may still tell something new: where all modes together, whatever their phases, pass what matters.
+    /// The sides that may still change the result: where all modes together, whatever their phases, pass what matters.
     fn open_sides(&self, stretch: &Stretch) -> Vec<(usize, bool)> {
         let modes = self.field.omega.len();
         let is_open = |&(spring, negative): &(usize, bool)| {

@@ -95,6 +95,9 @@ fn pulse(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
             found.push(("force-never-ends", format!("{text}; hold an end, or let the force end")));
         }
     }
+    if let Event::Pulse { force_n, .. } | Event::Shaped { force_n, .. } = &scenario.event {
+        found.extend(super::plausible::faint_pulse(train, *force_n));
+    }
     if let Event::Shaped { shape: "record", drive, force_n, duration_s, .. } = &scenario.event
         && drive.ends_at().abs() > CUT * force_n.abs()
     {

@@ -11,6 +11,8 @@ const SOFT_N_PER_M: f64 = 1e6;
 /// Capacity of a coupler, N: 50 kN and 10 MN.
 const WEAK_N: f64 = 50e3;
 const STRONG_N: f64 = 10e6;
+/// Forces of an event, N: 1 kN.
+const FAINT_N: f64 = 1e3;
 /// How far a connection is stretched or compressed by the load, m.
 const STRETCH_M: f64 = 0.5;
 /// Largest mass and stiffness of a model in units of its own.
@@ -23,9 +25,28 @@ pub(crate) const STEEP: f64 = 0.1;
 
 /// Every doubt about the size of a train's numbers, one a kind.
 pub(super) fn of_train(train: &Train) -> Vec<Doubt> {
-    let sizes = || [masses(train), soft(train), ratings(train), stretch(train)];
+    let sizes = || [masses(train), soft(train), ratings(train), faint_load(train), stretch(train)];
     let sizes = if in_own_units(train) { Default::default() } else { sizes() };
     sizes.into_iter().chain([counted_in_label(train), acceleration(train), modal_damping(train)]).flatten().collect()
+}
+
+/// A load that no coupler notices: newtons or millinewtons where kilonewtons or meganewtons were probably meant.
+fn faint_load(train: &Train) -> Option<Doubt> {
+    let largest_n = train.initial_force_n().iter().fold(0.0f64, |a, f| a.max(f.abs()));
+    let force = shown(train.origin().units, largest_n, Dimension::Force);
+    let text = format!(
+        "the largest force of the load is {force}, under 1 kN; check the number and its unit (mN is millinewton)"
+    );
+    (largest_n > 0.0 && largest_n < FAINT_N).then(|| Doubt::of_train("faint-load", text))
+}
+
+/// A pulse so small, as the words of a doubt.
+pub(super) fn faint_pulse(train: &Train, force_n: f64) -> Option<(&'static str, String)> {
+    let force = shown(train.origin().units, force_n.abs(), Dimension::Force);
+    let text = format!(
+        "the largest force of the pulse is {force}, under 1 kN; check the number and its unit (mN is millinewton)"
+    );
+    (force_n.abs() < FAINT_N && !in_own_units(train)).then_some(("faint-pulse", text))
 }
 
 /// Whether it is a model in units of its own, such as the paper's with masses and stiffnesses of 1, whose sizes mean nothing. No

@@ -327,6 +327,8 @@ pub fn passage(scenario: &ScenarioFindings, units: UnitSystem) -> String {
     let [case] = &scenario.cases[..] else { return String::new() };
     let largest = |peak: &dyn Fn(&CouplerFindings) -> Option<(f64, f64)>| -> Option<Peak> {
         let all = case.couplers.iter().filter_map(|c| peak(c).map(|(f, t)| (c.coupler, f, t)));
+        // A force within its error may be none.
+        let all = all.filter(|(_, f, _)| f.abs() > case.error_n());
         all.reduce(|a, b| if b.1.abs() > a.1.abs() { b } else { a })
     };
     let early = |c: &CouplerFindings| c.first_passage.clone();
@@ -354,7 +356,7 @@ pub fn passage(scenario: &ScenarioFindings, units: UnitSystem) -> String {
     }
 }
 
-/// The largest buff and draft of an impact: those of the collision and of the rebound.
+/// The largest shares of a rating in buff and in draft of an impact: those of the collision and of the rebound.
 fn impact(case: &CaseFindings, units: UnitSystem) -> String {
     if case.kind != "impact" {
         return String::new();
@@ -367,9 +369,11 @@ fn impact(case: &CaseFindings, units: UnitSystem) -> String {
     let draft = largest(|c| Some((c.peak_draft_n?, c.peak_draft_time_s?, c.peak_draft_n? / c.rated_draft_n)));
     let told = |(c, (newtons, at, share)): (&CouplerFindings, (f64, f64, f64))| {
         let force = super::numbers::force(units, newtons.abs(), case.error_n());
-        format!("{force} ({} % of the rating) in coupler {}, {}", percent(share), c.coupler, moment(at, case))
+        format!("{} % ({force}) in coupler {}, {}", percent(share), c.coupler, moment(at, case))
     };
-    let of = |sense: &str, found: Option<_>| found.map_or(String::new(), |f| format!(" Largest {sense}: {}.", told(f)));
+    let of = |sense: &str, found: Option<_>| {
+        found.map_or(String::new(), |f| format!(" Largest share of a rating in {sense}: {}.", told(f)))
+    };
     let rebound = if draft.is_some() && case.method != "march" {
         " The draft after the collision includes the rebound of the springs. A real draft gear absorbs up to 87 % of the work, so this \
          draft is too large unless the damping in the file represents that loss."

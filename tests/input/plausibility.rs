@@ -37,6 +37,26 @@ kind = \"break\"
 coupler = 5
 ";
 
+/// Newtons or millinewtons in the place of meganewtons, and shares of 1 in a column of per cent.
+#[test]
+fn sizes_that_no_train_notices() {
+    let faint = SOUND.replace("0.7 MN", "0.7 mN");
+    assert!(codes(&parse(&faint)).contains(&"faint-load"));
+    let pulse = |force: &str| {
+        let pulse = format!("kind = \"pulse\"\nat = \"tail\"\nforce = \"{force}\"\nduration = \"1 s\"\n");
+        codes(&parse(&SOUND.replace("kind = \"break\"\ncoupler = 5\n", &pulse)))
+    };
+    assert!(pulse("800 mN").contains(&"faint-pulse") && pulse("-900 N").contains(&"faint-pulse"));
+    assert!(!pulse("-800 kN").contains(&"faint-pulse") && !pulse("-800 kN").contains(&"faint-load"));
+    let grade = |percent: &str| {
+        let train = parse(&SOUND.replace("uniform = \"0.7 MN\"", &format!("grade = \"{percent} %\"")));
+        doubts(&train).into_iter().find(|d| d.code == "flat-grade").map(|d| d.text)
+    };
+    let told = "the steepest grade is 0.012 %: was 1.2 % meant, given as a share of 1?";
+    assert_eq!(grade("-0.012").as_deref(), Some(told));
+    assert_eq!((grade("1.2"), grade("0.06")), (None, None));
+}
+
 /// The sound train with one line changed.
 fn with(from: &str, to: &str) -> Train {
     assert!(SOUND.contains(from), "{from}");

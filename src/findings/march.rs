@@ -1,6 +1,6 @@
 //! Cases that are marched from event to event: couplers with slack and gears, brakes and drives that change.
 
-use super::general::Solved;
+use super::general::{Solved, Within};
 use super::{
     CouplerFindings, Ending, Options, Seen, coupler_findings, first_passage, largest_rating_n, load_search, worst,
 };
@@ -19,8 +19,6 @@ const MARGIN: f64 = 10.0;
 
 /// What only a march finds.
 pub(super) struct Marched {
-    /// The couplers over the first passage.
-    pub to_mark: Vec<CouplerFindings>,
     /// Where the march ended before its horizon.
     pub ending: Option<Ending>,
     /// Where gaps of parted couplers closed, and when, s.
@@ -75,9 +73,10 @@ pub(super) fn solved(
         others.map(one).collect::<Vec<CouplerFindings>>()
     };
     let couplers = findings(&outcome.extremes, &outcome.error_n);
-    let to_mark = findings(&outcome.to_mark, &outcome.error_to_mark_n);
     let (error_bound_n, error_estimate_n) = errors(&outcome.bound);
     let error_n = error_n(error_bound_n, error_estimate_n);
+    let to_mark = findings(&outcome.to_mark, &outcome.error_to_mark_n);
+    let to_mark = Within { worst: worst(&to_mark, 0..to_mark.len(), error_n), couplers: to_mark };
     Ok(Solved {
         method: "march",
         reason: reason(train, options),
@@ -86,7 +85,8 @@ pub(super) fn solved(
         worst: worst(&couplers, 0..couplers.len(), error_n),
         couplers,
         left_out: Vec::new(),
-        marched: Some(Marched { to_mark, ending: ending(&outcome), closures: outcome.closures }),
+        to_mark: Some(to_mark),
+        marched: Some(Marched { ending: ending(&outcome), closures: outcome.closures }),
     })
 }
 

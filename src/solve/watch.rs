@@ -121,6 +121,17 @@ impl Watch {
         Watch { peaks, ratings, horizon: scene.horizon, bound, grain: GRAIN * bound }
     }
 
+    /// What has been seen so far, to be watched up to an earlier instant than the horizon.
+    pub fn until(&self, mark: f64) -> Watch {
+        Watch { horizon: mark, ..self.clone() }
+    }
+
+    /// Nothing later counts.
+    #[inline]
+    pub fn horizon(&self) -> f64 {
+        self.horizon
+    }
+
     /// Every side of every spring.
     pub fn sides(&self) -> impl Iterator<Item = (usize, bool)> + use<> {
         (0..self.peaks.len()).flat_map(|s| [(s, false), (s, true)])

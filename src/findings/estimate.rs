@@ -81,7 +81,7 @@ pub(crate) fn case_estimate_s(
     Ok(seconds)
 }
 
-/// Estimated time of solving a case up to an instant, and up to a mark if that is before it, s; of a march with all that it is asked.
+/// Estimated time of solving a case up to an instant, and up to a mark if that is before it, s; of a march with all of its runs.
 pub(super) fn solved_s(
     train: &Train,
     scenario: &Scenario,

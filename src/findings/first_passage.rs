@@ -1,6 +1,6 @@
 //! What happens before reflections of the wave come back a second time.
 //!
-//! Without losses a train rings for ever, and a largest force late in the horizon is often a third or fourth reflection. The first
+//! Without losses the motion never decays, and a largest force late in the horizon is often a third or fourth reflection. The first
 //! passage ends when the wave has run to the far end and back once:
 //!
 //! ```text

@@ -1,7 +1,7 @@
 //! Which method a scene needs: the cheapest that reaches the tolerance, by counted work.
 //!
 //! Every method's work is counted before it is done; a price per unit of work, measured once on one machine and the same
-//! for everyone, makes the counts comparable. The choice therefore depends on the scene alone, never on the machine's mood.
+//! for everyone, makes the counts comparable. The choice therefore depends on the scene alone, not on the machine or on what else runs on it.
 
 use super::watch::{SpringPeaks, hazy, searched};
 use super::{Ask, Method, Solution, SolveError, Work, closed_form, fronts, modal, propagator, search, sums};
@@ -41,7 +41,7 @@ pub struct Plan {
     omega_max: f64,
 }
 
-/// A method's price and promise for a scene.
+/// A method's estimated work for a scene, and the bound on its error.
 #[derive(Clone, Copy, Debug)]
 struct Offer {
     method: Method,
@@ -217,7 +217,7 @@ pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
     let (peaks, work, error_bound) = match (plan.method, &mut modes) {
         _ if all_safe => ([Vec::new(), Vec::new()], Work::default(), 0.0),
         (Method::Modal, Some(modes)) => {
-            // A coupler that stands at its rating wants every digit of what first moves it.
+            // Where a coupler stands at its rating, the verdict depends on the smallest change of its force: no mode is left out.
             let share = if stands_at_rating(scene) { 0.0 } else { 0.1 * ask.tolerance };
             let left_out = sums::leave_out(scene, modes, share);
             let bound = sums::error_bound(scene, modes) + left_out;
@@ -253,7 +253,7 @@ pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
     }
 }
 
-/// Whether a spring stands at its rating before the event, or so near that a bound might not tell.
+/// Whether a spring stands at its rating before the event, or within a millionth under it, where the error bound may not decide.
 fn stands_at_rating(scene: &Scene) -> bool {
     let ratings = scene.rated_draft.iter().zip(&scene.rated_buff);
     let near = |f: f64, rating: f64| f <= rating && f > (1.0 - 1e-6) * rating;

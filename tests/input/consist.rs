@@ -244,7 +244,7 @@ fn warnings_say_what_is_likely_not_meant() {
     assert_eq!(warned(short), [expected]);
     assert_eq!(warned(&short.replace("0.58", "0.59")), Vec::<String>::new());
     let long =
-        "[[scenario]]\nname = \"p\"\nkind = \"pulse\"\nat = 1\nforce = \"1 N\"\nduration = \"3 s\"\nhorizon = \"2 s\"";
+        "[[scenario]]\nname = \"p\"\nkind = \"pulse\"\nat = 1\nforce = \"1 MN\"\nduration = \"3 s\"\nhorizon = \"2 s\"";
     // Nine couplers, each 73.03 ms: four transits are 2.629 s.
     assert_eq!(
         warned(long),

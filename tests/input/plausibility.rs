@@ -49,7 +49,8 @@ fn sizes_that_no_train_notices() {
     assert!(pulse("800 mN").contains(&"faint-pulse") && pulse("-900 N").contains(&"faint-pulse"));
     assert!(!pulse("-800 kN").contains(&"faint-pulse") && !pulse("-800 kN").contains(&"faint-load"));
     let grade = |percent: &str| {
-        let train = parse(&SOUND.replace("uniform = \"0.7 MN\"", &format!("grade = \"{percent} %\"")));
+        let train = SOUND.replace("uniform = \"0.7 MN\"", &format!("grade = \"{percent} %\""));
+        let train = parse(&train.replace("coupler = 5", "coupler = \"each\""));
         doubts(&train).into_iter().find(|d| d.code == "flat-grade").map(|d| d.text)
     };
     let told = "the steepest grade is 0.012 %: was 1.2 % meant, given as a share of 1?";

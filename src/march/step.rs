@@ -230,7 +230,7 @@ impl<'a> March<'a> {
         self.t = next;
         self.in_no_time = if width * rate > NO_TIME { 0 } else { self.in_no_time + found.len() };
         if self.in_no_time > STALLED * self.couplers.len() {
-            self.past *= 2.0;
+            self.past = (2.0 * self.past).max(self.nothing[0]);
             self.in_no_time = 0;
         }
         self.steps += 1;

@@ -76,11 +76,17 @@ fn couplers_in_buff_are_left_out_of_each() {
     assert!(draft.scenarios()[0].left_out_in_buff.is_empty() && codes(&draft).is_empty());
 }
 
-/// A train all in buff has no break to compute, and says so.
+/// A train all in buff has no break to compute: alone that is an error, and beside another scenario it is told.
 #[test]
 fn a_train_all_in_buff_has_no_breaks() {
     let train = parse(&train(BUNCHED, ""));
     assert_eq!(codes(&train), ["breaks-in-buff-left-out"]);
+    let why = "no case is left: every coupler that would break carries buff, so that nothing parts; buff_breaks = true computes a break \
+               of one that is named";
+    assert_eq!(analyze(&train, &Options::default()).expect_err("no case").to_string(), why);
+    let pulse = "[[scenario]]\nkind = \"break\"\ncoupler = \"each\"\n\
+                 [[scenario]]\nkind = \"pulse\"\nat = \"tail\"\nforce = \"1 MN\"\nduration = \"1 s\"";
+    let train = parse(&self::train(BUNCHED, pulse));
     let analysis = analyze(&train, &Options::default()).expect("sound");
     assert_eq!((analysis.scenarios[0].cases.len(), analysis.scenarios[0].left_out_in_buff.len()), (0, 12));
     let told = trainsafe::report::terminal(&analysis, &[]);

@@ -83,8 +83,11 @@ fn an_impact_tells_the_collision_and_the_rebound() {
     let found = case(&train);
     assert!((-found.couplers[0].peak_buff_n.expect("in buff") - due).abs() < 1e-3);
     let text = report::terminal(&analyze(&train, &Options::default()).expect("sound"), &[]);
-    assert!(text.contains("Largest buff: 2.183 MN") || text.contains("Largest buff: 2.182"), "{text}");
-    assert!(text.contains("Largest draft: ") && text.contains("rebound of the springs"), "{text}");
+    assert!(text.contains("Largest share of a rating in buff: 70.4 % (2.18"), "{text}");
+    assert!(
+        text.contains("Largest share of a rating in draft: 123 %") && text.contains("rebound of the springs"),
+        "{text}"
+    );
     // With one rating for both senses the earlier of two equal extremes is the worst: the collision.
     let tie = TWO_CARS.replace("rated_buff = \"3.1 MN\"\n", "");
     let tie = case(&consist::parse(&tie, Path::new("tie.toml")).unwrap_or_else(|e| panic!("{e}")));

@@ -2,14 +2,15 @@
 
 pub(crate) mod brakes;
 mod marches;
+mod motion;
 mod plays;
 
 use crate::chain::{Chain, Scene};
 use crate::train::{Event, Scenario, Train};
 
-pub(crate) use marches::is_march;
 pub use marches::march;
-pub(crate) use plays::{beyond_steps, break_loads, unbalanced_n};
+pub(crate) use motion::Motion;
+pub(crate) use plays::{break_loads, unbalanced_n};
 pub use plays::{initial_force_n, play};
 
 /// A part of the train that stays together after the event, in the solvers' units.

@@ -27,7 +27,7 @@ use std::time::Duration;
 
 use crate::play::Rule;
 use crate::report::WriteError;
-use crate::scenario::{self, Part, Scales};
+use crate::scenario::{self, Motion, Part, Scales};
 use crate::solve::{Method, SolveError, Work};
 use crate::train::{Event, Scenario, Train};
 use bench::Bench;
@@ -222,11 +222,11 @@ pub enum AccuracyError {
 /// refuses.
 pub fn run(train: &Train, scenario_name: Option<&str>, options: &AccuracyOptions) -> Result<Accuracy, AccuracyError> {
     let chosen = choose(train, scenario_name)?;
-    if scenario::is_march(train, chosen) {
+    let motion = Motion::of(train, chosen);
+    if motion == Motion::Events {
         return marches(train, chosen, options);
     }
-    let extras = train.extras();
-    if extras.damping_ratio > 0.0 || scenario::beyond_steps(&extras.dashpot_n_s_per_m, &chosen.event) {
+    if motion != Motion::Steps {
         return Err(AccuracyError::BeyondSteps { scenario: chosen.name.clone() });
     }
     let Some((broken, part)) = longest_part(train, chosen) else {

@@ -1,7 +1,7 @@
 //! Doubts about scenarios.
 
 use super::overloaded;
-use crate::scenario::{self, horizon_s, initial_force_n, last_change_s, longest_horizon_s, longest_transit_s};
+use crate::scenario::{Motion, horizon_s, initial_force_n, last_change_s, longest_horizon_s, longest_transit_s};
 use crate::train::{Doubt, Event, Scenario, Train, more};
 use crate::units::{Dimension, rounded, shown, shown_time};
 
@@ -45,7 +45,7 @@ fn breaks(train: &Train, scenario: &Scenario, couplers: &[usize]) -> Vec<(&'stat
     let mut in_buff = couplers.iter().filter(|&&b| load(b) < 0.0);
     if let Some(first) = in_buff.next() {
         let which = format!("coupler {}{}", first + 1, more(in_buff.count(), "coupler"));
-        let text = match scenario::is_march(train, scenario) {
+        let text = match Motion::of(train, scenario) == Motion::Events {
             true => {
                 "carries buff: when it breaks its vehicles stay pressed together, and part once the force there turns to draft"
             }

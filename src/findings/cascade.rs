@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::{GapClosure, Options};
 use crate::march;
 use crate::play::Rule;
-use crate::scenario::{self, Scales};
+use crate::scenario::{self, Motion, Scales};
 use crate::solve::{SolveError, taylor};
 use crate::train::{Scenario, Train};
 
@@ -89,7 +89,7 @@ pub(super) fn find(
     if scenario.cascade == Rule::Keep {
         return Ok(None);
     }
-    if scenario::is_march(train, scenario) {
+    if Motion::of(train, scenario) == Motion::Events {
         return Ok(Some(marched(train, scenario, broken, horizon_s, options)));
     }
     let scales = Scales::of(train);

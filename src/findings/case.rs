@@ -9,7 +9,7 @@ use super::{
 };
 use crate::play::Rule;
 use crate::rod::Rod;
-use crate::scenario::{self, Part, Scales};
+use crate::scenario::{self, Motion, Part, Scales};
 use crate::solve::memo::Memo;
 use crate::solve::{Ask, SolveError, Wanted};
 use crate::train::{Event, Scenario, Train};
@@ -42,14 +42,8 @@ impl<'a> Case<'a> {
         Case { train, scenario, broken, horizon_s, options: Options { wanted, ..options.clone() }, memo }
     }
 
-    /// Whether it is marched from event to event.
-    fn is_march(&self) -> bool {
-        scenario::is_march(self.train, self.scenario)
-    }
-
-    /// Whether steps of force on undamped chains cannot stand for it.
-    fn beyond_steps(&self) -> bool {
-        scenario::beyond_steps(&self.train.extras().dashpot_n_s_per_m, &self.scenario.event)
+    fn motion(&self) -> Motion {
+        Motion::of(self.train, self.scenario)
     }
 
     /// Extremes of every coupler up to the horizon, and to the end of the first passage if that is before it.
@@ -64,15 +58,15 @@ impl<'a> Case<'a> {
     /// Extremes of every coupler of a train up to a time, and up to a mark if that is before it; the train may have other ratings
     /// than the case's.
     fn solve_on(&self, train: &Train, [until_s, mark_s]: [f64; 2], options: &Options) -> Result<Solved, SolveError> {
-        if self.is_march() {
-            return march::solved(train, self.scenario, self.broken, until_s, options);
+        match self.motion() {
+            Motion::Events => march::solved(train, self.scenario, self.broken, until_s, options),
+            Motion::Taylor => general::solved(train, self.scenario, self.broken, [until_s, mark_s], options),
+            Motion::Steps | Motion::DampedModes(_) => {
+                let parts = scenario::parts(train, &self.scenario.event, self.broken, until_s);
+                let ask = ask(train, options, (mark_s < until_s).then_some(mark_s));
+                solved_by_parts(train, &parts, &ask, options, self.memo)
+            }
         }
-        if self.beyond_steps() {
-            return general::solved(train, self.scenario, self.broken, [until_s, mark_s], options);
-        }
-        let parts = scenario::parts(train, &self.scenario.event, self.broken, until_s);
-        let ask = ask(train, options, (mark_s < until_s).then_some(mark_s));
-        solved_by_parts(train, &parts, &ask, options, self.memo)
     }
 
     /// The largest factor on the load, the force or the speed at which no coupler exceeds; `solved` is up to the horizon. A march
@@ -82,7 +76,7 @@ impl<'a> Case<'a> {
     /// As for [`Case::solve`].
     pub fn safe_load_factor(&self, solved: &Solved) -> Result<Option<f64>, SolveError> {
         let Case { train, scenario, broken, horizon_s, .. } = *self;
-        if self.is_march() {
+        if self.motion() == Motion::Events {
             return Ok(None);
         }
         match scenario::unbalanced_n(train, &scenario.event).iter().all(|f| *f == 0.0) {
@@ -93,7 +87,7 @@ impl<'a> Case<'a> {
 
     /// What an elastic rod would have said, where there is one.
     fn rod(&self) -> Option<RodFindings> {
-        let none = self.is_march() || self.beyond_steps() || self.train.extras().damping_ratio > 0.0;
+        let none = self.motion() != Motion::Steps;
         let parts = || scenario::parts(self.train, &self.scenario.event, self.broken, self.horizon_s);
         if none { None } else { rod_findings(&parts()) }
     }

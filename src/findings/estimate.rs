@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::{AnalyzeError, Options, ask, cases, chosen, first_passage, general, map, march, safe_speed};
 use crate::play::Rule;
-use crate::scenario;
+use crate::scenario::{self, Motion};
 use crate::solve::{self, SolveError, damped_modes};
 use crate::train::{Scenario, Train};
 
@@ -52,8 +52,11 @@ pub fn estimate_s(train: &Train, options: &Options) -> Result<f64, AnalyzeError>
         let sample: Vec<_> = cases.iter().step_by(cases.len().div_ceil(SAMPLE).max(1)).collect();
         let seconds: Result<f64, _> = sample.par_iter().map(|&&b| case_estimate_s(train, scenario, b, options)).sum();
         let seconds = seconds.map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
-        let mapped =
-            if options.map && !scenario::is_march(train, scenario) { map::cases(train, &scenario.event) } else { 0 };
+        let mapped = if options.map && Motion::of(train, scenario) != Motion::Events {
+            map::cases(train, &scenario.event)
+        } else {
+            0
+        };
         total += seconds * (cases.len() + mapped) as f64 / sample.len().max(1) as f64;
     }
     if total > MOST_SECONDS { Err(AnalyzeError::TooLong { seconds: total }) } else { Ok(total) }
@@ -69,7 +72,7 @@ pub(crate) fn case_estimate_s(
     let horizon_s = scenario::horizon_s(train, scenario, broken);
     let passage_s = first_passage::end_s(train, scenario, broken, horizon_s);
     let once = solved_s(train, scenario, broken, [horizon_s, passage_s], options)?;
-    if scenario::is_march(train, scenario) {
+    if Motion::of(train, scenario) == Motion::Events {
         return Ok(once);
     }
     let mut seconds = 0.0;
@@ -89,16 +92,14 @@ pub(super) fn solved_s(
     [until_s, mark_s]: [f64; 2],
     options: &Options,
 ) -> Result<f64, SolveError> {
-    if scenario::is_march(train, scenario) {
-        return Ok(march::estimate_s(train, scenario, broken, until_s, options));
+    let parts = || scenario::parts(train, &scenario.event, broken, until_s);
+    match Motion::of(train, scenario) {
+        Motion::Events => Ok(march::estimate_s(train, scenario, broken, until_s, options)),
+        Motion::Taylor => Ok(general::estimate_s(train, scenario, broken, until_s, Rule::Keep)),
+        Motion::DampedModes(_) => Ok(parts().iter().map(|p| damped_modes::estimate_s(&p.scene)).sum()),
+        Motion::Steps => {
+            let ask = ask(train, options, (mark_s < until_s).then_some(mark_s));
+            parts().iter().map(|p| solve::estimate_s(&p.scene, &ask)).sum()
+        }
     }
-    if scenario::beyond_steps(&train.extras().dashpot_n_s_per_m, &scenario.event) {
-        return Ok(general::estimate_s(train, scenario, broken, until_s, Rule::Keep));
-    }
-    let ask = ask(train, options, (mark_s < until_s).then_some(mark_s));
-    let parts = scenario::parts(train, &scenario.event, broken, until_s);
-    if train.extras().damping_ratio > 0.0 {
-        return Ok(parts.iter().map(|p| damped_modes::estimate_s(&p.scene)).sum());
-    }
-    parts.iter().map(|p| solve::estimate_s(&p.scene, &ask)).sum()
 }

@@ -4,7 +4,7 @@ use super::field::{self, Frame};
 use super::{CaseFindings, CouplerFindings, Field, Of, ScenarioFindings, history, worst_case};
 use crate::march::{self, MarchOptions};
 use crate::play::Rule;
-use crate::scenario;
+use crate::scenario::{self, Motion};
 use crate::train::{Scenario, Train};
 
 /// Instants of a force over time per unit of time sqrt(m / k): about eight in the period of the fastest vibration of equal vehicles.
@@ -58,7 +58,7 @@ fn evidence(train: &Train, index: usize, case: &CaseFindings, worst: &CouplerFin
     let window_s = window(train, case, worst);
     let times_s = instants(train, case, worst, window_s);
     let several = case.couplers.len() > 1;
-    let (wave, force_n, way) = if scenario::is_march(train, scenario) {
+    let (wave, force_n, way) = if Motion::of(train, scenario) == Motion::Events {
         marched(train, scenario, case, coupler, &times_s)
     } else {
         let wave = if several { field::field(train, index, case, Of::Event) } else { None };

@@ -4,7 +4,7 @@ use super::CaseFindings;
 use crate::march::{self, MarchOptions};
 use crate::play::Rule;
 use crate::rod::Rod;
-use crate::scenario::{self, Scales};
+use crate::scenario::{self, Motion, Scales};
 use crate::solve::field;
 use crate::train::{Scenario, Train};
 
@@ -117,7 +117,7 @@ impl Frame {
     /// `None` where it would take long.
     pub fn new(train: &Train, scenario: &Scenario, case: &CaseFindings) -> Option<Frame> {
         let couplers = train.couplers().len();
-        let looked = if scenario::is_march(train, scenario) { LOOKED_IN_MARCH } else { LOOKED };
+        let looked = if Motion::of(train, scenario) == Motion::Events { LOOKED_IN_MARCH } else { LOOKED };
         let times_s = instants(train, case.horizon_s, looked)?;
         let couplers_per_row = couplers.div_ceil(ROWS);
         let rows = couplers.div_ceil(couplers_per_row);
@@ -170,7 +170,7 @@ fn use_of(train: &Train, coupler: usize, force_n: f64) -> f32 {
 pub fn field(train: &Train, scenario: usize, case: &CaseFindings, of: Of) -> Option<Field> {
     let scenario = train.scenarios().get(scenario)?;
     let mut frame = Frame::new(train, scenario, case)?;
-    if scenario::is_march(train, scenario) {
+    if Motion::of(train, scenario) == Motion::Events {
         let rule = match of {
             Of::Event => Rule::Keep,
             Of::Cascade => scenario.cascade,
@@ -213,7 +213,7 @@ fn compute(
     let times: Vec<f64> = times_s.iter().map(|t| t / scales.time_s).collect();
     // Nothing beyond the last instant is wanted.
     let until_s = times_s[times_s.len() - 1];
-    if of == Of::Cascade || scenario::beyond_steps(&train.extras().dashpot_n_s_per_m, &scenario.event) {
+    if of == Of::Cascade || Motion::of(train, scenario) == Motion::Taylor {
         let rule = if of == Of::Cascade { scenario.cascade } else { Rule::Keep };
         let play = scenario::play(train, scenario, broken, until_s, rule);
         return of != Of::Rod && field::of_play(&play, &times, &mut |t, i, f| see(t, i, f * scales.force_n));

@@ -4,7 +4,7 @@ use crate::chain::Scene;
 use crate::march::{self, MarchOptions};
 use crate::play::Rule;
 use crate::rod::Rod;
-use crate::scenario::{self, Part, Scales};
+use crate::scenario::{self, Motion, Part, Scales};
 use crate::solve::{self, damped_modes, taylor};
 use crate::train::Train;
 
@@ -12,23 +12,23 @@ use crate::train::Train;
 ///
 /// `scenario` is an index into the train's scenarios; `broken` and `coupler` are indices from 0. Right to a line's width.
 pub fn history(train: &Train, scenario: usize, broken: Option<usize>, coupler: usize, times_s: &[f64]) -> Vec<f64> {
-    let event = &train.scenarios()[scenario].event;
-    if scenario::is_march(train, &train.scenarios()[scenario]) {
+    let motion = Motion::of(train, &train.scenarios()[scenario]);
+    if motion == Motion::Events {
         let horizon_s = times_s.iter().copied().fold(0.0, f64::max);
         let problem = scenario::march(train, &train.scenarios()[scenario], broken, [horizon_s; 2], Rule::Keep);
         let ask = MarchOptions { history: vec![coupler], times_s: times_s.to_vec(), ..MarchOptions::default() };
         return march::solve(&problem, &ask).history.pop().unwrap_or_default();
     }
-    if scenario::beyond_steps(&train.extras().dashpot_n_s_per_m, event) {
+    if motion == Motion::Taylor {
         let (scales, scenario) = (Scales::of(train), &train.scenarios()[scenario]);
         let horizon_s = scenario::horizon_s(train, scenario, broken);
         let times: Vec<f64> = times_s.iter().map(|t| t / scales.time_s).collect();
         let forces = taylor::history(&scenario::play(train, scenario, broken, horizon_s, Rule::Keep), coupler, &times);
         return forces.into_iter().map(|f| f * scales.force_n).collect();
     }
-    let forces = in_part(train, scenario, broken, coupler, times_s, |scene, i, t| match train.extras().damping_ratio {
-        0.0 => Some(solve::history(scene, i, t)),
-        ratio => Some(damped_modes::Damped::new(scene, ratio).history(i, t)),
+    let forces = in_part(train, scenario, broken, coupler, times_s, |scene, i, t| match motion {
+        Motion::DampedModes(ratio) => Some(damped_modes::Damped::new(scene, ratio).history(i, t)),
+        _ => Some(solve::history(scene, i, t)),
     });
     forces.unwrap_or_else(|| vec![0.0; times_s.len()])
 }
@@ -41,7 +41,7 @@ pub fn rod_history(
     coupler: usize,
     times_s: &[f64],
 ) -> Option<Vec<f64>> {
-    if train.extras().damping_ratio > 0.0 {
+    if Motion::of(train, &train.scenarios()[scenario]) != Motion::Steps {
         return None;
     }
     in_part(train, scenario, broken, coupler, times_s, |scene, i, t| Some(Rod::new(scene)?.history(i, t)))
@@ -57,10 +57,6 @@ fn in_part(
     ask: impl Fn(&Scene, usize, &[f64]) -> Option<Vec<f64>>,
 ) -> Option<Vec<f64>> {
     let scenario = &train.scenarios()[scenario];
-    let beyond = scenario::beyond_steps(&train.extras().dashpot_n_s_per_m, &scenario.event);
-    if beyond || scenario::is_march(train, scenario) {
-        return None;
-    }
     let horizon_s = scenario::horizon_s(train, scenario, broken);
     let scales = Scales::of(train);
     let parts = scenario::parts(train, &scenario.event, broken, horizon_s);

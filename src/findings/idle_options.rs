@@ -1,7 +1,7 @@
 //! Options that do nothing for a train.
 
 use super::{Options, limits, march};
-use crate::scenario;
+use crate::scenario::Motion;
 use crate::train::{Event, Scenario, Train};
 
 /// What to tell of options that are given and change nothing, scenario by scenario: one sentence each without its full stop.
@@ -17,7 +17,7 @@ fn of_scenario(train: &Train, scenario: &Scenario, options: &Options) -> Vec<Str
             "--map does nothing for an impact: its safe factor on the speed says all that a map would".to_owned(),
         );
     }
-    if scenario::is_march(train, scenario) {
+    if Motion::of(train, scenario) == Motion::Events {
         let why = "forces with slack, friction or brakes are not proportional to their cause";
         let event = if train.extras().laws.is_empty() { "brakes and drives" } else { "couplers with slack or gears" };
         for (given, option) in [
@@ -40,7 +40,7 @@ fn of_scenario(train: &Train, scenario: &Scenario, options: &Options) -> Vec<Str
         let why = "which of its limits a coupler passes below its rating is told by its largest force only";
         told.push(format!("--verdict-only leaves out no coupler of a train with limits under the ratings: {why}"));
     }
-    if !damped && !scenario::beyond_steps(&train.extras().dashpot_n_s_per_m, &scenario.event) {
+    if Motion::of(train, scenario) == Motion::Steps {
         return told;
     }
     let event = match &scenario.event {

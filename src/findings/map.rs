@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::case::Case;
 use super::{Options, safe_factor};
 use crate::rod::Rod;
-use crate::scenario::{self, Part};
+use crate::scenario::{self, Motion, Part};
 use crate::solve::SolveError;
 use crate::solve::memo::Memo;
 use crate::train::{Event, Scenario, Train};
@@ -50,7 +50,7 @@ pub(super) fn find(
     options: &Options,
     memo: &Memo,
 ) -> Result<Option<MapFindings>, SolveError> {
-    if scenario::is_march(train, scenario) {
+    if Motion::of(train, scenario) == Motion::Events {
         return Ok(None);
     }
     let alone = Scenario { cascade: crate::play::Rule::Keep, ..scenario.clone() };
@@ -116,8 +116,7 @@ fn lasting(event: &Event, duration: f64) -> Event {
 
 /// The rod's safe factor: `None` where there is no rod, or nothing bounds it.
 fn rod_factor(train: &Train, scenario: &Scenario, broken: Option<usize>) -> Option<f64> {
-    let extras = train.extras();
-    if extras.damping_ratio > 0.0 || scenario::beyond_steps(&extras.dashpot_n_s_per_m, &scenario.event) {
+    if Motion::of(train, scenario) != Motion::Steps {
         return None;
     }
     let horizon_s = scenario::horizon_s(train, scenario, broken);

@@ -12,7 +12,7 @@ use super::train_facts::train_facts;
 use super::words;
 use crate::error::is_obeyed;
 use crate::findings::Analysis;
-use crate::scenario;
+use crate::scenario::Motion;
 use crate::train::Train;
 
 const TEMPLATE: &str = include_str!("report.md.jinja");
@@ -72,7 +72,7 @@ pub fn markdown(train: &Train, analysis: &Analysis, pictures: &Pictures) -> Resu
             _ => "",
         },
         cascades: analysis.scenarios.iter().flat_map(|s| &s.cases).any(|c| c.cascade.is_some()),
-        marched: ran.iter().any(|s| scenario::is_march(train, s)),
+        marched: ran.iter().any(|s| Motion::of(train, s) == Motion::Events),
         sections: analysis.scenarios.iter().enumerate().map(|(i, s)| section(train, s, of(i))).collect(),
         overview: analysis.scenarios.iter().map(|s| overview_row(train, s)).collect(),
         groups: [groups::vehicles(train), groups::couplers(train)],

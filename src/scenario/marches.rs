@@ -7,14 +7,6 @@ use crate::march::{Emergency, Problem};
 use crate::play::{Drive, Rule};
 use crate::train::{Event, Forcing, Scenario, Train};
 
-/// Whether a scenario of a train is followed by [`crate::march`]: its couplers are not linear, or brakes or drives change after the
-/// event. All else is followed by the methods of [`crate::solve`].
-pub(crate) fn is_march(train: &Train, scenario: &Scenario) -> bool {
-    let response = &scenario.response;
-    let driven = response.emergency.is_some() || !response.efforts.is_empty();
-    !train.extras().laws.is_empty() || driven || matches!(scenario.event, Event::Brake { .. })
-}
-
 /// The march of a case up to a horizon, with its first passage up to a mark; `broken` is the coupler that breaks in a case of a break.
 pub fn march(train: &Train, scenario: &Scenario, broken: Option<usize>, until_s: [f64; 2], rule: Rule) -> Problem {
     let [horizon_s, mark_s] = until_s;

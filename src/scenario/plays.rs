@@ -7,11 +7,6 @@ use crate::chain::Scene;
 use crate::play::{Drive, Play, Rule};
 use crate::train::{Event, LIMITS, Limits, Scenario, Train, steady_forces};
 
-/// Whether dashpots or the event are what steps of force on a chain at rest cannot stand for.
-pub(crate) fn beyond_steps(dashpots: &[f64], event: &Event) -> bool {
-    dashpots.iter().any(|c| *c > 0.0) || event.beyond_steps()
-}
-
 /// The loads at which coupler `i` breaks in a cascade, N, in draft and in buff, each with the key that gives it: its ultimate
 /// load where it has one in that sense, else its rating.
 pub(crate) fn break_loads(train: &Train, i: usize) -> [(f64, &'static str); 2] {

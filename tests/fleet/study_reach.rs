@@ -221,8 +221,7 @@ fn a_train_without_a_case_is_told() {
     let train = format!("{COUPLER}{VEHICLES}[load]\nuniform = \"-0.7 MN\"\n");
     let folder = folder(&[("train.toml", &train)]);
     let output = fleet(folder.path(), &["train.toml", "--out", "out"]);
-    let expected =
-        "error: train.toml: no case is left: every coupler that would break carries buff, so that nothing parts; buff_breaks = true computes a break of one that is named\n";
+    let expected = "error: train.toml: no case is left: every coupler that would break carries buff, so that nothing parts; buff_breaks = true computes a break of one that is named\n";
     assert_eq!((output.status.code(), complaint(&output)), (Some(2), expected.to_owned()));
 }
 

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
+use trainsafe::Train;
 use trainsafe::fleet;
 use trainsafe::report;
 use trainsafe::units::UnitSystem;
@@ -17,28 +18,30 @@ could not be written.
 Example: trainsafe new > train.toml && trainsafe analyze train.toml";
 
 const FLEET: &str = "\
-The folder gets fleet.csv, errors.csv, fleet.md and a figure, or what --format says. The run may be
-killed at any moment: --resume goes on with it. Any number of machines that share the folder compute
-a run together, each with the same command and --work, and --merge joins what they have done.
+fleet.csv, errors.csv, fleet.md and figures are written into the folder, or the files that --format
+names. An interrupted run can be continued with --resume. Machines that share the folder can compute
+a run together: start the same command with --work on each, then join the results with --merge.
 
 Example: trainsafe fleet trains --out reports/yard";
 
 const SERVE: &str = "\
-The page is for browsers on this machine alone, and for who has the address, which holds a random
-number. On a machine that others use, --no-open keeps it out of the list of running programs. The
-train file is written when Save is pressed; files that it names are read in its folder alone.
+Only browsers on this machine can open the page, and only with the full address, which holds a
+random number. On a machine with other users, --no-open keeps the address out of the list of running
+programs. The train file is written only when Save is pressed; files that it names are read only in
+its own folder.
 
 Example: trainsafe serve trains/ore-train.toml";
 
 const CHECK: &str = "\
-Exit status 2 if some file is wrong. In the JSON, files has an entry for each file: problems (path, line, column, span in
-bytes, key, message, help, related) and doubts (code, scenario, text).
+Exit status 2 if some file is wrong. In the JSON, files has an entry for each file: problems (path,
+line, column, span in bytes, key, message, help, related) and doubts (code, scenario, text).
 
 Example: trainsafe check trains/ore-train.toml trains/paper-figure-4.toml";
 
 const IMPORT: &str = "\
-Behind each number stands where it comes from. What is missing is marked MISSING and told here; the file cannot be
-analysed before it is filled in. The vehicles of a consist are looked for beside it, in TRAINSET and in ../TRAINSET.
+A comment behind each number says where it comes from. What is missing is marked MISSING and listed
+here; the file cannot be analysed before it is filled in. The vehicles of a consist are looked for
+beside it, in TRAINSET and in ../TRAINSET.
 
 Example: echo \"mass [t],90,80\" | tr , '\\n' > cars.csv && trainsafe import cars.csv > train.toml";
 
@@ -54,10 +57,10 @@ pub struct Cli {
 
 #[derive(Debug, Args)]
 pub struct General {
-    /// Say nothing but errors, and print only what --json and the commands that print files give
+    /// Print errors only, besides the output of --json and of commands that print a file
     #[arg(short, long, global = true, display_order = 100)]
     pub quiet: bool,
-    /// Compute on so many threads [default: as many as there are processors]
+    /// Number of threads [default: the number of processors]
     #[arg(short = 'j', long, value_name = "N", global = true, value_parser = threads, display_order = 100)]
     pub threads: Option<usize>,
     /// Colours in messages: auto, always or never
@@ -76,13 +79,13 @@ pub enum Command {
     /// Analyse many trains and what-ifs: a row for every case, and a report on all of them
     #[command(after_help = FLEET)]
     Fleet(Fleet),
-    /// Show error against run time of every method, and of those that simulators use, on one train
+    /// Compare the error and run time of all methods, and of those that simulators use, on one train
     #[command(after_help = "Example: trainsafe accuracy trains/paper-figure-4.toml --out accuracy/figure-4")]
     Accuracy(Accuracy),
-    /// Open a train's report as a page that follows what is changed in it (in builds with the feature serve)
+    /// Open a train's report as a page that computes every change at once (needs the feature serve)
     #[command(after_help = SERVE)]
     Serve(Serve),
-    /// Say whether train files are right, what each train is and what will be run
+    /// Check train files: what is wrong or doubtful, what each train is and what will be run
     #[command(after_help = CHECK)]
     Check(Check),
     /// Print a commented train file to start from
@@ -99,16 +102,16 @@ pub enum Command {
     },
     /// Print the JSON Schema of train files, by which editors complete and check them
     #[command(after_help = "\
-An editor with a TOML language server goes by it where a file's first line is
+An editor with a TOML language server uses the schema if the first line of the file is
 #:schema ./train.schema.json
 
 Example: trainsafe schema > train.schema.json")]
     Schema {
-        /// That of study files
+        /// The schema of study files instead
         #[arg(long)]
         study: bool,
     },
-    /// Print what makes a shell complete commands and options
+    /// Print a shell completion script
     #[command(after_help = "Example: trainsafe completions bash > trainsafe.bash")]
     Completions {
         /// The shell
@@ -132,8 +135,27 @@ pub struct Check {
     #[arg(required = true, value_name = "TRAIN")]
     pub trains: Vec<PathBuf>,
     /// Print what is wrong and what is doubtful as JSON, with places by line, column and bytes
-    #[arg(long)]
+    #[arg(long, conflicts_with = "units")]
     pub json: bool,
+    #[command(flatten)]
+    pub units: Units,
+}
+
+#[derive(Debug, Args)]
+pub struct Units {
+    /// Units of what is printed and of the report: si or us [default: the file's]
+    #[arg(long, value_name = "SYSTEM", value_parser = UnitSystem::NAMES, hide_possible_values = true)]
+    units: Option<String>,
+}
+
+impl Units {
+    /// The train with these units, or as it is.
+    pub fn of(&self, train: Train) -> Train {
+        match self.units.as_deref().and_then(UnitSystem::from_name) {
+            Some(units) => train.with_units(units),
+            None => train,
+        }
+    }
 }
 
 #[derive(Debug, Args)]
@@ -147,19 +169,18 @@ pub struct Analyze {
     #[arg(long, value_name = "LIST", default_value = "md,html", value_delimiter = ',',
           value_parser = report::Format::ALL.map(report::Format::name), conflicts_with = "json")]
     pub format: Vec<String>,
-    /// Units of the report [default: the file's]
-    #[arg(long, value_name = "SYSTEM", value_parser = UnitSystem::NAMES, conflicts_with = "json")]
-    pub units: Option<String>,
+    #[command(flatten)]
+    pub units: Units,
     /// Run this scenario only
     #[arg(long, value_name = "NAME")]
     pub scenario: Option<String>,
     /// Print result.json to standard output; write no files
-    #[arg(long, conflicts_with = "out")]
+    #[arg(long, conflicts_with_all = ["out", "units"])]
     pub json: bool,
-    /// Exit with status 1 if some coupler exceeds, or cannot be told not to
+    /// Exit with status 1 if some coupler exceeds, or if this is not decided for some coupler
     #[arg(long)]
     pub fail_on_exceed: bool,
-    /// Leave out couplers that cannot exceed at any time
+    /// Leave out couplers that cannot exceed their rating at any time
     #[arg(long)]
     pub verdict_only: bool,
     /// Report a bound on every coupler's force over all time
@@ -190,22 +211,22 @@ pub struct Fleet {
     /// Write the full reports of the N worst trains as well, in trains/ in the folder; fleet.html leads to them
     #[arg(long, value_name = "N", default_value_t = 0, conflicts_with_all = ["json", "work"])]
     pub reports: usize,
-    /// Go on with the run in the folder: compute what is missing and nothing else
+    /// Continue the run in the folder: compute only what is missing
     #[arg(long, conflicts_with = "merge")]
     pub resume: bool,
-    /// Write every coupler of every case too: couplers/ in the folder, a Parquet file for each chunk, as it is done
+    /// Write every coupler of every case too: Parquet files in couplers/ in the folder, one for each part of the run
     #[arg(long, conflicts_with = "merge")]
     pub couplers: bool,
-    /// Take the next cases of the run in the folder that nobody has, until none is left; others may do the same
+    /// Compute cases of the run in the folder that no other worker has taken, until none is left
     #[arg(long, conflicts_with_all = ["merge", "resume"])]
     pub work: bool,
-    /// Join what workers have done in the folder into the files of one run
+    /// Join the results of the workers in the folder into the files of one run
     #[arg(long, requires = "out", conflicts_with_all = ["tolerance", "method"])]
     pub merge: bool,
-    /// Say how many cases there are and about how long they take, and stop
+    /// Print the number of cases and about how long they will take, and stop
     #[arg(long, conflicts_with_all = ["json", "merge"])]
     pub dry_run: bool,
-    /// Exit with status 1 if some coupler exceeds, or cannot be told not to
+    /// Exit with status 1 if some coupler exceeds, or if this is not decided for some coupler
     #[arg(long, conflicts_with = "work")]
     pub fail_on_exceed: bool,
     #[command(flatten)]
@@ -229,7 +250,7 @@ pub struct Solver {
     /// The error each force may have, as a share of the largest rating; with slack, gears or brakes at least 1e-6
     #[arg(long, value_name = "SHARE", default_value = "1e-9", value_parser = share)]
     pub tolerance: f64,
-    /// Compute by this method [default: the cheapest within the tolerance]
+    /// Compute by this method [default: the one with the least work within the tolerance]
     #[arg(long, value_name = "NAME", value_parser = ["fronts", "modal", "propagator"])]
     pub method: Option<String>,
 }

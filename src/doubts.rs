@@ -58,6 +58,8 @@ fn lengths(train: &Train) -> Option<Doubt> {
     let live = train.vehicles().iter().filter(|v| !v.held);
     let (with, without) = live.partition::<Vec<_>, _>(|v| v.length_m.is_some());
     let what = count(without.len(), "vehicle");
-    let text = format!("no length is given for {what}, so there are no speeds in m/s and no places along the train");
+    let text = format!(
+        "no length is given for {what}, so there are no wave speeds over the ground and no places along the train"
+    );
     (!with.is_empty() && !without.is_empty()).then(|| Doubt::of_train("some-lengths", text))
 }

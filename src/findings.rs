@@ -467,10 +467,12 @@ fn largest_rating_n(train: &Train) -> f64 {
     train.couplers().iter().map(|c| c.rated_draft_n.max(c.rated_buff_n)).fold(0.0, f64::max)
 }
 
-/// What the options ask of the solvers, in their units.
-fn ask(train: &Train, options: &Options) -> Ask {
+/// What the options ask of the solvers, in their units, up to a mark, s, as well.
+fn ask(train: &Train, options: &Options, mark_s: Option<f64>) -> Ask {
+    let scales = Scales::of(train);
     Ask {
-        tolerance: options.tolerance * largest_rating_n(train) / Scales::of(train).force_n,
+        tolerance: options.tolerance * largest_rating_n(train) / scales.force_n,
+        mark: mark_s.map(|mark_s| mark_s / scales.time_s),
         method: options.method,
         verdict_only: options.verdict_only && !limits::any_below_rating(train),
         all_time_bound: options.all_time_bound,

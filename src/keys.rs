@@ -75,7 +75,7 @@ pub(crate) struct Key {
     pub(crate) name: &'static str,
     pub(crate) kind: Kind,
     pub(crate) required: bool,
-    /// What it means, for a person who writes the file.
+    /// What it means, for the person who writes the file.
     pub(crate) about: &'static str,
     /// As a TOML value, or a string without its quotes.
     pub(crate) example: &'static str,

@@ -22,7 +22,6 @@ use trainsafe::doubts::doubts;
 use trainsafe::error::{InputError, printable_path};
 use trainsafe::report::Format;
 use trainsafe::solve::Method;
-use trainsafe::units::UnitSystem;
 use trainsafe::{Analysis, Options, Train, consist, findings, report, schema};
 
 use cli::{Cli, Command};
@@ -97,10 +96,7 @@ fn settle(general: &cli::General) {
 }
 
 fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
-    let mut train = read(&args.train)?;
-    if let Some(units) = args.units.as_deref().and_then(UnitSystem::from_name) {
-        train = train.with_units(units);
-    }
+    let train = args.units.of(read(&args.train)?);
     let options = Options {
         scenario: args.scenario.clone(),
         verdict_only: args.verdict_only,
@@ -268,7 +264,7 @@ fn summary(text: &str) -> Result<(), Failure> {
     if quiet() { Ok(()) } else { print(text) }
 }
 
-/// A line on standard error, with colours only where they were asked for. A failure to write it is ignored: there is no other place to report it.
+/// A line on standard error, with colours where asked for. If that fails, there is no other place to report it.
 fn say(text: &str) {
     let _ = writeln!(anstream::stderr(), "{}", text.trim_end());
 }

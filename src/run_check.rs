@@ -19,7 +19,7 @@ pub fn run(args: &cli::Check) -> Result<(), Failure> {
         match read_train(path) {
             Ok(train) => {
                 let heading = if args.trains.len() > 1 { format!("{}:\n", shown(path)) } else { String::new() };
-                described.push(heading + &consist::describe(&train));
+                described.push(heading + &consist::describe(&args.units.of(train)));
             }
             Err(problems) => {
                 wrong = true;

@@ -111,7 +111,7 @@ fn told(estimate: &Estimate) -> String {
     };
     let time = match (least / length, most / length) {
         (_, most) if most < 1.0 => format!("less than 1 {unit}"),
-        // Two digits where there are any: nobody plans by more.
+        // Two digits where there are any: an estimate has no more.
         (least, most) if most < 10.0 => format!("about {least:.1} to {most:.1} {unit}"),
         (least, most) => format!("about {least:.0} to {most:.0} {unit}"),
     };

@@ -1,15 +1,18 @@
 //! Quantities as people write them (`"30 MN/m"`) into SI.
 //!
-//! `spellings` has the units and how they may be written. A text that means two units is refused, with the choices.
+//! `spellings` has the units and how they may be written; `reader` writes quantities in the units of a report's reader. A text that means two units is refused, with the choices.
 //!
 //! Metric units only move the decimal point, and that is done in the text, before the one rounding to a double: `"0.6 MN"`
 //! and `"600 kN"` are the same double. The others have exact integer factors (1 lb = 45 359 237e-8 kg,
 //! 1 lbf = 44 482 216 152 605e-13 N, 1 in = 254e-4 m, all by definition) and cost one rounding more, per inch two.
 
+mod reader;
 mod refusal;
 mod spellings;
 
 use std::fmt;
+
+pub use reader::{Unit, UnitSystem, digits, rounded, shown, shown_time, unit_for, without_zeros};
 
 use refusal::{bad, no_number, right_units, with_units, wrong_unit};
 
@@ -44,26 +47,6 @@ pub enum Dimension {
     Grade,
     /// A share of something that the key names
     Share,
-}
-
-/// The units of a reader: of reports, not of the files for programs, which are in SI.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum UnitSystem {
-    /// kN, t, m.
-    #[default]
-    Si,
-    /// kip, short tons, feet.
-    Us,
-}
-
-impl UnitSystem {
-    /// Their names in a train file and on the command line.
-    pub const NAMES: [&str; 2] = ["si", "us"];
-
-    /// The system of that name.
-    pub fn from_name(name: &str) -> Option<UnitSystem> {
-        [UnitSystem::Si, UnitSystem::Us].into_iter().zip(UnitSystem::NAMES).find(|(_, n)| *n == name).map(|(of, _)| of)
-    }
 }
 
 /// A quantity as read.
@@ -184,22 +167,6 @@ pub fn one_of<S: AsRef<str>>(words: impl IntoIterator<Item = S>) -> String {
         text.push_str(word.as_ref());
     }
     text
-}
-
-/// A value in SI units as an engineer writes it: in the metric unit that fits its size, to five digits.
-pub fn shown(value: f64, dimension: Dimension) -> String {
-    let sizes = dimension.units().filter_map(|symbol| Some((symbol, spellings::find(dimension, symbol)?)));
-    let metric = sizes.filter(|(_, scale)| scale.is_decimal());
-    let scaled = metric.map(|(symbol, scale)| (symbol, value / f64::powi(10.0, scale.exponent)));
-    // The first unit is SI's own; of those in which the number is at least 1, the one with the smallest number reads best.
-    let best = scaled.reduce(|best, next| {
-        let (a, b) = (best.1.abs(), next.1.abs());
-        if b >= 1.0 && (a < 1.0 || b < a) { next } else { best }
-    });
-    let (symbol, number) = best.unwrap_or((dimension.si(), value));
-    let rounded: f64 = format!("{number:.4e}").parse().unwrap_or(number);
-    let plain = rounded == 0.0 || (1e-4..1e7).contains(&rounded.abs());
-    if plain { format!("{rounded} {symbol}") } else { format!("{rounded:e} {symbol}") }
 }
 
 /// Reads a number with its unit; with `share`, also a percentage.

@@ -17,3 +17,8 @@ sample paper-figure-4-damped
 sample unit-train-emergency
 sample shunting-european-rake
 sample mixed-manifest-brakes
+# These compare run times: a release build, on a machine that does nothing else.
+cargo build --quiet --release
+for train in paper-figure-4 mixed-manifest-train shunting-european-rake; do
+    "$target/release/trainsafe" accuracy "trains/$train.toml" --out "reports/samples/accuracy/$train" >/dev/null
+done

@@ -77,7 +77,7 @@ fn solved(scene: &Scene, method: Option<Method>, wanted: Wanted) -> Option<Solut
     let rating = scene.rated_draft.iter().chain(&scene.rated_buff).fold(0.0f64, |a, &r| a.max(r));
     // A method asked for by name is held to what it can do at best, the planner to its default tolerance.
     let tolerance = if method.is_some() { f64::MIN_POSITIVE } else { 1e-9 * rating };
-    let ask = Ask { tolerance, method, verdict_only: false, all_time_bound: false, wanted };
+    let ask = Ask { tolerance, method, verdict_only: false, all_time_bound: false, wanted, mark: None };
     solve(scene, &ask).ok()
 }
 

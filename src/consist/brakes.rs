@@ -19,7 +19,7 @@ use super::tree::{Read, Table, Value};
 use crate::error::{InputError, Problem, Problems, printable_path, quoted};
 use crate::keys::Sign;
 use crate::train::{Application, Doubt, Forcing, Vehicle};
-use crate::units::{self, Amount, Dimension, one_of, shown};
+use crate::units::{self, Amount, Dimension, one_of, shown_time};
 
 /// Names of applications.
 pub(super) const PRESETS: [&str; 3] = ["AAR", "UIC G", "UIC P"];
@@ -155,7 +155,7 @@ fn schedule(
     let mut doubts = sheet.doubts(&name);
     let start_s = courses.iter().filter_map(|c| Some(c.points.first()?[0])).fold(f64::INFINITY, f64::min);
     if start_s > LATE_S {
-        let start = shown(start_s, Dimension::Time);
+        let start = shown_time(start_s);
         let text = format!(
             "the schedule {name} starts at {start}, and tractive efforts stay as they are until then: its times count from the \
              event, not from a logger's clock"

@@ -7,7 +7,7 @@ use crate::doubts::doubts;
 use crate::play::Rule;
 use crate::scenario::{break_loads, longest_horizon_s, shortest_horizon_s};
 use crate::train::{Event, LIMITS, Scenario, Train, Vehicle, count};
-use crate::units::{Dimension, shown};
+use crate::units::{Dimension, UnitSystem, shown, shown_time};
 
 /// Longer lists of vehicles are told by kind, and longer lists of kinds are cut.
 const LISTED: usize = 12;
@@ -36,17 +36,19 @@ pub fn describe(train: &Train) -> String {
 }
 
 fn size(train: &Train) -> String {
+    let units = train.origin().units;
     let free = train.vehicles().iter().filter(|v| !v.held);
-    let mass = shown(free.map(|v| v.mass_kg).sum(), Dimension::Mass);
-    let held = if train.vehicles().iter().any(|v| v.held) { " without what is held" } else { "" };
+    let mass = shown(units, free.map(|v| v.mass_kg).sum(), Dimension::Mass);
+    let held = if train.vehicles().iter().any(|v| v.held) { ", not counting held vehicles" } else { "" };
     let length: Option<f64> = train.vehicles().iter().map(|v| v.length_m).sum();
-    let length = length.map_or(String::new(), |l| format!(", {} long", shown(l, Dimension::Length)));
+    let length = length.map_or(String::new(), |l| format!(", {} long", shown(units, l, Dimension::Length)));
     let [vehicles, couplers] = [count(train.vehicles().len(), "vehicle"), count(train.couplers().len(), "coupler")];
     format!("{vehicles}, {couplers}, {mass}{held}{length}")
 }
 
 /// Neighbours alike, from the head; in a train of many such groups, its kinds of vehicle.
 fn vehicles(train: &Train) -> Vec<String> {
+    let line = |group| group_line(group, train.origin().units);
     let mut groups: Vec<(usize, &Vehicle)> = vec![];
     for vehicle in train.vehicles() {
         match groups.last_mut() {
@@ -55,7 +57,7 @@ fn vehicles(train: &Train) -> Vec<String> {
         }
     }
     if groups.len() <= LISTED {
-        return groups.into_iter().map(group_line).collect();
+        return groups.into_iter().map(line).collect();
     }
     let in_groups = format!("in {} groups from the head, of these kinds:", groups.len());
     let mut kinds: Vec<(usize, &Vehicle)> = vec![];
@@ -68,7 +70,7 @@ fn vehicles(train: &Train) -> Vec<String> {
         }
     }
     let rest = (other > 0).then(|| format!("{} of other kinds", count(other, "vehicle")));
-    std::iter::once(in_groups).chain(kinds.into_iter().map(group_line)).chain(rest).collect()
+    std::iter::once(in_groups).chain(kinds.into_iter().map(line)).chain(rest).collect()
 }
 
 fn alike(a: &Vehicle, b: &Vehicle) -> bool {
@@ -80,17 +82,18 @@ fn unnumbered(label: &str) -> &str {
     label.rsplit_once(' ').filter(|(_, n)| n.bytes().all(|b| b.is_ascii_digit())).map_or(label, |(name, _)| name)
 }
 
-fn group_line((count, vehicle): (usize, &Vehicle)) -> String {
+fn group_line((count, vehicle): (usize, &Vehicle), units: UnitSystem) -> String {
     let held = if vehicle.held { " (held)" } else { "" };
-    let length = vehicle.length_m.map_or(String::new(), |l| format!(", {}", shown(l, Dimension::Length)));
+    let length = vehicle.length_m.map_or(String::new(), |l| format!(", {}", shown(units, l, Dimension::Length)));
     let label = if count == 1 { &*vehicle.label } else { unnumbered(&vehicle.label) };
-    format!("{count} x {label}{held} of {}{length}", shown(vehicle.mass_kg, Dimension::Mass))
+    format!("{count} x {label}{held} of {}{length}", shown(units, vehicle.mass_kg, Dimension::Mass))
 }
 
 fn couplers(train: &Train) -> String {
+    let units = train.origin().units;
     let range = |values: Vec<f64>, dimension: Dimension| {
-        let low = shown(values.iter().copied().fold(f64::INFINITY, f64::min), dimension);
-        let high = shown(values.iter().copied().fold(0.0, f64::max), dimension);
+        let low = shown(units, values.iter().copied().fold(f64::INFINITY, f64::min), dimension);
+        let high = shown(units, values.iter().copied().fold(0.0, f64::max), dimension);
         if low == high { low } else { format!("{low} to {high}") }
     };
     let stiffness = range(train.couplers().iter().map(|c| c.stiffness_n_per_m).collect(), Dimension::Stiffness);
@@ -111,17 +114,18 @@ fn couplers(train: &Train) -> String {
 }
 
 fn load(train: &Train) -> String {
+    let units = train.origin().units;
     let low = train.initial_force_n().iter().copied().fold(f64::INFINITY, f64::min);
     let high = train.initial_force_n().iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let force = |n: f64| match n {
         0.0 => "none".to_owned(),
-        n if n > 0.0 => format!("{} in draft", shown(n, Dimension::Force)),
-        n => format!("{} in buff", shown(-n, Dimension::Force)),
+        n if n > 0.0 => format!("{} in draft", shown(units, n, Dimension::Force)),
+        n => format!("{} in buff", shown(units, -n, Dimension::Force)),
     };
     let range = if low == high { force(low) } else { format!("{} to {}", force(low), force(high)) };
     let from = train.extras().steady.as_ref().map_or(String::new(), |steady| match steady.acceleration_m_per_s2 {
         0.0 => ", from the forces on the vehicles at constant speed".to_owned(),
-        a => format!(", from the forces on the vehicles, which accelerate the train by {a:.4} m/s2"),
+        a => format!(", from the forces on the vehicles, which accelerate the train by {}", units.acceleration(a)),
     });
     format!("load before the event: {range}{from}{}", of_parts(train))
 }
@@ -149,6 +153,7 @@ fn breaking_loads(train: &Train, senses: usize) -> &'static str {
 }
 
 fn scenario_line(train: &Train, scenario: &Scenario) -> String {
+    let units = train.origin().units;
     let (event, cases) = match &scenario.event {
         Event::Break { couplers } => match couplers.as_slice() {
             [b] => {
@@ -171,24 +176,25 @@ fn scenario_line(train: &Train, scenario: &Scenario) -> String {
         },
         Event::Pulse { vehicle, force_n, duration_s } => {
             let direction = if *force_n > 0.0 { "forward" } else { "backward" };
-            let force = shown(force_n.abs(), Dimension::Force);
+            let force = shown(units, force_n.abs(), Dimension::Force);
             let label = &train.vehicles()[*vehicle].label;
-            (format!("{force} {direction} on {label} for {}", shown(*duration_s, Dimension::Time)), 1)
+            (format!("{force} {direction} on {label} for {}", shown_time(*duration_s)), 1)
         }
         Event::Shaped { vehicle, shape, force_n, duration_s, .. } => {
             let direction = if *force_n > 0.0 { "forward" } else { "backward" };
-            let [force, lasting] = [shown(force_n.abs(), Dimension::Force), shown(*duration_s, Dimension::Time)];
+            let [force, lasting] = [shown(units, force_n.abs(), Dimension::Force), shown_time(*duration_s)];
             let label = &train.vehicles()[*vehicle].label;
             (format!("{shape} of up to {force} {direction} on {label}, over after {lasting}"), 1)
         }
         Event::Impact { vehicles, at_head, speed_m_per_s } => {
             let end = if *at_head { "head" } else { "tail" };
-            let arrive = format!("{} at {}", count(*vehicles, "vehicle"), shown(*speed_m_per_s, Dimension::Speed));
+            let arrive =
+                format!("{} at {}", count(*vehicles, "vehicle"), shown(units, *speed_m_per_s, Dimension::Speed));
             (format!("{arrive} run into the {end} of the others, which stand, and couple"), 1)
         }
         Event::Brake { from, emergency, application } => {
             let what = if *emergency { "emergency" } else { "service" };
-            let (place, course) = (describe_laws::place(train, from), describe_laws::application(application));
+            let (place, course) = (describe_laws::place(train, from), describe_laws::application(application, units));
             (format!("{what} brakes are applied from {place} ({course})"), 1)
         }
     };
@@ -198,8 +204,7 @@ fn scenario_line(train: &Train, scenario: &Scenario) -> String {
         Rule::InDraft => format!("{event}; couplers that pass {} in draft break", breaking_loads(train, 1)),
         Rule::InBoth => format!("{event}; couplers that pass {} in draft or buff break", breaking_loads(train, 2)),
     };
-    let [from, to] =
-        [shortest_horizon_s(train, scenario), longest_horizon_s(train, scenario)].map(|t| shown(t, Dimension::Time));
+    let [from, to] = [shortest_horizon_s(train, scenario), longest_horizon_s(train, scenario)].map(shown_time);
     let horizon = if from == to { to } else { format!("{from} to {to}") };
     format!("{event}; {}, horizon {horizon}", count(cases, "case"))
 }

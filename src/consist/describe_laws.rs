@@ -2,7 +2,7 @@
 
 use crate::law::{Curve, Law};
 use crate::train::{Application, Event, Scenario, Train, count};
-use crate::units::{Dimension, shown};
+use crate::units::{Dimension, UnitSystem, shown, shown_time};
 
 /// The laws of couplers that are not linear, each kind once with what it does at the load; empty where all are linear.
 pub(crate) fn laws(train: &Train) -> Vec<String> {
@@ -23,16 +23,17 @@ fn line(train: &Train, couplers: &[usize], law: &Law) -> String {
         [first, .., last] => format!("{} couplers from {} to {}", couplers.len(), first + 1, last + 1),
         [] => String::new(),
     };
-    let length = |m: f64| shown(m, Dimension::Length);
+    let units = train.origin().units;
+    let length = |m: f64| shown(units, m, Dimension::Length);
     let slack = match law.slack_m() {
         0.0 => "no slack".to_owned(),
         s => format!("slack {}", length(s)),
     };
-    format!("{which}: {}, {slack}{}", kind(law), at_the_load(train, couplers, law))
+    format!("{which}: {}, {slack}{}", kind(law, units), at_the_load(train, couplers, law))
 }
 
-fn kind(law: &Law) -> String {
-    let stiffness = |k: f64| shown(k, Dimension::Stiffness);
+fn kind(law: &Law, units: UnitSystem) -> String {
+    let stiffness = |k: f64| shown(units, k, Dimension::Stiffness);
     match law {
         Law::Elastic { draft_n_per_m, buff_n_per_m, .. } if draft_n_per_m == buff_n_per_m => {
             format!("a spring of {}", stiffness(*draft_n_per_m))
@@ -41,22 +42,22 @@ fn kind(law: &Law) -> String {
             format!("a spring of {} in draft, {} in buff", stiffness(*draft_n_per_m), stiffness(*buff_n_per_m))
         }
         Law::Gear { solid_n_per_m, draft, buff, .. } if draft == buff => {
-            format!("a gear, {}, in series with {}", gear(draft), stiffness(*solid_n_per_m))
+            format!("a gear, {}, in series with {}", gear(draft, units), stiffness(*solid_n_per_m))
         }
         Law::Gear { solid_n_per_m, draft, buff, .. } => {
-            let [draft, buff, solid] = [gear(draft), gear(buff), stiffness(*solid_n_per_m)];
+            let [draft, buff, solid] = [gear(draft, units), gear(buff, units), stiffness(*solid_n_per_m)];
             format!("a gear, in draft {draft}, in buff {buff}, in series with {solid}")
         }
     }
 }
 
 /// Stroke, work and share of it that is lost.
-fn gear(curve: &Curve) -> String {
+fn gear(curve: &Curve, units: UnitSystem) -> String {
     format!(
-        "which closes after {} at {}; a full stroke takes {:.1} kJ and loses {:.0} % of it",
-        shown(curve.stroke_m(), Dimension::Length),
-        shown(curve.closes_at_n(), Dimension::Force),
-        1e-3 * curve.absorbed_j(),
+        "which closes after {} at {}; a full stroke takes {} and loses {:.0} % of it",
+        shown(units, curve.stroke_m(), Dimension::Length),
+        shown(units, curve.closes_at_n(), Dimension::Force),
+        units.energy(curve.absorbed_j()),
         100.0 * curve.lost_share()
     )
 }
@@ -67,7 +68,7 @@ fn at_the_load(train: &Train, couplers: &[usize], law: &Law) -> String {
     let Some(&most) = couplers.iter().max_by(|a, b| load(a).abs().total_cmp(&load(b).abs())) else {
         return String::new();
     };
-    let force_n = train.initial_force_n()[most];
+    let (force_n, units) = (train.initial_force_n()[most], train.origin().units);
     if force_n == 0.0 {
         return "; no load before the event".to_owned();
     }
@@ -77,34 +78,34 @@ fn at_the_load(train: &Train, couplers: &[usize], law: &Law) -> String {
         .extras()
         .pulled_to_n
         .get(most)
-        .map_or(String::new(), |n| format!(", let down from {}", shown(*n, Dimension::Force)));
+        .map_or(String::new(), |n| format!(", let down from {}", shown(units, *n, Dimension::Force)));
     let sense = if force_n < 0.0 { "buff" } else { "draft" };
-    let [travel, force] = [shown(travel_m, Dimension::Length), shown(force_n.abs(), Dimension::Force)];
+    let [travel, force] = [shown(units, travel_m, Dimension::Length), shown(units, force_n.abs(), Dimension::Force)];
     format!("; at {force} in {sense}{from}, it has travelled {travel} beyond the slack")
 }
 
 /// An application in words: `an AAR application` or its numbers.
-pub(crate) fn application(of: &Application) -> String {
+pub(crate) fn application(of: &Application, units: UnitSystem) -> String {
     let named = of.name.map_or(String::new(), |name| format!("{name}: "));
     let most = of.build_up.last().map_or(0.0, |last| 100.0 * last[1]);
-    let [wave, full] = [shown(of.wave_m_per_s, Dimension::Speed), shown(of.full_after_s(), Dimension::Time)];
+    let [wave, full] = [units.wave_speed(of.wave_m_per_s), shown_time(of.full_after_s())];
     format!("{named}wave {wave}, {most:.0} % of emergency_brake after {full}")
 }
 
 /// What a scenario's brakes and drives do beside its event: a clause that starts with `; `, or nothing.
 pub(super) fn response(train: &Train, scenario: &Scenario) -> String {
-    let mut text = String::new();
+    let (mut text, units) = (String::new(), train.origin().units);
     if let Some(emergency) = &scenario.response.emergency {
-        text += &format!("; each parting sets off emergency brakes both ways ({})", application(emergency));
+        text += &format!("; each parting sets off emergency brakes both ways ({})", application(emergency, units));
     }
     let efforts = &scenario.response.efforts;
     if let Some(last_s) = efforts.iter().filter_map(|f| f.points.last()).map(|p| p[0]).reduce(f64::max) {
         let vehicles = count(efforts.len(), "vehicle");
-        text += &format!("; the tractive effort of {vehicles} changes until {}", shown(last_s, Dimension::Time));
+        text += &format!("; the tractive effort of {vehicles} changes until {}", shown_time(last_s));
     }
     let braking = scenario.response.emergency.is_some() || matches!(scenario.event, Event::Brake { .. });
     if let Some(speed) = train.extras().speed_m_per_s.filter(|_| braking) {
-        text += &format!("; the train runs at {}", shown(speed, Dimension::Speed));
+        text += &format!("; the train runs at {}", shown(units, speed, Dimension::Speed));
     }
     text
 }

@@ -65,7 +65,11 @@ pub(super) fn train(
         Ok((load, pulled_to)) => (Ok(load), pulled_to),
         Err(reported) => (Err(reported), PulledTo::None),
     };
+    let asked = root.get("units").map(|value| value.word()).transpose()?.and_then(UnitSystem::from_name);
+    // Of problems; those of the report are counted once all is read.
+    let units = asked.unwrap_or_else(|| found.units());
     let spec = TrainSpec {
+        origin: Origin { units, ..Origin::default() },
         name: name.as_ref().map_or_else(|_| String::new(), Clone::clone),
         couplers: specs(ratings),
         load: load.as_ref().map_or(Load::None, Clone::clone),
@@ -88,10 +92,7 @@ pub(super) fn train(
     for problem in train.take(scenarios) {
         places.note(problem);
     }
-    let units = match root.get("units") {
-        Some(value) => UnitSystem::from_name(value.word()?).unwrap_or_default(),
-        None => found.units(),
-    };
+    let units = asked.unwrap_or_else(|| found.units());
     name?;
     load?;
     Ok(train.with_origin(Origin { by_label, units, ..Origin::default() }))

@@ -41,15 +41,15 @@ pub(crate) static TRAIN: Shape = Shape {
             Key::optional(
                 "units",
                 Kind::Word(&UnitSystem::NAMES),
-                "The units of the report; those in which most quantities of this file are written if absent. Files for programs are in SI \
-                 always.",
+                "The units of the report, of check and of warnings; those in which most quantities of this file are written if absent. The \
+                 numbers in files for programs are always in SI.",
                 "us",
             ),
             Key::optional(
                 "damping_ratio",
                 Kind::Ratio,
                 "Share of critical damping of every mode of vibration, which no device in a train has; for breaks and rectangular \
-                 pulses, and not beside a coupler's damping. The ratios published for draft gears, 0.05 to 0.26, are not this \
+                 pulses, and not beside a coupler's damping. The ratios published for draft gears, 0.14 to 0.26, are not this \
                  but c / 2 sqrt(k m) of dashpots: give [coupler] a damping for them.",
                 "0.2",
             )
@@ -227,7 +227,7 @@ pub(super) static LIMITS_TABLE: Shape = Shape {
     least: 1,
     ..Shape::new(
         "limits",
-        "Capacities beside the rating: of both senses, or of draft or buff alone. None is above the next: fatigue, proof, ultimate.",
+        "Capacities beside the rating: of both senses, or of draft or buff alone. In rising order: fatigue, proof, ultimate.",
         &[
             FATIGUE,
             PROOF,
@@ -262,13 +262,13 @@ static LIMITS_IN_BUFF: Shape = Shape {
 const RESISTANCE: Key = Key::optional(
     "rolling_resistance",
     quantity(Dimension::Resistance, Sign::NotNegative),
-    "Running resistance, backward, in proportion to the mass; a vehicle's own goes before that of [load].",
+    "Running resistance, backward, in proportion to the mass; a vehicle's own value replaces that of [load].",
     "15 N/t",
 );
 const GRADE: Key = Key::optional(
     "grade",
     quantity(Dimension::Grade, Sign::Any),
-    "Grade of the track, uphill positive; a vehicle's own goes before that of [load].",
+    "Grade of the track, uphill positive; a vehicle's own value replaces that of [load].",
     "1.2 %",
 );
 
@@ -370,7 +370,7 @@ pub(super) static LOAD: Shape = Shape::new(
         Key::optional(
             "pulled_to",
             or_share(Dimension::Force, Sign::Positive),
-            "The largest pull before, from which the train was let down to this load, or a share of the weakest coupler's capacity in \
+            "The largest pull before, which was then reduced to this load, or a share of the weakest coupler's capacity in \
              draft: couplers with friction remember it. The load itself if absent. Where the load follows from forces on the vehicles it is that \
              of the coupler that pulls most, and the others pulled more in the same proportion.",
             "0.8 MN",

@@ -10,7 +10,7 @@ use super::labels::Labels;
 use super::tree::{Read, Table};
 use crate::doubts::STEEP;
 use crate::train::{Doubt, Load, PulledTo, VehicleSpec, more, of_held, without_noise};
-use crate::units::Amount;
+use crate::units::{Amount, digits, without_zeros};
 
 /// Standard gravity, m/s2 (CGPM 1901).
 const GRAVITY: f64 = 9.806_65;
@@ -31,6 +31,9 @@ pub(super) struct OwnLoad {
 pub(super) fn tractions(own: &[OwnLoad]) -> Vec<f64> {
     own.iter().map(|o| o.tractive_effort_n).collect()
 }
+
+/// The steepest grade of a train whose grades may have been meant as shares of 1: 0.05 %.
+const FLAT: f64 = 5e-4;
 
 const OWN_KEYS: [&str; 4] = ["tractive_effort", "rolling_resistance", "grade", "brake_force"];
 
@@ -94,7 +97,7 @@ fn load(root: &Table, vehicles: &[VehicleSpec], own: &[OwnLoad], labels: &Labels
             return Ok(Load::None);
         }
         let each = || vehicles.iter().flat_map(|v| std::iter::repeat_n(v, v.count)).zip(own);
-        steep(root, each(), labels, grade.unwrap_or(0.0));
+        unlikely_grade(root, each(), labels, grade.unwrap_or(0.0));
         let outside =
             |(v, o): (&VehicleSpec, &OwnLoad)| outside_n(v, o, resistance.unwrap_or(0.0), grade.unwrap_or(0.0));
         return Ok(Load::OnVehicles(each().map(outside).collect()));
@@ -109,16 +112,23 @@ fn load(root: &Table, vehicles: &[VehicleSpec], own: &[OwnLoad], labels: &Labels
     Ok(Load::Uniform(in_newtons(uniform.amount()?, weakest_n)))
 }
 
-/// Notes a grade that no railway has.
-fn steep<'v>(
+/// Notes a grade that no railway has, and grades that may have been meant as shares of 1.
+fn unlikely_grade<'v>(
     root: &Table,
     vehicles: impl Iterator<Item = (&'v VehicleSpec, &'v OwnLoad)>,
     labels: &Labels,
     grade: f64,
 ) {
     let slopes = vehicles.enumerate().filter(|(_, (v, _))| !v.held).map(|(i, (_, o))| (i, o.grade.unwrap_or(grade)));
-    let mut steep = slopes.filter(|(_, slope)| slope.abs() > STEEP);
-    if let Some((first, slope)) = steep.next() {
+    let slopes: Vec<(usize, f64)> = slopes.collect();
+    let largest = slopes.iter().fold(0.0f64, |a, (_, slope)| a.max(slope.abs()));
+    if largest > 0.0 && largest < FLAT {
+        let [percent, share] = [100.0 * largest, 1e4 * largest].map(|x| without_zeros(&digits(x, 0.0, 3)));
+        let text = format!("the steepest grade is {percent} %: was {share} % meant, given as a share of 1?");
+        root.doubt(Doubt::of_train("flat-grade", text));
+    }
+    let mut steep = slopes.iter().filter(|(_, slope)| slope.abs() > STEEP);
+    if let Some(&(first, slope)) = steep.next() {
         let (others, percent) = (more(steep.count(), "vehicle"), 100.0 * slope);
         let label = &labels.vehicles()[first].label;
         let text = format!("the grade of {label}{others} is {percent:.0} %, over 10 %; check the number and its unit");

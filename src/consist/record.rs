@@ -9,7 +9,7 @@ use super::heading::{Content, Wanted, only_unit};
 use super::sheet::{ABOVE, NoSheet, Record, Sheet};
 use crate::error::{InputError, Problem, Problems, printable_path, quoted};
 use crate::train::Doubt;
-use crate::units::{self, Amount, Dimension, shown};
+use crate::units::{self, Amount, Dimension, shown_time};
 
 /// What a record holds.
 pub(super) struct Course {
@@ -156,7 +156,7 @@ fn shifted(points: Vec<[f64; 2]>, name: &str) -> (Vec<[f64; 2]>, Option<Doubt>) 
     }
     let start = points.iter().position(|point| point[1] != 0.0).unwrap_or(0).saturating_sub(1);
     let zero = points[start][0];
-    let [from, by] = [first, zero].map(|t| shown(t, Dimension::Time));
+    let [from, by] = [first, zero].map(shown_time);
     let why = if points[0][1] == 0.0 { "where its force starts to change" } else { "where it has a force at once" };
     let what = format!("its clock at {by}, {why}, is taken as t = 0 of the event");
     let doubt = Doubt::of_train("record-shifted", format!("the record {name} starts at {from}: {what}"));

@@ -139,7 +139,7 @@ fn break_of(table: &Table, context: &Context, buff_breaks: bool) -> Read<(Event,
         None => coupler_list(&value, labels, &right)?,
     };
     let pressed = |(item, &i): (Value, &usize)| {
-        let force = shown(-context.train.initial_force_n()[i], Dimension::Force);
+        let force = shown(context.train.origin().units, -context.train.initial_force_n()[i], Dimension::Force);
         let title =
             format!("coupler {} carries {force} in buff, so its vehicles stay pressed together when it breaks", i + 1);
         let help = "choose a coupler in draft, or add buff_breaks = true to compute it as if the parts could pass through each other";

@@ -3,7 +3,7 @@
 use super::overloaded;
 use crate::scenario::{self, horizon_s, initial_force_n, last_change_s, longest_horizon_s, longest_transit_s};
 use crate::train::{Doubt, Event, Scenario, Train, more};
-use crate::units::{Dimension, shown};
+use crate::units::{Dimension, rounded, shown, shown_time};
 
 /// Speeds over this are doubtful, m/s: 200 km/h.
 const FAST_M_PER_S: f64 = 200.0 / 3.6;
@@ -27,14 +27,20 @@ fn breaks(train: &Train, scenario: &Scenario, couplers: &[usize]) -> Vec<(&'stat
     let mut found = vec![];
     let load = |b: usize| train.initial_force_n()[b];
     if train.couplers().len() == 1 && !couplers.is_empty() {
-        found.push(("nothing-left", "once its only coupler is broken the train has none left to look at".to_owned()));
+        found.push((
+            "nothing-left",
+            "the train has one coupler only: after its break there is none left to examine".to_owned(),
+        ));
     } else if couplers.iter().any(|&b| load(b) == 0.0) {
         let advice = if train.extras().steady.is_some() {
             "check the forces on the vehicles: a tractive_effort, a brake_force or a held vehicle may be missing"
         } else {
             "give [load] a uniform force"
         };
-        found.push(("no-load", format!("a coupler without load breaks and nothing changes; {advice}")));
+        found.push((
+            "no-load",
+            format!("the coupler that breaks carries no load, so its break changes nothing; {advice}"),
+        ));
     }
     let mut in_buff = couplers.iter().filter(|&&b| load(b) < 0.0);
     if let Some(first) = in_buff.next() {
@@ -64,31 +70,38 @@ fn breaks(train: &Train, scenario: &Scenario, couplers: &[usize]) -> Vec<(&'stat
 fn pulse(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
     let mut found = vec![];
     let (end_s, until_s) = (last_change_s(train, scenario, None), longest_horizon_s(train, scenario));
-    let time = |s: f64| shown(s, Dimension::Time);
     if end_s > until_s {
         let [begins_s, peaks_s] = match &scenario.event {
             Event::Shaped { drive, .. } => [drive.begins(), drive.peaks()],
             _ => [0.0; 2],
         };
         let unseen = if begins_s >= until_s {
-            format!("has not begun at the horizon of {}, so nothing of it is seen", time(until_s))
+            format!("begins after the horizon of {}, so it has no effect", shown_time(until_s))
         } else if peaks_s >= until_s {
-            format!("has not reached its largest value at the horizon of {}", time(until_s))
+            format!("has not reached its largest value at the horizon of {}", shown_time(until_s))
         } else {
-            format!("outlasts the horizon of {}, so what its end does is not seen", time(until_s))
+            format!(
+                "lasts longer than the horizon of {}, so the effect of its end is not computed",
+                shown_time(until_s)
+            )
         };
         let whole_s = horizon_s(train, &Scenario { horizon_s: None, ..scenario.clone() }, None);
-        found.push(("pulse-beyond-horizon", format!("the pulse {unseen}; a horizon of {} covers it", time(whole_s))));
+        found.push((
+            "pulse-beyond-horizon",
+            format!("the pulse {unseen}; a horizon of {} covers it", shown_time(whole_s)),
+        ));
         if train.vehicles().iter().all(|v| !v.held) {
-            let text =
-                "the force does not end within the horizon and nothing holds the train, so it is pulled along for ever";
+            let text = "the force does not end within the horizon and no vehicle is held, so the train is accelerated without end";
             found.push(("force-never-ends", format!("{text}; hold an end, or let the force end")));
         }
+    }
+    if let Event::Pulse { force_n, .. } | Event::Shaped { force_n, .. } = &scenario.event {
+        found.extend(super::plausible::faint_pulse(train, *force_n));
     }
     if let Event::Shaped { shape: "record", drive, force_n, duration_s, .. } = &scenario.event
         && drive.ends_at().abs() > CUT * force_n.abs()
     {
-        let [force, end] = [shown(drive.ends_at(), Dimension::Force), time(*duration_s)];
+        let [force, end] = [shown(train.origin().units, drive.ends_at(), Dimension::Force), shown_time(*duration_s)];
         let text = format!(
             "the record ends at {force}, and the force drops to 0 there, at {end}; end it with a row of force 0"
         );
@@ -100,7 +113,7 @@ fn pulse(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
 /// Brakes and tractive efforts that change nothing, or go on changing after the horizon.
 fn changes(train: &Train, scenario: &Scenario) -> Option<(&'static str, String)> {
     let until_s = longest_horizon_s(train, scenario);
-    let time = |s: f64| shown(s, Dimension::Time);
+    let time = shown_time;
     let efforts = &scenario.response.efforts;
     if !efforts.is_empty() && efforts.iter().all(|f| f.points.iter().all(|p| p[1] == 0.0)) {
         let text = "the schedule of tractive efforts changes none of them, and so nothing";
@@ -123,17 +136,18 @@ fn changes(train: &Train, scenario: &Scenario) -> Option<(&'static str, String)>
 }
 
 fn impact(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
-    let mut found = vec![];
+    let (mut found, units) = (vec![], train.origin().units);
     let before = initial_force_n(train, &scenario.event);
     found.extend(overloaded(train, &before).map(|text| ("load-over-rating", text)));
     let joint = scenario.event.joint(train.vehicles().len());
     let (Some(joint), Event::Impact { speed_m_per_s, .. }) = (joint, &scenario.event) else { return found };
     if *speed_m_per_s > FAST_M_PER_S {
-        let speed = shown(*speed_m_per_s, Dimension::Speed);
-        found.push(("speed", format!("the vehicles arrive at {speed}, over 200 km/h; check the number and its unit")));
+        let [speed, most] =
+            [shown(units, *speed_m_per_s, Dimension::Speed), rounded(units, FAST_M_PER_S, Dimension::Speed)];
+        found.push(("speed", format!("the vehicles arrive at {speed}, over {most}; check the number and its unit")));
     }
     if let Some(&c) = train.extras().dashpot_n_s_per_m.get(joint).filter(|c| **c > 0.0) {
-        let force = shown(c * speed_m_per_s, Dimension::Force);
+        let force = shown(units, c * speed_m_per_s, Dimension::Force);
         let text = format!(
             "the dashpot of coupler {} carries {force} at the instant of contact, its damping times the speed, while the force of \
              a draft gear begins at 0; compare with the impact without damping",
@@ -151,7 +165,7 @@ fn short_horizon(train: &Train, scenario: &Scenario) -> Option<Doubt> {
     };
     let transit_s = ends.into_iter().map(|b| longest_transit_s(train, b.copied())).fold(0.0, f64::max);
     let horizon_s = longest_horizon_s(train, scenario);
-    let [horizon, transit] = [horizon_s, transit_s].map(|t| shown(t, Dimension::Time));
+    let [horizon, transit] = [horizon_s, transit_s].map(shown_time);
     let text = format!("the horizon of {horizon} ends before a wave has crossed {what}, {transit}");
     (horizon_s < transit_s).then(|| Doubt::of_scenario("short-horizon", scenario, text))
 }

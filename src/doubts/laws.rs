@@ -28,7 +28,7 @@ fn closed(train: &Train) -> Option<Doubt> {
         "the load closes the gear of coupler {}{}: {} is over the last row of its table",
         first + 1,
         more(over.count(), "coupler"),
-        shown(force_n(first).abs(), Dimension::Force)
+        shown(train.origin().units, force_n(first).abs(), Dimension::Force)
     );
     Some(Doubt::of_train("gear-closed", text))
 }
@@ -46,8 +46,8 @@ fn elastic(train: &Train) -> Option<Doubt> {
     let mut all = (0..train.extras().laws.len()).filter(|&i| is(&train.extras().laws[i]));
     let first = all.next()?;
     let text = format!(
-        "coupler {}{} has slack and no friction at small forces, where vehicles rattle: small differences grow, and forces can be told for a \
-         shorter time; give a gear with friction at all loads, if it has any",
+        "coupler {}{} has slack and no friction at small forces: the vehicles collide again and again, small differences grow, and forces can be \
+         reported for a shorter time only; give a gear with friction at all loads, if it has any",
         first + 1,
         more(all.count(), "coupler")
     );
@@ -56,9 +56,9 @@ fn elastic(train: &Train) -> Option<Doubt> {
 
 /// A pull before that no coupler remembers.
 fn no_memory(train: &Train) -> Option<Doubt> {
-    let remembers = train.extras().laws.iter().any(Law::has_friction);
-    let text = "pulled_to changes nothing: only a gear with friction remembers the pull before";
-    (!train.extras().pulled_to_n.is_empty() && !remembers).then(|| Doubt::of_train("pulled-to-unused", text))
+    let depends = train.extras().laws.iter().any(Law::has_friction);
+    let text = "pulled_to changes nothing: only the force in a gear with friction depends on an earlier pull";
+    (!train.extras().pulled_to_n.is_empty() && !depends).then(|| Doubt::of_train("pulled-to-unused", text))
 }
 
 /// Keys of brakes in a train none of whose scenarios applies any.

@@ -1,7 +1,7 @@
 //! Numbers of a train that no railway has: probably a wrong unit or a slip.
 
 use crate::train::{Doubt, Train, Vehicle, more};
-use crate::units::{Dimension, shown};
+use crate::units::{Dimension, rounded, shown};
 
 /// Masses of vehicles, kg: 5 t and 400 t.
 const LIGHT_KG: f64 = 5e3;
@@ -11,6 +11,8 @@ const SOFT_N_PER_M: f64 = 1e6;
 /// Capacity of a coupler, N: 50 kN and 10 MN.
 const WEAK_N: f64 = 50e3;
 const STRONG_N: f64 = 10e6;
+/// Forces of an event, N: 1 kN.
+const FAINT_N: f64 = 1e3;
 /// How far a connection is stretched or compressed by the load, m.
 const STRETCH_M: f64 = 0.5;
 /// Largest mass and stiffness of a model in units of its own.
@@ -23,9 +25,28 @@ pub(crate) const STEEP: f64 = 0.1;
 
 /// Every doubt about the size of a train's numbers, one a kind.
 pub(super) fn of_train(train: &Train) -> Vec<Doubt> {
-    let sizes = || [masses(train), soft(train), ratings(train), stretch(train)];
+    let sizes = || [masses(train), soft(train), ratings(train), faint_load(train), stretch(train)];
     let sizes = if in_own_units(train) { Default::default() } else { sizes() };
     sizes.into_iter().chain([counted_in_label(train), acceleration(train), modal_damping(train)]).flatten().collect()
+}
+
+/// A load that no coupler notices: newtons or millinewtons where kilonewtons or meganewtons were probably meant.
+fn faint_load(train: &Train) -> Option<Doubt> {
+    let largest_n = train.initial_force_n().iter().fold(0.0f64, |a, f| a.max(f.abs()));
+    let force = shown(train.origin().units, largest_n, Dimension::Force);
+    let text = format!(
+        "the largest force of the load is {force}, under 1 kN; check the number and its unit (mN is millinewton)"
+    );
+    (largest_n > 0.0 && largest_n < FAINT_N).then(|| Doubt::of_train("faint-load", text))
+}
+
+/// A pulse so small, as the words of a doubt.
+pub(super) fn faint_pulse(train: &Train, force_n: f64) -> Option<(&'static str, String)> {
+    let force = shown(train.origin().units, force_n.abs(), Dimension::Force);
+    let text = format!(
+        "the largest force of the pulse is {force}, under 1 kN; check the number and its unit (mN is millinewton)"
+    );
+    (force_n.abs() < FAINT_N && !in_own_units(train)).then_some(("faint-pulse", text))
 }
 
 /// Whether it is a model in units of its own, such as the paper's with masses and stiffnesses of 1, whose sizes mean nothing. No
@@ -38,10 +59,12 @@ fn in_own_units(train: &Train) -> bool {
 fn masses(train: &Train) -> Option<Doubt> {
     let mut odd = train.vehicles().iter().filter(|v| !v.held && !(LIGHT_KG..=HEAVY_KG).contains(&v.mass_kg));
     let first = odd.next()?;
-    let mass = shown(first.mass_kg, Dimension::Mass);
+    let units = train.origin().units;
+    let mass = shown(units, first.mass_kg, Dimension::Mass);
+    let [light, heavy] = [LIGHT_KG, HEAVY_KG].map(|kg| rounded(units, kg, Dimension::Mass));
     let others = more(odd.count(), "vehicle");
     let text = format!(
-        "the mass of {}{others} is {mass}, under 5 t or over 400 t; check the number and its unit",
+        "the mass of {}{others} is {mass}, under {light} or over {heavy}; check the number and its unit",
         first.label
     );
     Some(Doubt::of_train("mass", text))
@@ -49,12 +72,13 @@ fn masses(train: &Train) -> Option<Doubt> {
 
 fn soft(train: &Train) -> Option<Doubt> {
     let mut soft = (0..train.couplers().len()).filter(|&i| train.couplers()[i].stiffness_n_per_m < SOFT_N_PER_M);
-    let first = soft.next()?;
+    let (first, units) = (soft.next()?, train.origin().units);
     let text = format!(
-        "the stiffness of coupler {}{} is {}, under 1 MN/m; check the number and its unit (kN/m for kN/mm?)",
+        "the stiffness of coupler {}{} is {}, under {}; check the number and its unit (kN/m for kN/mm?)",
         first + 1,
         more(soft.count(), "coupler"),
-        shown(train.couplers()[first].stiffness_n_per_m, Dimension::Stiffness)
+        shown(units, train.couplers()[first].stiffness_n_per_m, Dimension::Stiffness),
+        rounded(units, SOFT_N_PER_M, Dimension::Stiffness)
     );
     Some(Doubt::of_train("soft-coupler", text))
 }
@@ -63,12 +87,14 @@ fn ratings(train: &Train) -> Option<Doubt> {
     let both = |i: usize| [train.couplers()[i].rated_draft_n, train.couplers()[i].rated_buff_n];
     let odd = |i: usize| both(i).into_iter().find(|n| !(WEAK_N..=STRONG_N).contains(n));
     let mut all = (0..train.couplers().len()).filter_map(|i| Some((i, odd(i)?)));
-    let (first, rating_n) = all.next()?;
+    let ((first, rating_n), units) = (all.next()?, train.origin().units);
     let text = format!(
-        "coupler {}{} is rated {}, under 50 kN or over 10 MN; check the number and its unit",
+        "coupler {}{} is rated {}, under {} or over {}; check the number and its unit",
         first + 1,
         more(all.count(), "coupler"),
-        shown(rating_n, Dimension::Force)
+        shown(units, rating_n, Dimension::Force),
+        rounded(units, WEAK_N, Dimension::Force),
+        rounded(units, STRONG_N, Dimension::Force)
     );
     Some(Doubt::of_train("rating", text))
 }
@@ -77,13 +103,14 @@ fn stretch(train: &Train) -> Option<Doubt> {
     let stretch_m = |i: usize| train.initial_force_n()[i].abs() / train.couplers()[i].stiffness_n_per_m;
     let lengths = |i: usize| [i, i + 1].into_iter().filter_map(|v| train.vehicles()[v].length_m);
     let mut long = (0..train.couplers().len()).filter(|&i| stretch_m(i) > lengths(i).fold(STRETCH_M, f64::min));
-    let first = long.next()?;
+    let (first, units) = (long.next()?, train.origin().units);
     let text = format!(
-        "the load changes the length of coupler {}{} by {}, more than 0.5 m or a vehicle's length; check the load, the stiffness \
+        "the load changes the length of coupler {}{} by {}, more than {} or a vehicle's length; check the load, the stiffness \
          and their units",
         first + 1,
         more(long.count(), "coupler"),
-        shown(stretch_m(first), Dimension::Length)
+        shown(units, stretch_m(first), Dimension::Length),
+        rounded(units, STRETCH_M, Dimension::Length)
     );
     Some(Doubt::of_train("stretch", text))
 }
@@ -104,10 +131,12 @@ fn counted_in_label(train: &Train) -> Option<Doubt> {
 }
 
 fn acceleration(train: &Train) -> Option<Doubt> {
-    let a = train.extras().steady.as_ref()?.acceleration_m_per_s2;
+    let (a, units) = (train.extras().steady.as_ref()?.acceleration_m_per_s2, train.origin().units);
     let text = format!(
-        "the train accelerates at {a:.2} m/s2 before the event, over 0.3 m/s2; check the forces on the vehicles, or hold an end to \
-         keep its speed"
+        "the train accelerates at {} before the event, over {}; check the forces on the vehicles, or hold an end to \
+         keep its speed",
+        units.acceleration(a),
+        units.acceleration(ACCELERATION_M_PER_S2)
     );
     (a.abs() > ACCELERATION_M_PER_S2).then(|| Doubt::of_train("acceleration", text))
 }
@@ -119,8 +148,8 @@ fn modal_damping(train: &Train) -> Option<Doubt> {
     let dashpot = 2.0 * ratio * (train.couplers().first()?.stiffness_n_per_m * mass).sqrt();
     let text = format!(
         "damping_ratio = {ratio} damps every mode of vibration by that share, which no device does and which takes off more than \
-         dashpots of that ratio; the published 0.05 to 0.26 are dashpots' c / 2 sqrt(k m): for them give [coupler] damping = {:?}",
-        shown(dashpot, Dimension::Damping)
+         dashpots of that ratio; the published 0.14 to 0.26 are dashpots' c / 2 sqrt(k m): for them give [coupler] damping = {:?}",
+        shown(train.origin().units, dashpot, Dimension::Damping)
     );
     (ratio > 0.0).then(|| Doubt::of_train("modal-damping", text))
 }

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use super::general::{self, Solved};
+use super::general::{self, Solved, Within};
 use super::{
     CaseFindings, GapClosure, Options, RodFindings, Seen, ask, cascade, coupler_findings, first_passage,
     largest_rating_n, limits, load_search, march, safe_factor, safe_speed, worst,
@@ -11,7 +11,7 @@ use crate::play::Rule;
 use crate::rod::Rod;
 use crate::scenario::{self, Part, Scales};
 use crate::solve::memo::Memo;
-use crate::solve::{SolveError, Wanted};
+use crate::solve::{Ask, SolveError, Wanted};
 use crate::train::{Event, Scenario, Train};
 
 /// Why a march has no safe load factor.
@@ -52,24 +52,27 @@ impl<'a> Case<'a> {
         scenario::beyond_steps(&self.train.extras().dashpot_n_s_per_m, &self.scenario.event)
     }
 
-    /// Extremes of every coupler up to a time.
+    /// Extremes of every coupler up to the horizon, and to the end of the first passage if that is before it.
     ///
     /// # Errors
     /// A method that does not fit, or one that would take too long.
-    pub fn solve(&self, until_s: f64) -> Result<Solved, SolveError> {
-        self.solve_on(self.train, until_s, &self.options)
+    pub fn solve(&self) -> Result<Solved, SolveError> {
+        let passage_s = first_passage::end_s(self.train, self.scenario, self.broken, self.horizon_s);
+        self.solve_on(self.train, [self.horizon_s, passage_s], &self.options)
     }
 
-    /// The same of a train that has other ratings, and with other options.
-    fn solve_on(&self, train: &Train, until_s: f64, options: &Options) -> Result<Solved, SolveError> {
+    /// Extremes of every coupler of a train up to a time, and up to a mark if that is before it; the train may have other ratings
+    /// than the case's.
+    fn solve_on(&self, train: &Train, [until_s, mark_s]: [f64; 2], options: &Options) -> Result<Solved, SolveError> {
         if self.is_march() {
             return march::solved(train, self.scenario, self.broken, until_s, options);
         }
         if self.beyond_steps() {
-            return general::solved(train, self.scenario, self.broken, until_s, options);
+            return general::solved(train, self.scenario, self.broken, [until_s, mark_s], options);
         }
         let parts = scenario::parts(train, &self.scenario.event, self.broken, until_s);
-        solved_by_parts(train, &parts, options, self.memo)
+        let ask = ask(train, options, (mark_s < until_s).then_some(mark_s));
+        solved_by_parts(train, &parts, &ask, options, self.memo)
     }
 
     /// The largest factor on the load, the force or the speed at which no coupler exceeds; `solved` is up to the horizon. A march
@@ -108,28 +111,25 @@ pub(crate) fn case_findings(
     let case = Case::new(train, scenario, broken, options, memo);
     let horizon_s = case.horizon_s;
     let rod = case.rod();
-    let solved = case.solve(horizon_s)?;
-    let safe_load_factor = case.safe_load_factor(&solved)?;
-    let Solved { method, reason, error_bound_n, error_estimate_n, mut couplers, worst, left_out, marched } = solved;
-    let ending = marched.as_ref().and_then(|m| m.ending);
     let passage_s = first_passage::end_s(train, scenario, broken, horizon_s);
+    let solved = case.solve()?;
+    let safe_load_factor = case.safe_load_factor(&solved)?;
+    let Solved { method, reason, error_bound_n, error_estimate_n, mut couplers, worst, left_out, to_mark, marched } =
+        solved;
+    let ending = marched.as_ref().and_then(|m| m.ending);
     let horizon_s = ending.map_or(horizon_s, |end| end.at_s);
     let cascade = cascade::find(train, scenario, broken, horizon_s, options)?;
     let search = || load_search::find(train, scenario, broken, horizon_s, options);
     let load_factor_search = marched.as_ref().and_then(|_| search());
-    let error_n = march::error_n(error_bound_n, error_estimate_n);
     let margin_n = march::margin_n(error_bound_n, error_estimate_n);
     limits::find(train, &mut couplers, margin_n, |rated| {
         // The tolerance is a share of the largest rating, and stays what it is.
         let tolerance = options.tolerance * largest_rating_n(train) / largest_rating_n(rated);
         let wanted = Wanted::Everything;
         let options = Options { tolerance, wanted, verdict_only: false, ..options.clone() };
-        Ok(case.solve_on(rated, horizon_s, &options)?.couplers)
+        Ok(case.solve_on(rated, [horizon_s; 2], &options)?.couplers)
     })?;
-    let passage = match &marched {
-        Some(marched) => first_passage::of_march(marched, &mut couplers, horizon_s.min(passage_s), error_n),
-        None => first_passage::find(&case, &mut couplers, worst)?,
-    };
+    let passage = first_passage::note(&mut couplers, worst, horizon_s.min(passage_s), to_mark);
     Ok(CaseFindings {
         first_passage_s: passage.end_s,
         is_record: matches!(scenario.event, Event::Shaped { shape: "record", .. }),
@@ -148,7 +148,7 @@ pub(crate) fn case_findings(
         gap_closures: closures(marched.as_ref()),
         tolerance_n: match &marched {
             Some(_) => march::tolerance_n(train, options),
-            None => ask(train, options).tolerance * Scales::of(train).force_n,
+            None => ask(train, options, None).tolerance * Scales::of(train).force_n,
         },
         run_time_s: start.elapsed().as_secs_f64(),
         exceeding: couplers.iter().filter(|c| c.exceeds == Some(true)).count(),
@@ -170,16 +170,21 @@ fn closures(marched: Option<&march::Marched>) -> Vec<GapClosure> {
 }
 
 /// Extremes of every coupler in the parts that a break or a rectangular pulse leaves.
-fn solved_by_parts(train: &Train, parts: &[Part], options: &Options, memo: &Memo) -> Result<Solved, SolveError> {
+fn solved_by_parts(
+    train: &Train,
+    parts: &[Part],
+    ask: &Ask,
+    options: &Options,
+    memo: &Memo,
+) -> Result<Solved, SolveError> {
     let scales = Scales::of(train);
-    let ask = ask(train, options);
-    let (mut couplers, mut worst_of_parts) = (Vec::new(), Vec::new());
+    let mut within = [(); 2].map(|()| (Vec::new(), Vec::new()));
     let (mut method, mut reason, mut telling) = ("none", "no coupler is left to watch".to_owned(), (false, 0));
     let (mut error_bound_n, mut left_out) = (0.0f64, Vec::new());
     for part in parts {
         let solution = match train.extras().damping_ratio {
-            0.0 => memo.solve(&part.scene, &ask)?,
-            ratio => general::damped(&part.scene, ratio, &ask)?,
+            0.0 => memo.solve(&part.scene, ask)?,
+            ratio => general::damped(&part.scene, ratio, ask)?,
         };
         let tells = (solution.error_bound > ask.tolerance, part.scene.initial.len());
         if tells > telling {
@@ -188,23 +193,28 @@ fn solved_by_parts(train: &Train, parts: &[Part], options: &Options, memo: &Memo
             reason = solution.reason.clone();
         }
         error_bound_n = error_bound_n.max(solution.error_bound * scales.force_n);
-        let first = couplers.len();
-        for (i, spring) in solution.springs.iter().enumerate() {
-            let (index, bound) =
-                (part.first_coupler + i, solution.all_time_bounds.as_ref().map(|b| b[i] * scales.force_n));
-            match (spring, bound) {
-                (Some(peaks), bound) => {
-                    let bound = bound.filter(|_| options.all_time_bound);
-                    couplers.push(coupler_findings(train, index, &Seen::new(peaks, &scales), bound));
-                }
-                (None, Some(bound)) => left_out.push((index, bound)),
-                (None, None) => {}
+        let bound = |i: usize| solution.all_time_bounds.as_ref().map(|b| b[i] * scales.force_n);
+        let left = solution.springs.iter().enumerate().filter(|(_, spring)| spring.is_none());
+        left_out.extend(left.filter_map(|(i, _)| Some((part.first_coupler + i, bound(i)?))));
+        for ((couplers, worst_of_parts), springs) in within.iter_mut().zip([&solution.springs, &solution.to_mark]) {
+            let first = couplers.len();
+            for (i, spring) in springs.iter().enumerate() {
+                let bound = bound(i).filter(|_| options.all_time_bound);
+                let findings =
+                    |peaks| coupler_findings(train, part.first_coupler + i, &Seen::new(peaks, &scales), bound);
+                couplers.extend(spring.as_ref().map(findings));
             }
+            worst_of_parts.extend(worst(couplers, first..couplers.len(), solution.error_bound * scales.force_n));
         }
-        worst_of_parts.extend(worst(&couplers, first..couplers.len(), solution.error_bound * scales.force_n));
     }
-    let worst = worst(&couplers, worst_of_parts, error_bound_n);
-    Ok(Solved { method, reason, error_bound_n, error_estimate_n: None, couplers, worst, left_out, marched: None })
+    let [to_horizon, to_mark] = within.map(|(couplers, worst_of_parts)| {
+        let worst = worst(&couplers, worst_of_parts, error_bound_n);
+        Within { couplers, worst }
+    });
+    let Within { couplers, worst } = to_horizon;
+    let to_mark = ask.mark.map(|_| to_mark);
+    let (error_estimate_n, marched) = (None, None);
+    Ok(Solved { method, reason, error_bound_n, error_estimate_n, couplers, worst, left_out, to_mark, marched })
 }
 
 /// What the rod says of every coupler; `None` if a part's vehicles or couplers differ, or none is left.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::{CaseFindings, CouplerFindings};
 use crate::law::Law;
 use crate::train::{Doubt, Scenario, Train, more};
-use crate::units::{Dimension, shown};
+use crate::units::{Dimension, shown, shown_time};
 
 /// Every doubt that the cases of a scenario have.
 pub fn found(train: &Train, scenario: &Scenario, cases: &[CaseFindings]) -> Vec<Doubt> {
@@ -36,7 +36,7 @@ fn closing_gears(train: &Train, scenario: &Scenario, cases: &[CaseFindings]) -> 
         "the gear of coupler {coupler}{} closes: the force goes to {}, over the last row of its table, and from there on depends on \
          solid_stiffness alone",
         more(largest_n.len() - 1, "coupler"),
-        shown(*n, Dimension::Force)
+        shown(train.origin().units, *n, Dimension::Force)
     );
     Some(Doubt::of_scenario("gear-closes", scenario, text))
 }
@@ -45,10 +45,10 @@ fn closing_gears(train: &Train, scenario: &Scenario, cases: &[CaseFindings]) -> 
 fn not_predictable(scenario: &Scenario, cases: &[CaseFindings]) -> Option<Doubt> {
     let mut ends = cases.iter().filter_map(|c| c.predictable_until_s);
     let first = ends.next()?;
-    let at = shown(ends.clone().fold(first, f64::min), Dimension::Time);
+    let at = shown_time(ends.clone().fold(first, f64::min));
     let text = format!(
-        "forces can be told up to {at} only{}: from then on small differences grow beyond the error that was asked for, and nothing \
-         later is reported; a larger --tolerance or more friction at small forces reaches further",
+        "forces are reported up to {at} only{}: from then on small differences grow beyond the error that was asked for; with a \
+         larger --tolerance, or more friction at small forces, forces are reported for longer",
         more(ends.count(), "case")
     );
     Some(Doubt::of_scenario("not-predictable", scenario, text))
@@ -62,7 +62,7 @@ fn stops(scenario: &Scenario, cases: &[CaseFindings]) -> Option<Doubt> {
     let (at_s, vehicle) = stops.fold(first, |a, b| if b.0 < a.0 { b } else { a });
     let text = format!(
         "vehicle {vehicle} would come to a stand at {}{}: a standing vehicle is not computed, and nothing later is reported",
-        shown(at_s, Dimension::Time),
+        shown_time(at_s),
         more(others, "case")
     );
     Some(Doubt::of_scenario("vehicle-stops", scenario, text))
@@ -80,7 +80,7 @@ fn closing_gap(scenario: &Scenario, cases: &[CaseFindings]) -> Option<Doubt> {
     let text = format!(
         "the gap at coupler {coupler} closes at {}{after}: its vehicles would push each other from then on, which is not \
          computed, so that nothing later holds",
-        shown(time_s, Dimension::Time)
+        shown_time(time_s)
     );
     Some(Doubt::of_scenario("gap-closes", scenario, text))
 }

@@ -59,7 +59,7 @@ pub fn estimate_s(train: &Train, options: &Options) -> Result<f64, AnalyzeError>
     if total > MOST_SECONDS { Err(AnalyzeError::TooLong { seconds: total }) } else { Ok(total) }
 }
 
-/// Estimated time of one case on one core, s: it is solved up to the horizon, and again up to the end of the first passage.
+/// Estimated time of one case on one core, s.
 pub(crate) fn case_estimate_s(
     train: &Train,
     scenario: &Scenario,
@@ -67,7 +67,8 @@ pub(crate) fn case_estimate_s(
     options: &Options,
 ) -> Result<f64, SolveError> {
     let horizon_s = scenario::horizon_s(train, scenario, broken);
-    let once = solved_s(train, scenario, broken, horizon_s, options)?;
+    let passage_s = first_passage::end_s(train, scenario, broken, horizon_s);
+    let once = solved_s(train, scenario, broken, [horizon_s, passage_s], options)?;
     if scenario::is_march(train, scenario) {
         return Ok(once);
     }
@@ -77,19 +78,15 @@ pub(crate) fn case_estimate_s(
     }
     let balanced = scenario::unbalanced_n(train, &scenario.event).iter().all(|f| *f == 0.0);
     seconds += if balanced { once } else { once * (1.0 + safe_speed::ABOUT) };
-    let passage_s = first_passage::end_s(train, scenario, broken, horizon_s);
-    if passage_s < horizon_s {
-        seconds += solved_s(train, scenario, broken, passage_s, options)?;
-    }
     Ok(seconds)
 }
 
-/// Estimated time of solving a case once up to an instant, s; of a march with all that it is asked.
+/// Estimated time of solving a case up to an instant, and up to a mark if that is before it, s; of a march with all of its runs.
 pub(super) fn solved_s(
     train: &Train,
     scenario: &Scenario,
     broken: Option<usize>,
-    until_s: f64,
+    [until_s, mark_s]: [f64; 2],
     options: &Options,
 ) -> Result<f64, SolveError> {
     if scenario::is_march(train, scenario) {
@@ -98,7 +95,7 @@ pub(super) fn solved_s(
     if scenario::beyond_steps(&train.extras().dashpot_n_s_per_m, &scenario.event) {
         return Ok(general::estimate_s(train, scenario, broken, until_s, Rule::Keep));
     }
-    let ask = ask(train, options);
+    let ask = ask(train, options, (mark_s < until_s).then_some(mark_s));
     let parts = scenario::parts(train, &scenario.event, broken, until_s);
     if train.extras().damping_ratio > 0.0 {
         return Ok(parts.iter().map(|p| damped_modes::estimate_s(&p.scene)).sum());

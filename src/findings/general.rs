@@ -5,6 +5,7 @@ use super::{CouplerFindings, Options, Seen, coupler_findings, worst};
 use crate::chain::Scene;
 use crate::play::Rule;
 use crate::scenario::{self, Scales};
+use crate::solve::watch::SpringPeaks;
 use crate::solve::{Ask, Method, Solution, SolveError, damped_modes, taylor};
 use crate::train::{Event, Scenario, Train};
 
@@ -21,8 +22,17 @@ pub(super) struct Solved {
     pub worst: Option<usize>,
     /// Couplers that were left out, with their all-time bounds, N.
     pub left_out: Vec<(usize, f64)>,
+    /// What was found up to the mark; `None` without one.
+    pub to_mark: Option<Within>,
     /// What only a march finds; `None` for other methods.
     pub marched: Option<Marched>,
+}
+
+/// What was found of every coupler within a part of the horizon.
+pub(super) struct Within {
+    pub couplers: Vec<CouplerFindings>,
+    /// As in [`Solved`].
+    pub worst: Option<usize>,
 }
 
 /// Extremes of every coupler but the broken one.
@@ -33,7 +43,7 @@ pub(super) fn solved(
     train: &Train,
     scenario: &Scenario,
     broken: Option<usize>,
-    horizon_s: f64,
+    [horizon_s, mark_s]: [f64; 2],
     options: &Options,
 ) -> Result<Solved, SolveError> {
     if let Some(method) = options.method {
@@ -41,23 +51,29 @@ pub(super) fn solved(
     }
     let scales = Scales::of(train);
     let play = scenario::play(train, scenario, broken, horizon_s, Rule::Keep);
-    let outcome = taylor::solve(&play)?;
+    let mark = (mark_s < horizon_s).then_some(mark_s / scales.time_s);
+    let outcome = taylor::solve_to_mark(&play, mark)?;
     let before_n = scenario::initial_force_n(train, &scenario.event);
-    let others = outcome.springs.iter().enumerate().filter(|(i, _)| Some(*i) != broken);
-    let couplers = others.map(|(i, peaks)| CouplerFindings {
-        initial_force_n: before_n[i],
-        ..coupler_findings(train, i, &Seen::new(peaks, &scales), None)
-    });
-    let couplers: Vec<CouplerFindings> = couplers.collect();
     let error_bound_n = outcome.error_bound * scales.force_n;
+    let within = |springs: &[SpringPeaks]| {
+        let others = springs.iter().enumerate().filter(|(i, _)| Some(*i) != broken);
+        let couplers = others.map(|(i, peaks)| CouplerFindings {
+            initial_force_n: before_n[i],
+            ..coupler_findings(train, i, &Seen::new(peaks, &scales), None)
+        });
+        let couplers: Vec<CouplerFindings> = couplers.collect();
+        Within { worst: worst(&couplers, 0..couplers.len(), error_bound_n), couplers }
+    };
+    let Within { couplers, worst } = within(&outcome.springs);
     Ok(Solved {
         method: "taylor",
         reason: reason(train, &scenario.event).to_owned(),
         error_bound_n,
         error_estimate_n: None,
-        worst: worst(&couplers, 0..couplers.len(), error_bound_n),
+        worst,
         couplers,
         left_out: Vec::new(),
+        to_mark: mark.map(|_| within(&outcome.to_mark)),
         marched: None,
     })
 }
@@ -77,12 +93,13 @@ pub(super) fn damped(scene: &Scene, ratio: f64, ask: &Ask) -> Result<Solution, S
         return Err(SolveError::TooMuch { method: "damped-modes", seconds, gigabytes, advice });
     }
     let damped = damped_modes::Damped::new(scene, ratio);
-    let (springs, work) = damped.peaks();
+    let ([springs, to_mark], work) = damped.peaks(ask.mark);
     Ok(Solution {
         method: Method::Modal,
         reason: "every mode has the same damping ratio".to_owned(),
         error_bound: damped.error_bound(),
         springs: springs.into_iter().map(Some).collect(),
+        to_mark: to_mark.into_iter().map(Some).collect(),
         all_time_bounds: None,
         work,
     })

@@ -1,8 +1,8 @@
 //! A search for the factor on a march's load, force or speed at which couplers begin to exceed.
 //!
 //! With slack and friction forces do not grow in proportion to their cause, and more of it can even mean less: no factor below which
-//! none exceeds follows from one march. Marches at factors of a grid, and between the first of them at which a coupler exceeds and
-//! the one before, tell where that begins among the factors that were tried, and prove nothing of those between.
+//! none exceeds follows from one march. Marches are made at the factors of a grid, and then between the first of them at which a
+//! coupler exceeds and the one before. The result holds for the factors that were tried, and proves nothing about those between.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -19,7 +19,7 @@ const GRID: usize = 8;
 const APART: f64 = 0.25;
 /// Halvings behind it: to 0.4 % of the cause.
 const HALVINGS: usize = 6;
-/// A search that would take more than this on one core, s, is not made: by the count of work, never by the clock.
+/// A search that would take more than this on one core, s, is not made; the time is that of the counted work, not a measured one.
 const MOST_S: f64 = 10.0;
 
 /// What a search found.

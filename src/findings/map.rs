@@ -76,7 +76,7 @@ pub(super) fn find(
             _ => 1.0,
         };
         let case = Case::new(train, &variant, broken, options, memo);
-        let chain = case.safe_load_factor(&case.solve(case.horizon_s)?)?;
+        let chain = case.safe_load_factor(&case.solve()?)?;
         let rod = rod_factor(train, &variant, broken);
         let scaled = |factor: Option<f64>| factor.map(|f| f * unit);
         Ok(MapPoint { at, chain: scaled(chain), rod: scaled(rod) })

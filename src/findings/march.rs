@@ -1,6 +1,6 @@
 //! Cases that are marched from event to event: couplers with slack and gears, brakes and drives that change.
 
-use super::general::Solved;
+use super::general::{Solved, Within};
 use super::{
     CouplerFindings, Ending, Options, Seen, coupler_findings, first_passage, largest_rating_n, load_search, worst,
 };
@@ -10,8 +10,8 @@ use crate::scenario;
 use crate::solve::SolveError;
 use crate::train::{Scenario, Train};
 
-/// The error that forces may have, as a share of the largest rating, where less is asked for: a march that goes on until its
-/// estimate passes what is asked for ends late enough for every use.
+/// The smallest tolerance of a march, as a share of the largest rating: with a smaller one it would end earlier, because it ends
+/// where its estimate passes the tolerance.
 pub(super) const TOLERANCE: f64 = 1e-6;
 
 /// A rating that lies so many estimated errors from a peak, or less, is not decided.
@@ -19,8 +19,6 @@ const MARGIN: f64 = 10.0;
 
 /// What only a march finds.
 pub(super) struct Marched {
-    /// The couplers over the first passage.
-    pub to_mark: Vec<CouplerFindings>,
     /// Where the march ended before its horizon.
     pub ending: Option<Ending>,
     /// Where gaps of parted couplers closed, and when, s.
@@ -32,7 +30,7 @@ pub(super) fn tolerance_n(train: &Train, options: &Options) -> f64 {
     options.tolerance.max(TOLERANCE) * largest_rating_n(train)
 }
 
-/// What is asked of a march: forces as good as the options want them, and when they pass the ratings.
+/// The options of a march: the tolerance that the options give, and the ratings whose first passing is to be found.
 pub(super) fn ask(train: &Train, options: &Options) -> MarchOptions {
     MarchOptions {
         capacity_n: train.couplers().iter().map(|c| [c.rated_draft_n, c.rated_buff_n]).collect(),
@@ -75,9 +73,10 @@ pub(super) fn solved(
         others.map(one).collect::<Vec<CouplerFindings>>()
     };
     let couplers = findings(&outcome.extremes, &outcome.error_n);
-    let to_mark = findings(&outcome.to_mark, &outcome.error_to_mark_n);
     let (error_bound_n, error_estimate_n) = errors(&outcome.bound);
     let error_n = error_n(error_bound_n, error_estimate_n);
+    let to_mark = findings(&outcome.to_mark, &outcome.error_to_mark_n);
+    let to_mark = Within { worst: worst(&to_mark, 0..to_mark.len(), error_n), couplers: to_mark };
     Ok(Solved {
         method: "march",
         reason: reason(train, options),
@@ -86,7 +85,8 @@ pub(super) fn solved(
         worst: worst(&couplers, 0..couplers.len(), error_n),
         couplers,
         left_out: Vec::new(),
-        marched: Some(Marched { to_mark, ending: ending(&outcome), closures: outcome.closures }),
+        to_mark: Some(to_mark),
+        marched: Some(Marched { ending: ending(&outcome), closures: outcome.closures }),
     })
 }
 

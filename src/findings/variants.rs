@@ -24,7 +24,7 @@ pub(crate) const LET_DOWN: f64 = 1.5;
 
 /// Stiffness in series with [`Curve::generic_friction_gears`], N/m, and the slack of the second of their variants, m.
 const GENERIC_SOLID_N_PER_M: f64 = 2e8;
-const GENERIC_SLACK_M: f64 = 0.025;
+pub(crate) const GENERIC_SLACK_M: f64 = 0.025;
 /// Masses of vehicles that have such gears, kg.
 const GENERIC_MASSES_KG: std::ops::RangeInclusive<f64> = 5e3..=4e5;
 
@@ -186,10 +186,10 @@ fn solved(
     let options = Options { method: None, wanted: Wanted::Everything, ..options.clone() };
     let memo = Memo::new(0);
     let case = Case::new(train, scenario, broken, &options, &memo);
-    if estimate::solved_s(train, scenario, broken, case.horizon_s, &options)? > MOST_SECONDS {
+    if estimate::solved_s(train, scenario, broken, [case.horizon_s; 2], &options)? > MOST_SECONDS {
         return Ok(None);
     }
-    let Solved { couplers, worst, error_bound_n, error_estimate_n, .. } = case.solve(case.horizon_s)?;
+    let Solved { couplers, worst, error_bound_n, error_estimate_n, .. } = case.solve()?;
     let exceeding = couplers.iter().filter(|c| c.exceeds == Some(true)).count();
     Ok(worst.map(|i| &couplers[i]).map(|c| Changed {
         exceeding,

@@ -214,7 +214,7 @@ impl<'a> Row<'a> {
             coupler: &case.coupler,
             utilisation: Shown { text: percent(case.utilisation), number: case.utilisation.to_string() },
             margin: Shown { text: percent(1.0 - case.utilisation), number: (1.0 - case.utilisation).to_string() },
-            force: digits(case.force_n, 0.0, 4),
+            force: digits(case.force_n / 1e3, 0.0, 4),
             time: digits(case.time_s, 0.0, 4),
             seconds: case.time_s,
             exceeding: &case.exceeding,

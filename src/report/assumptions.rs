@@ -42,6 +42,12 @@ pub fn rows(train: &Train, scenarios: &[&Scenario]) -> Vec<Row> {
     let gears = train.extras().laws.iter().any(|law| matches!(law, Law::Gear { .. }));
     let slack = train.extras().laws.iter().any(|law| law.slack_m() > 0.0);
     let braked = scenarios.iter().all(|s| s.response.emergency.is_some() || !matches!(s.event, Event::Break { .. }));
+    let some = scenarios.iter().any(|s| s.response.emergency.is_some());
+    let emergency = if some {
+        "no emergency brake after a parting, in the scenarios that give none"
+    } else {
+        "no emergency brake after a parting"
+    };
     let powered = scenarios.iter().all(|s| s.response.efforts.is_empty());
     let marched = scenarios.iter().all(|s| scenario::is_march(train, s));
     let when = |bears: bool, row: Row| bears.then_some(row);
@@ -53,7 +59,7 @@ pub fn rows(train: &Train, scenarios: &[&Scenario]) -> Vec<Row> {
         when(!gears, ["no friction in the draft gears", MOSTLY_LESS, MOSTLY_LESS, FRICTION]),
         when(!slack && springs, ["no slack", EITHER, MORE, SLACK]),
         when(gears, ["a gear's force follows its table at any speed", EITHER, EITHER, TABLES]),
-        when(breaks && !braked, ["no emergency brake after a parting", MORE, MORE, BRAKES]),
+        when(breaks && !braked, [emergency, MORE, MORE, BRAKES]),
         when(breaks && hauled && powered, ["locomotives keep pulling after the event", LESS, UNKNOWN, POWER]),
         when(breaks && !marched, ["parted pieces do not push each other", NONE, MORE, GAP]),
         when(true, ["the load is steady before the event", EITHER, EITHER, STEADY]),

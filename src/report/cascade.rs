@@ -1,6 +1,6 @@
 //! What the report says of couplers that break one after the other.
 
-use super::numbers::{digits, force, time};
+use super::numbers::{force, time};
 use super::words::{count, moment, sense};
 use crate::findings::{CascadeBreak, CascadeFindings, CaseFindings, ScenarioFindings};
 use crate::train::LIMITS;
@@ -143,6 +143,6 @@ pub fn row(b: &CascadeBreak, cascade: &CascadeFindings, units: UnitSystem) -> Ve
         b.between.join(", "),
         format!("{} in {}", force(units, b.force_n, cascade.error_n()), sense(b.force_n)),
         (if b.breaks_at == LIMITS[2] { "ultimate load" } else { "rating" }).to_owned(),
-        format!("{} kJ", digits(b.energy_j / 1e3, 0.0, 4)),
+        units.energy(b.energy_j),
     ]
 }

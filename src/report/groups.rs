@@ -1,9 +1,9 @@
 //! The inputs repeated: vehicles and couplers in groups of neighbours that are alike.
 
-use super::numbers::{given_damping, given_force, given_gap, given_length, given_mass, given_stiffness};
+use super::numbers::given_force;
 use crate::law::Law;
 use crate::train::{LIMITS, Train};
-use crate::units::UnitSystem;
+use crate::units::{Dimension, UnitSystem, shown};
 
 /// Rows of each table, at most.
 const ROWS: usize = 40;
@@ -30,8 +30,8 @@ pub fn vehicles(train: &Train) -> Groups {
         let way = if force < 0.0 { "backward" } else { "forward" };
         vec![
             stem(&v.label).to_owned(),
-            given_mass(units, v.mass_kg),
-            v.length_m.map_or(String::new(), |l| given_length(units, l)),
+            shown(units, v.mass_kg, Dimension::Mass),
+            v.length_m.map_or(String::new(), |l| shown(units, l, Dimension::Length)),
             if v.held { "yes".to_owned() } else { String::new() },
             if force == 0.0 { String::new() } else { format!("{} {way}", given_force(units, force)) },
         ]
@@ -56,10 +56,10 @@ pub fn couplers(train: &Train) -> Groups {
         let limits = extras.limits.get(i).copied().unwrap_or_default();
         let dashpot = extras.dashpot_n_s_per_m.get(i).filter(|c| **c > 0.0);
         vec![
-            extras.laws.get(i).map_or(given_stiffness(units, c.stiffness_n_per_m), |l| law(units, l)),
+            extras.laws.get(i).map_or(shown(units, c.stiffness_n_per_m, Dimension::Stiffness), |l| law(units, l)),
             given_force(units, c.rated_draft_n),
             given_force(units, c.rated_buff_n),
-            dashpot.map_or(String::new(), |c| given_damping(units, *c)),
+            dashpot.map_or(String::new(), |c| shown(units, *c, Dimension::Damping)),
             of(limits.draft_n),
             of(limits.buff_n),
         ]
@@ -69,10 +69,10 @@ pub fn couplers(train: &Train) -> Groups {
 
 /// A coupler's law in short.
 fn law(units: UnitSystem, law: &Law) -> String {
-    let stiffness = |k: f64| given_stiffness(units, k);
+    let stiffness = |k: f64| shown(units, k, Dimension::Stiffness);
     let slack = match law.slack_m() {
         0.0 => String::new(),
-        s => format!(", slack {}", given_gap(units, s)),
+        s => format!(", slack {}", shown(units, s, Dimension::Length)),
     };
     match law {
         Law::Elastic { draft_n_per_m, buff_n_per_m, .. } if draft_n_per_m == buff_n_per_m => {

@@ -24,6 +24,8 @@ use crate::findings::{Analysis, ScenarioFindings};
 use crate::train::Train;
 
 const STYLE: &str = concat!(include_str!("page.css"), include_str!("report.css"));
+/// Rows of a table that is shown unfolded, at most.
+const LONG: usize = 40;
 const SCRIPT: &str = include_str!("report.js");
 /// Plotly.js, packed with gzip, in base64; and the digest of its text.
 static LIBRARY: LazyLock<String> = LazyLock::new(|| STANDARD.encode(include_bytes!("../../assets/plotly.min.js.gz")));
@@ -215,11 +217,11 @@ impl Page<'_> {
         let caption = escaped(caption);
         let svg = inline(svg, &caption);
         self.out += &format!(
-            "<figure data-scenario=\"{scenario}\" data-kind=\"{kind}\">\n{svg}\n<figcaption>{caption}</figcaption>\n</figure>\n"
+            "<figure data-scenario=\"{scenario}\" data-kind=\"{kind}\" tabindex=\"0\">\n{svg}\n<figcaption>{caption}</figcaption>\n</figure>\n"
         );
     }
 
-    /// A table with a caption, in a frame that scrolls where it is wider than the page.
+    /// A table with a caption, in a frame that scrolls where it is wider than the page; a long one is folded.
     fn table(&mut self, block: Events, alignments: &[Alignment], lead: Option<String>) {
         let heading = escaped(&self.heading);
         // The label is apart from that of the same table of another scenario.
@@ -231,8 +233,12 @@ impl Page<'_> {
             }
             None => (heading.clone(), heading),
         };
+        let long = block.iter().filter(|e| matches!(e, Event::Start(Tag::TableRow))).count() > LONG;
+        if long {
+            self.out += &format!("<details>\n<summary>{caption}</summary>\n");
+        }
         self.out += &format!(
-            "<div class=\"table\" role=\"region\" aria-label=\"{label}\" tabindex=\"0\">\n<table>\n<caption>{caption}</caption>\n"
+            "<div class=\"table\" role=\"region\" aria-label=\"{label}\" tabindex=\"0\">\n<table>\n<caption><span>{caption}</span></caption>\n"
         );
         let named = block
             .iter()
@@ -276,6 +282,7 @@ impl Page<'_> {
             }
         }
         self.out += "</tbody>\n</table>\n</div>\n";
+        self.out += if long { "</details>\n" } else { "" };
     }
 }
 

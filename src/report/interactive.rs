@@ -4,6 +4,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 
+use super::figures::reach::Reach;
 use super::numbers::{Unit, force_unit, time_unit};
 use super::pictures::Shown;
 use super::words;
@@ -28,6 +29,8 @@ struct Scene<'a> {
     force_unit: (&'static str, f64),
     time_unit: (&'static str, f64),
     worst: usize,
+    /// Ends of the axis of the forces along the train, N.
+    reach_n: (f64, f64),
     horizon_s: f64,
     initial_force_n: Option<Vec<f64>>,
     /// Of the case drawn.
@@ -54,6 +57,8 @@ struct Peaks<'a> {
     peak_buff_n: Option<f64>,
     peak_buff_time_s: Option<f64>,
     exceeds: Option<bool>,
+    /// Ends of the axis of its force over time, N.
+    reach_n: (f64, f64),
 }
 
 #[derive(Serialize, Default, Clone)]
@@ -107,22 +112,30 @@ pub fn data(shown: &[Option<Shown>]) -> Result<String, serde_json::Error> {
 
 fn scene<'a>(shown: &'a Shown, values: usize) -> Scene<'a> {
     let pair = |u: Unit| (u.name, u.size);
-    let ratings = shown.train.couplers().iter().map(|c| c.rated_draft_n.max(c.rated_buff_n)).fold(0.0, f64::max);
     let several = shown.findings.cases.len() > 1;
     let broken = shown.case.broken_coupler;
     let before = initial_force_n(shown.train, &shown.scenario.event);
+    let reach_n = reach(shown, &before);
     Scene {
         when: shown.when(),
         since: words::time_axis(shown.case),
         several,
         broken_coupler: broken,
-        force_unit: pair(force_unit(shown.train.origin().units, ratings)),
+        force_unit: pair(force_unit(shown.train.origin().units, reach_n.1.max(-reach_n.0))),
         time_unit: pair(time_unit(shown.case.horizon_s)),
         worst: shown.worst.coupler,
+        reach_n,
         horizon_s: shown.case.horizon_s,
-        initial_force_n: Some(before).filter(|f| shown.findings.kind != "impact" || f.iter().any(|n| *n != 0.0)),
-        couplers: shown.case.couplers.iter().map(peaks).collect(),
-        broken: shown.findings.cases.iter().flat_map(|c| &c.couplers).find(|c| broken == Some(c.coupler)).map(peaks),
+        initial_force_n: Some(before.clone())
+            .filter(|f| shown.findings.kind != "impact" || f.iter().any(|n| *n != 0.0)),
+        couplers: shown.case.couplers.iter().map(|c| peaks(c, before[c.coupler - 1])).collect(),
+        broken: shown
+            .findings
+            .cases
+            .iter()
+            .flat_map(|c| &c.couplers)
+            .find(|c| broken == Some(c.coupler))
+            .map(|c| peaks(c, before[c.coupler - 1])),
         largest: if several { largest(shown) } else { Vec::new() },
         breaks: if several { breaks(shown) } else { None },
         wave: shown.evidence.wave.as_ref().and_then(|f| forces(shown, f, values)),
@@ -130,7 +143,8 @@ fn scene<'a>(shown: &'a Shown, values: usize) -> Scene<'a> {
     }
 }
 
-fn peaks(c: &CouplerFindings) -> Peaks<'_> {
+fn peaks(c: &CouplerFindings, before_n: f64) -> Peaks<'_> {
+    let forces = [before_n, c.peak_draft_n.unwrap_or(0.0), c.peak_buff_n.unwrap_or(0.0)].into_iter();
     Peaks {
         coupler: c.coupler,
         between: &c.between,
@@ -141,7 +155,24 @@ fn peaks(c: &CouplerFindings) -> Peaks<'_> {
         peak_buff_n: c.peak_buff_n,
         peak_buff_time_s: c.peak_buff_time_s,
         exceeds: c.exceeds,
+        reach_n: rounded(Reach::new(forces, &[c.rated_draft_n], &[c.rated_buff_n]).range),
     }
+}
+
+/// The ends of an axis to four digits.
+fn rounded((low, high): (f64, f64)) -> (f64, f64) {
+    let four = |x: f64| format!("{x:.3e}").parse().unwrap_or(x);
+    (four(low), four(high))
+}
+
+/// The axis of the forces of all cases and before the event, and of the ratings that do not press them flat.
+fn reach(shown: &Shown, before_n: &[f64]) -> (f64, f64) {
+    let all = shown.findings.cases.iter().flat_map(|case| &case.couplers);
+    let peaks = all.flat_map(|c| [c.peak_draft_n, c.peak_buff_n]).flatten();
+    let couplers = shown.train.couplers();
+    let draft: Vec<f64> = couplers.iter().map(|c| c.rated_draft_n).collect();
+    let buff: Vec<f64> = couplers.iter().map(|c| c.rated_buff_n).collect();
+    rounded(Reach::new(peaks.chain(before_n.iter().copied()), &draft, &buff).range)
 }
 
 fn largest(shown: &Shown) -> Vec<Largest> {

@@ -173,6 +173,17 @@
         legend: { orientation: "h", x: 0, y: 1, yanchor: "bottom" }, dragmode: touch ? false : "zoom", xaxis: axis(x), yaxis: axis(y),
       }, more);
     }
+    // Ends of a force axis, and what it says of ratings beyond them: one that is far off would press the forces flat.
+    const reach = ([low, high]) => [low / unit, high / unit];
+    function beyond(couplers, [low, high]) {
+      return [["rated_draft_n", 1], ["rated_buff_n", -1]].flatMap(([key, sign]) => {
+        const sizes = couplers.map((c) => c[key]).filter((f) => (sign > 0 ? f > high : -f < low)).map((f) => f / unit);
+        if (sizes.length === 0) return [];
+        const [least, most] = [Math.min(...sizes), Math.max(...sizes)].map(given);
+        return [{ x: 1, xref: "paper", y: sign > 0 ? 1 : 0, yref: "paper", xanchor: "right", yanchor: sign > 0 ? "top" : "bottom", showarrow: false, bgcolor: color("card"),
+          font: { color: color("text"), size: 12 }, text: "rated " + least + (least === most ? "" : " to " + most) + " " + unitName + (sign > 0 ? " \u2191" : " \u2193") }];
+      });
+    }
     const line = (x, y, name, paint, more) => Object.assign({ x, y, name, mode: "lines", line: Object.assign({ color: paint, width: 2 }, more && more.line), hoverinfo: "skip" },
       more && more.trace);
     const forceAxis = "force, " + unitName + " (draft +, buff \u2212)";
@@ -207,8 +218,7 @@
         line(places, of((c) => inUnits(low(c))), "largest buff", color("buff"), step),
         line(places, of((c) => c.rated_draft_n / unit), "rated", color("text"), dashed),
         line(places, of((c) => -c.rated_buff_n / unit), "rated", color("text"), Object.assign({ trace: { showlegend: false } }, dashed)),
-        { x: weak.map((w) => w[0]), y: weak.map((w) => w[1]), mode: weak.length > 6 ? "markers" : "markers+text", showlegend: false, hoverinfo: "skip",
-          text: weak.map((w) => given(Math.abs(w[1]))), textposition: "middle right", textfont: { color: color("text"), size: 11 },
+        { x: weak.map((w) => w[0]), y: weak.map((w) => w[1]), mode: "markers", showlegend: false, hoverinfo: "skip",
           marker: { symbol: "line-ew", size: 11, line: { color: color("text"), width: 2.5 } }, visible: weak.length > 0 },
         { x: exceeding.map((e) => e[0]), y: exceeding.map((e) => e[1]), name: "over its rating", mode: "markers", hoverinfo: "skip",
           marker: { symbol: "diamond", color: color("over"), size: 6 }, visible: exceeding.length > 0 },
@@ -230,9 +240,14 @@
       made.xaxis.range = [0.3, count + 0.7];
       if (count < 10) made.xaxis.dtick = 1;
       const b = state.brk === null ? scene.broken_coupler : scene.breaks.broken[state.brk];
+      made.yaxis.range = reach(scene.reach_n);
+      // The numbers of few weak ratings, on a ground of their own beyond the line.
+      if (weak.length <= 6) made.annotations = weak.map(([x, y]) => ({ x, y, text: given(Math.abs(y)), showarrow: false, xanchor: "left", xshift: 9,
+        yanchor: y > 0 ? "bottom" : "top", yshift: y > 0 ? 6 : -6, bgcolor: color("card"), borderpad: 1, font: { color: color("text"), size: 11 } }));
+      made.annotations = (made.annotations || []).concat(beyond(scene.couplers, scene.reach_n));
       if (b === null) return made;
       made.shapes = [{ type: "line", xref: "x", yref: "paper", x0: b, x1: b, y0: 0, y1: 1, line: { color: color("quiet"), width: 1.5, dash: "dot" } }];
-      made.annotations = [{ x: b, y: 0.04, yref: "paper", text: "coupler " + b + " breaks", showarrow: false, xanchor: 2 * b > count ? "right" : "left", bgcolor: color("card") }];
+      made.annotations.push({ x: b, y: 0.09, yref: "paper", text: "coupler " + b + " breaks", showarrow: false, xanchor: 2 * b > count ? "right" : "left", bgcolor: color("card") });
       return made;
     }
 
@@ -274,7 +289,12 @@
       for (const axis of [made.yaxis, made.yaxis2].filter((a) => a)) axis.automargin = false;
       return made;
     }
-    const historyLayout = () => aligned(layout(narrow() ? 400 : 340, timeAxis, forceAxis, { hovermode: "x", shapes: cursor() }));
+    function historyLayout() {
+      const c = by.get(state.coupler);
+      const made = aligned(layout(narrow() ? 400 : 340, timeAxis, forceAxis, { hovermode: "x", shapes: cursor(), annotations: beyond([c], c.reach_n) }));
+      made.yaxis.range = reach(c.reach_n);
+      return made;
+    }
     const cursor = () => [{ type: "line", xref: "x", yref: "paper", y0: 0, y1: 1, x0: wave.times[state.column] / clock, x1: wave.times[state.column] / clock,
       line: { color: color("quiet"), width: 1 } }];
 

@@ -16,6 +16,9 @@ use crate::units::UnitSystem;
 /// Rows of a table in the report; the CSV has the rest.
 const ROWS: usize = 20;
 
+/// Rows of the table of all breaks.
+const BREAKS: usize = 400;
+
 /// What the report says of one scenario; what a scene does not need is empty.
 #[derive(Serialize)]
 pub struct Section {
@@ -24,6 +27,8 @@ pub struct Section {
     verdict: String,
     passage: String,
     safe_load: String,
+    /// What rating would be enough, where one is exceeded.
+    needed: String,
     cascade: String,
     sequence: Option<Table>,
     exceeding: Option<Table>,
@@ -32,6 +37,8 @@ pub struct Section {
     estimated: bool,
     breaks: Option<Table>,
     often: Option<Table>,
+    /// Each of several breaks, from the head.
+    every: Option<Table>,
     limits: String,
     limited: Option<Table>,
     figures: Vec<Figure>,
@@ -83,6 +90,7 @@ pub fn section(train: &Train, scenario: &ScenarioFindings, pictures: &[Picture])
             .filter(|_| watched)
             .map(|e| words::safe_load(train, e, factor, no_factor, search))
             .unwrap_or_default(),
+        needed: words::needed(scenario, units),
         cascade: cascade::sentence(scenario),
         sequence: single.and_then(|case| sequence(case, units)),
         exceeding: single.and_then(|case| table(words::exceeding(case), |c| exceeding_row(c, case, units))),
@@ -90,6 +98,7 @@ pub fn section(train: &Train, scenario: &ScenarioFindings, pictures: &[Picture])
         estimated: cases.iter().any(|c| c.error_estimate_n.is_some()),
         breaks: if single.is_none() { table(harmful(scenario), |of| break_row(of, units)) } else { None },
         often: if single.is_none() { often(scenario) } else { None },
+        every: if single.is_none() { every(train, cases) } else { None },
         limits: limits::sentences(scenario, units),
         limited: single.and_then(|case| table(limits::passing(case), |of| limits::row(of, case, units))),
         figures: pictures.iter().map(|p| Figure { file: p.file.clone(), caption: p.caption.clone() }).collect(),
@@ -136,8 +145,12 @@ fn sequence(case: &CaseFindings, units: UnitSystem) -> Option<Table> {
 }
 
 fn table<T>(items: Vec<T>, row: impl Fn(T) -> Vec<String>) -> Option<Table> {
-    let more = items.len().saturating_sub(ROWS);
-    let rows: Vec<_> = items.into_iter().take(ROWS).map(row).collect();
+    table_of(items, ROWS, row)
+}
+
+fn table_of<T>(items: Vec<T>, most: usize, row: impl Fn(T) -> Vec<String>) -> Option<Table> {
+    let more = items.len().saturating_sub(most);
+    let rows: Vec<_> = items.into_iter().take(most).map(row).collect();
     (!rows.is_empty()).then_some(Table { rows, more })
 }
 
@@ -184,6 +197,26 @@ fn break_row((case, worst): (&CaseFindings, &CouplerFindings), units: UnitSystem
         time(worst.peak_time_s),
         case.safe_load_factor.map(|f| format!("{} %", down(100.0 * f))).unwrap_or_default(),
     ]
+}
+
+/// What each break does, whether or not a coupler exceeds.
+fn every(train: &Train, cases: &[CaseFindings]) -> Option<Table> {
+    let units = train.origin().units;
+    let of: Vec<_> = cases.iter().filter_map(|c| Some((c, c.broken_coupler?, c.worst.as_ref()?))).collect();
+    table_of(of, BREAKS, |(case, broken, worst)| {
+        let [ahead, behind] = [broken - 1, broken].map(|v| train.vehicles()[v].label.as_str());
+        let early = case.worst_first_passage.as_ref();
+        vec![
+            broken.to_string(),
+            format!("{ahead}, {behind}"),
+            case.exceeding.to_string(),
+            format!("{} ({})", worst.coupler, worst.between.join(", ")),
+            demand(worst, case, units),
+            format!("{} %", percent(worst.utilisation)),
+            time(worst.peak_time_s),
+            early.map(|w| format!("{} %", percent(w.utilisation))).unwrap_or_default(),
+        ]
+    })
 }
 
 /// Couplers by how many breaks overload them, most first.

@@ -1,23 +1,19 @@
 //! The train and its scales, as rows of a table.
 
-use super::numbers::{
-    brief_time, digits, given_damping, given_force, given_mass, given_stiffness, metres, without_zeros,
-};
+use super::numbers::{brief_time, digits, given_force, without_zeros};
 use super::words::{count, sense};
 use crate::consist::{self, of_parts};
 use crate::findings::variants::critical_n_s_per_m;
 use crate::scenario;
 use crate::train::{Train, Vehicle};
+use crate::units::{Dimension, Unit, shown};
 
 /// What the train is: name and value of each fact that it has.
 pub fn train_facts(train: &Train) -> Vec<[String; 2]> {
     let (wave, units) = (scenario::wave(train), train.origin().units);
     let four = |x: f64| without_zeros(&digits(x, 0.0, 4));
     let speed = match wave.metres_per_s {
-        Some(v) => {
-            let (speed, metre) = metres(units, v);
-            format!("{} vehicles/s, {} {metre}/s", four(wave.vehicles_per_s), four(speed))
-        }
+        Some(v) => format!("{} vehicles/s, {}", four(wave.vehicles_per_s), units.wave_speed(v)),
         None => format!("{} vehicles/s", four(wave.vehicles_per_s)),
     };
     let couplers = train.couplers();
@@ -29,17 +25,20 @@ pub fn train_facts(train: &Train) -> Vec<[String; 2]> {
     };
     let mut rows = vec![
         ["vehicles, couplers".to_owned(), format!("{}, {}", train.vehicles().len(), couplers.len())],
-        ["total mass".to_owned(), given_mass(units, train.vehicles().iter().map(|v| v.mass_kg).sum())],
-        ["mass of a vehicle".to_owned(), span(train.vehicles().iter().map(|v| v.mass_kg), |m| given_mass(units, m))],
+        ["total mass".to_owned(), shown(units, train.vehicles().iter().map(|v| v.mass_kg).sum(), Dimension::Mass)],
+        [
+            "mass of a vehicle".to_owned(),
+            span(train.vehicles().iter().map(|v| v.mass_kg), |m| shown(units, m, Dimension::Mass)),
+        ],
     ];
     rows.extend(length(train).map(|l| {
         ["length over couplers".to_owned(), {
-            let (length, metre) = metres(units, l);
-            format!("{} {metre}", four(length))
+            let Unit { name, size } = units.long();
+            format!("{} {name}", four(l / size))
         }]
     }));
     rows.extend(held(train).map(|h| ["held at their speed".to_owned(), h]));
-    let stiffness = span(couplers.iter().map(|c| c.stiffness_n_per_m), |k| given_stiffness(units, k));
+    let stiffness = span(couplers.iter().map(|c| c.stiffness_n_per_m), |k| shown(units, k, Dimension::Stiffness));
     if train.extras().laws.is_empty() {
         rows.push(["stiffness of a coupler".to_owned(), stiffness]);
     } else {
@@ -52,7 +51,7 @@ pub fn train_facts(train: &Train) -> Vec<[String; 2]> {
     }
     let dashpots = &train.extras().dashpot_n_s_per_m;
     if !dashpots.is_empty() {
-        let written = span(dashpots.iter().copied(), |c| given_damping(units, c));
+        let written = span(dashpots.iter().copied(), |c| shown(units, c, Dimension::Damping));
         rows.push([
             "dashpot of a coupler".to_owned(),
             format!("{written}, damping ratio c / 2\u{221a}(km) {} (of a dashpot)", ratios(train)),
@@ -104,10 +103,7 @@ fn steady(train: &Train) -> Vec<[String; 2]> {
     let sum = |sign: f64| steady.outside_n.iter().map(|f| (sign * f).max(0.0)).sum::<f64>();
     let acceleration = match steady.acceleration_m_per_s2 {
         0.0 => "none: the speed is constant".to_owned(),
-        a => {
-            let (a, metre) = metres(train.origin().units, a);
-            format!("{} {metre}/s\u{b2}", without_zeros(&digits(a, 0.0, 4)))
-        }
+        a => train.origin().units.acceleration(a),
     };
     vec![
         ["forces on the vehicles, forward and backward".to_owned(), {
@@ -127,7 +123,8 @@ fn load(train: &Train) -> String {
         return "none".to_owned();
     }
     let one = |f: f64| {
-        if f == 0.0 { "0 N".to_owned() } else { format!("{} in {}", given_force(train.origin().units, f), sense(f)) }
+        let force = given_force(train.origin().units, f);
+        if f == 0.0 { force } else { format!("{force} in {}", sense(f)) }
     };
     if equal(train.initial_force_n(), |&f| f) {
         return format!("{} in {}", one(train.initial_force_n()[0]), count(train.couplers().len(), "coupler"));

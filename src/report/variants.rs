@@ -2,14 +2,14 @@
 
 use super::numbers::{digits, force, percent, time};
 use super::words;
-use crate::findings::variants::LET_DOWN;
+use crate::findings::variants::{GENERIC_SLACK_M, LET_DOWN};
 use crate::findings::{CaseFindings, Changed, CouplerFindings, ScenarioFindings, Variant, VariantFindings};
-use crate::units::UnitSystem;
+use crate::units::{Dimension, UnitSystem, rounded};
 
 /// What the table of losses is of.
 pub fn losses_lead(scenario: &ScenarioFindings) -> String {
     format!(
-        "{} with dashpots in every coupler, for which 0.05 to 0.26 of critical damping are published for draft gears",
+        "{} with dashpots in every coupler (published models of draft gears have ratios of 0.14 to 0.26)",
         same_event(scenario)
     )
 }
@@ -37,7 +37,7 @@ pub fn rows(scenario: &ScenarioFindings, units: UnitSystem) -> Vec<Vec<String>> 
     let Some((case, worst)) = words::worst_case(scenario).filter(|_| !scenario.variants.is_empty()) else {
         return Vec::new();
     };
-    let with = scenario.variants.iter().map(|v| row(name(v.variant), &v.found, units));
+    let with = scenario.variants.iter().map(|v| row(name(v.variant, units), &v.found, units));
     std::iter::once(row("as given".to_owned(), &as_given(case, worst), units)).chain(with).collect()
 }
 
@@ -57,12 +57,12 @@ pub fn sentences(scenario: &ScenarioFindings) -> String {
             percent(given)
         );
         text += &match (linear > 1.0, given > 1.0) {
-            (true, false) => ": nothing is left of the overload.".to_owned(),
+            (true, false) => ": with them there is no overload.".to_owned(),
             (true, true) => {
                 let left = digits(100.0 * (given - 1.0) / (linear - 1.0), 0.0, 3);
                 format!(": that is {left} % of the overload of linear couplers.")
             }
-            (false, true) => ": linear couplers would hide the overload.".to_owned(),
+            (false, true) => ": with linear couplers the overload would not be found.".to_owned(),
             (false, false) => ".".to_owned(),
         };
     }
@@ -73,13 +73,15 @@ pub fn sentences(scenario: &ScenarioFindings) -> String {
     text
 }
 
-fn name(variant: Variant) -> String {
+fn name(variant: Variant, units: UnitSystem) -> String {
     match variant {
         Variant::LinearCouplers => "linear couplers of the secant stiffness at the load, no slack".to_owned(),
         Variant::WithoutBrakes => "without the brakes and the change of tractive effort".to_owned(),
         Variant::LetDown => format!("let down to its load from {LET_DOWN} times the load"),
         Variant::GenericGears => "generic friction gears".to_owned(),
-        Variant::GenericGearsAndSlack => "generic friction gears and 25 mm of slack".to_owned(),
+        Variant::GenericGearsAndSlack => {
+            format!("generic friction gears and {} of slack", rounded(units, GENERIC_SLACK_M, Dimension::Length))
+        }
     }
 }
 

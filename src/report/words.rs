@@ -1,11 +1,11 @@
 //! What the findings come to, in sentences: plain text, shared by the report and the terminal.
 
-use super::numbers::{brief_time, digits, down, given_force, given_speed, given_time, percent, time};
+use super::numbers::{brief_time, digits, down, down_to, given_force, percent, time};
 use crate::consist;
 use crate::findings::{self, CaseFindings, CouplerFindings, LoadSearch, ScenarioFindings};
 pub(crate) use crate::train::count;
 use crate::train::{Application, Event, Scenario, Train};
-use crate::units::UnitSystem;
+use crate::units::{Dimension, UnitSystem, shown, shown_time};
 
 /// The scenario of the train that a scenario of findings was made from, with its index.
 pub fn source<'a>(train: &'a Train, findings: &ScenarioFindings) -> Option<(usize, &'a Scenario)> {
@@ -91,7 +91,7 @@ fn happens(train: &Train, scenario: &Scenario) -> String {
         Event::Pulse { vehicle, force_n, duration_s } => {
             let way = if *force_n < 0.0 { "backward" } else { "forward" };
             let label = &train.vehicles()[*vehicle].label;
-            let (size, lasting) = (given_force(train.origin().units, *force_n), given_time(*duration_s));
+            let (size, lasting) = (given_force(train.origin().units, *force_n), shown_time(*duration_s));
             format!(
                 "A constant force of {size} acts {way} on vehicle {} ({label}) from t = 0 for {lasting}.",
                 vehicle + 1
@@ -100,7 +100,7 @@ fn happens(train: &Train, scenario: &Scenario) -> String {
         Event::Shaped { vehicle, shape, force_n, duration_s, .. } => {
             let way = if *force_n < 0.0 { "backward" } else { "forward" };
             let label = &train.vehicles()[*vehicle].label;
-            let (size, lasting) = (given_force(train.origin().units, *force_n), given_time(*duration_s));
+            let (size, lasting) = (given_force(train.origin().units, *force_n), shown_time(*duration_s));
             format!(
                 "A force pulls vehicle {} ({label}) {way} with up to {size} from t = 0 to {lasting}, its course over time: {shape}.",
                 vehicle + 1
@@ -109,7 +109,7 @@ fn happens(train: &Train, scenario: &Scenario) -> String {
         Event::Brake { from, emergency, application: a } => applied(train, from, *emergency, a),
         Event::Impact { vehicles, at_head, speed_m_per_s } => {
             let end = if *at_head { "head" } else { "tail" };
-            let speed = given_speed(train.origin().units, *speed_m_per_s);
+            let speed = shown(train.origin().units, *speed_m_per_s, Dimension::Speed);
             let before = match scenario.event.joint(train.vehicles().len()) {
                 Some(joint) if train.initial_force_n().iter().any(|f| *f != 0.0) => {
                     format!(
@@ -129,7 +129,7 @@ fn happens(train: &Train, scenario: &Scenario) -> String {
 
 fn applied(train: &Train, from: &[usize], emergency: bool, application: &Application) -> String {
     let what = if emergency { "Emergency" } else { "Service" };
-    let (place, course) = (consist::place(train, from), consist::application(application));
+    let (place, course) = (consist::place(train, from), consist::application(application, train.origin().units));
     format!("{what} brakes are applied from {place} at t = 0 ({course}).")
 }
 
@@ -327,6 +327,8 @@ pub fn passage(scenario: &ScenarioFindings, units: UnitSystem) -> String {
     let [case] = &scenario.cases[..] else { return String::new() };
     let largest = |peak: &dyn Fn(&CouplerFindings) -> Option<(f64, f64)>| -> Option<Peak> {
         let all = case.couplers.iter().filter_map(|c| peak(c).map(|(f, t)| (c.coupler, f, t)));
+        // A force within its error may be none.
+        let all = all.filter(|(_, f, _)| f.abs() > case.error_n());
         all.reduce(|a, b| if b.1.abs() > a.1.abs() { b } else { a })
     };
     let early = |c: &CouplerFindings| c.first_passage.clone();
@@ -354,7 +356,7 @@ pub fn passage(scenario: &ScenarioFindings, units: UnitSystem) -> String {
     }
 }
 
-/// The largest buff and draft of an impact: those of the collision and of the rebound.
+/// The largest shares of a rating in buff and in draft of an impact: those of the collision and of the rebound.
 fn impact(case: &CaseFindings, units: UnitSystem) -> String {
     if case.kind != "impact" {
         return String::new();
@@ -367,9 +369,11 @@ fn impact(case: &CaseFindings, units: UnitSystem) -> String {
     let draft = largest(|c| Some((c.peak_draft_n?, c.peak_draft_time_s?, c.peak_draft_n? / c.rated_draft_n)));
     let told = |(c, (newtons, at, share)): (&CouplerFindings, (f64, f64, f64))| {
         let force = super::numbers::force(units, newtons.abs(), case.error_n());
-        format!("{force} ({} % of the rating) in coupler {}, {}", percent(share), c.coupler, moment(at, case))
+        format!("{} % ({force}) in coupler {}, {}", percent(share), c.coupler, moment(at, case))
     };
-    let of = |sense: &str, found: Option<_>| found.map_or(String::new(), |f| format!(" Largest {sense}: {}.", told(f)));
+    let of = |sense: &str, found: Option<_>| {
+        found.map_or(String::new(), |f| format!(" Largest share of a rating in {sense}: {}.", told(f)))
+    };
     let rebound = if draft.is_some() && case.method != "march" {
         " The draft after the collision includes the rebound of the springs. A real draft gear absorbs up to 87 % of the work, so this \
          draft is too large unless the damping in the file represents that loss."
@@ -460,10 +464,29 @@ pub fn safe_load(
     }
 }
 
+/// The rating that the worst coupler would need; empty where none exceeds.
+pub fn needed(scenario: &ScenarioFindings, units: UnitSystem) -> String {
+    let over = worst_case(scenario).filter(|(_, worst)| worst.exceeds == Some(true));
+    over.map_or(String::new(), |(case, worst)| {
+        format!(
+            " As it is, a coupler that exceeds needs a rating above its largest force: the worst, coupler {}, above {} in {} instead of {}.",
+            worst.coupler,
+            super::numbers::force(units, worst.peak_force_n, case.error_n()),
+            sense(worst.peak_force_n),
+            given_force(units, rating(worst))
+        )
+    })
+}
+
 /// What a search for the factor at which couplers begin to exceed has found.
 fn searched(cause: &str, search: &LoadSearch) -> String {
     let LoadSearch { none_exceeds_at, exceeds_at, tried } = *search;
     let at = |factor: f64| down(100.0 * factor);
+    // Both shares with the digits that tell them apart.
+    let apart = |low: f64, high: f64| {
+        let both = |most: i32| [down_to(100.0 * low, most), digits(100.0 * high, 0.0, most)];
+        (3..17).map(both).find(|[a, b]| a != b).unwrap_or_else(|| both(17))
+    };
     match exceeds_at {
         None => format!(
             " In a search no coupler exceeded at any of {tried} factors up to {} % of the {cause}.",
@@ -472,12 +495,13 @@ fn searched(cause: &str, search: &LoadSearch) -> String {
         Some(over) if none_exceeds_at == 0.0 => {
             format!(" In a search a coupler exceeded at {} % of the {cause}, the smallest share tried.", at(over))
         }
-        Some(over) => format!(
-            " In a search of {tried} factors no coupler exceeded up to {} % of the {cause}, and one did at {} %; factors between those that \
-             were tried are not covered.",
-            at(none_exceeds_at),
-            at(over)
-        ),
+        Some(over) => {
+            let [none, some] = apart(none_exceeds_at, over);
+            format!(
+                " In a search of {tried} factors no coupler exceeded up to {none} % of the {cause}, and one did at {some} %; factors between \
+                 those that were tried are not covered."
+            )
+        }
     }
 }
 
@@ -493,7 +517,8 @@ pub fn rod(scenario: &ScenarioFindings) -> String {
         (1, _) => String::new(),
         (all, n) if all == n => format!(", summed over all {n} breaks"),
         (all, n) => {
-            format!("; this is of the {n} of {all} breaks that leave parts of equal vehicles and couplers only")
+            let these = if n == 1 { "the one break" } else { &format!("the {n} breaks") };
+            format!("; of the {all} breaks, this compares only {these} whose parts have equal vehicles and couplers")
         }
     };
     format!(

@@ -49,7 +49,7 @@
       }
       await show(reply);
     } catch (error) {
-      if (error.name !== "AbortError") tell([error instanceof TypeError ? "trainsafe does not answer: it has ended, or is busy. Nothing is lost that stands here." : error.message]);
+      if (error.name !== "AbortError") tell([error instanceof TypeError ? "trainsafe does not answer: it has ended, or is busy. The text in this page is kept." : error.message]);
     }
     flight = null;
     if (more) send();
@@ -252,7 +252,7 @@
   addEventListener("beforeunload", (leaving) => { if (text.value !== saved) leaving.preventDefault(); });
 
   document.body.dataset.click = "click it to break it, or choose it below for its course over time";
-  main.replaceChildren(element("p", { textContent: "The report comes with the first answer." }));
+  main.replaceChildren(element("p", { textContent: "The report is being computed." }));
   write(saved);
   ask(0);
 })();

@@ -62,11 +62,12 @@ struct Side {
 }
 
 /// The search for extremes along a march.
+#[derive(Clone)]
 pub struct Search<'a> {
     scene: &'a Scene,
     motion: &'a Motion,
     watch: Watch,
-    /// What the springs race for, where only the worst is wanted; and what it was when levels were last made from it.
+    /// What springs have certainly reached so far, where only the worst is asked for; and the same when levels were last computed from it.
     lead: Option<[Lead; 2]>,
     sides: Vec<[Side; 2]>,
     /// Per sign and spring: what G, or -G, has to pass to matter; whole blocks of springs.
@@ -133,6 +134,11 @@ impl<'a> Search<'a> {
         search
     }
 
+    /// The same search, to go on up to an earlier instant than the horizon: the step that contains it is cut there.
+    pub fn until(&self, mark: f64) -> Search<'a> {
+        Search { watch: self.watch.until(mark), ..self.clone() }
+    }
+
     /// A change of force too small to matter.
     pub fn quiet(&self) -> f64 {
         0.01 * self.watch.grain()
@@ -174,7 +180,12 @@ impl<'a> Search<'a> {
     /// Whether no step like this one follows: the last one, or the last before a pulse ends.
     pub fn is_last(&self, step: &Step) -> bool {
         let next = step.from + 1.5 * step.width;
-        next > self.scene.horizon || (self.scene.duration > step.from && self.scene.duration < next)
+        next > self.watch.horizon() || (self.scene.duration > step.from && self.scene.duration < next)
+    }
+
+    /// Whether a step's end lies behind the horizon.
+    fn is_cut(&self, step: &Step) -> bool {
+        step.from + step.width > self.watch.horizon()
     }
 
     /// A step of which a quick bound says that a spring may matter. `at(end, s)` is G of spring s at the beginning (0) or end
@@ -199,7 +210,7 @@ impl<'a> Search<'a> {
                 remainder = factor * (GROWTH * near + FROM_OUTSIDE * norm).min(norm);
             }
             let [mut lower, upper] = bracket(ends, remainder);
-            if step.from + step.width > self.scene.horizon {
+            if self.is_cut(step) {
                 // What lies behind the horizon does not count.
                 lower = ends[0][0];
             }
@@ -326,7 +337,7 @@ impl<'a> Search<'a> {
     fn matters(&self, spring: usize, negative: bool, side: &Side, open: &Open) -> bool {
         let rating = self.watch.rating(spring, negative);
         let may_cross = open.upper > self.watch.cautious_rating(spring, negative);
-        // Of a side that may be the worst every step is kept that would be if everything were wanted.
+        // For a side that may be the worst, the same steps are kept as where everything is asked for.
         let asked = |[lead, _]: &[Lead; 2]| open.step.from < lead.crossed || open.upper >= lead.level(rating);
         let is_first = |over_in: u64| open.step.number <= over_in && self.lead.as_ref().is_none_or(asked);
         let may_be_first = side.over_in.is_none_or(|(over_in, _)| is_first(over_in));
@@ -343,11 +354,12 @@ impl<'a> Search<'a> {
         self.set_level(spring, negative);
     }
 
-    /// After a step: springs that stood at their rating and have left it.
-    pub fn departures(&mut self, force: impl Fn(usize) -> f64) {
+    /// After a step: springs that stood at their rating and have left it; `at` as for [`Search::consider`].
+    pub fn departures(&mut self, step: &Step, at: impl Fn(usize, usize) -> f64) {
         let mut left = std::mem::take(&mut self.at_rating);
         left.retain_mut(|(spring, negative, lowest)| {
-            let g = force(*spring);
+            let end = [self.watch.horizon()];
+            let g = if self.is_cut(step) { self.values(step, *spring, &end, &at)[0] } else { at(1, *spring) };
             self.mind_push(*spring, *negative, g);
             let value = self.value(*spring, *negative, g);
             *lowest = lowest.min(value);
@@ -407,7 +419,7 @@ impl<'a> Search<'a> {
             self.looked += 1;
             let mut local = self.local(&open.step, spring, &self.store[open.window]);
             local.coefficient[0] += self.scene.initial[spring];
-            let end = ((self.scene.horizon - local.center) / local.radius).min(1.0);
+            let end = ((self.watch.horizon() - local.center) / local.radius).min(1.0);
             self.watch.note(spring, negative, &local, end, |t| local.value_at(t));
         }
         let best = self.watch.peaks[spring].side(negative).best.value;

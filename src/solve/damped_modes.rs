@@ -124,9 +124,10 @@ impl<'a> Damped<'a> {
         vec![step, Stretch { from: duration, to: horizon, start, mean: self.scene.initial.clone() }]
     }
 
-    /// Extremes of every spring's force.
-    pub fn peaks(&self) -> (Vec<SpringPeaks>, Work) {
+    /// Extremes of every spring's force, up to the horizon and up to a mark before it.
+    pub fn peaks(&self, mark: Option<f64>) -> ([Vec<SpringPeaks>; 2], Work) {
         let mut watch = Watch::new(self.scene, self.bound_of_values());
+        let mut to_mark = None;
         let mut work = Work::default();
         let fastest = self.modes.omega.last().map_or(1.0, |w| w.hi);
         for stretch in self.stretches() {
@@ -138,7 +139,9 @@ impl<'a> Damped<'a> {
                 let (a, b) = (edge(n), edge(n + 1));
                 let center = 0.5 * (a + b);
                 let radius = (b - center).max(center - a);
-                let end = (b - center) / radius;
+                let end = |until: f64| (until - center) / radius;
+                let cut = mark.filter(|mark| a < *mark && *mark <= b);
+                to_mark = cut.map(|mark| watch.until(mark)).or(to_mark);
                 let series = &self.modes.share * self.series(&stretch, center, radius);
                 work.mode_sums += (series.len() * self.modes.omega.len()) as u64;
                 for i in 0..stretch.mean.len() {
@@ -146,12 +149,18 @@ impl<'a> Damped<'a> {
                     coefficient.iter_mut().enumerate().for_each(|(k, c)| *c = series[(i, k)]);
                     coefficient[0] += stretch.mean[i];
                     let local = Local { coefficient, terms: COEFFICIENTS, center, radius };
-                    show(&mut watch, i, &local, end, &mut work);
+                    show(&mut watch, i, &local, end(b), &mut work);
+                    if let (Some(mark), Some(watch)) = (cut, &mut to_mark) {
+                        show(watch, i, &local, end(mark), &mut work);
+                    }
                 }
             }
         }
-        watch.settle_all();
-        (watch.peaks, work)
+        let settled = |mut watch: Watch| {
+            watch.settle_all();
+            watch.peaks
+        };
+        ([settled(watch), to_mark.map_or_else(Vec::new, settled)], work)
     }
 
     /// Every mode's Taylor coefficients about an instant: modes x coefficients.
@@ -205,7 +214,7 @@ fn show(watch: &mut Watch, spring: usize, local: &Local, end: f64, work: &mut Wo
             work.refinements += 1;
             watch.note(spring, negative, local, end, |t| local.value_at(t));
         } else if watch.at_rating(spring, negative) {
-            watch.departs(spring, negative, sign * ends[1]);
+            watch.departs(spring, negative, sign * local.value_and_slope(end).0);
         }
     }
 }

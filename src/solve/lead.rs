@@ -1,8 +1,7 @@
-//! What little of a scene a row of a fleet needs: the worst spring, every verdict, the earliest exceedance.
+//! The part of a scene's results that a row of a fleet needs: the worst spring, every verdict, the earliest exceedance.
 //!
-//! Springs race: what one of them has certainly reached is a level that the others have to pass to be worth a look. Where a
-//! spring may pass its rating that is looked into whatever the others have reached, but not when, once another has passed its
-//! own before.
+//! A spring is examined only where it may pass the level that another spring has certainly reached. Whether it passes its
+//! rating is always examined; the time at which it does is not, once another spring has passed its own rating earlier.
 
 use super::between::Step;
 use super::closed_form::equal;
@@ -17,14 +16,14 @@ pub struct Lead {
     force: f64,
     /// Some spring has passed its rating before this time.
     pub crossed: f64,
-    /// How far below what has been reached a force may still be the worst, or one that is like it.
+    /// How far below the level reached a force may be and still be the worst, or one that the error bound cannot distinguish from it.
     margin: f64,
 }
 
 impl Lead {
     /// Before the event; `bound` is the error bound of all forces to come.
     ///
-    /// Forces that the error bound does not tell apart are alike, and of those the first counts. The bound grows on the way back
+    /// Forces that the error bound cannot distinguish count as equal, and the first of them is taken. The bound grows on the way back
     /// from canonical units ([`super::memo`]) by a rounding of the largest force, on which it depends in equal chains alone, and
     /// by a few of what the force does in the unit of time, times the horizon: the margin holds all of it four times over.
     pub fn new(scene: &Scene, bound: f64) -> Lead {

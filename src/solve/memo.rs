@@ -69,13 +69,13 @@ impl Memo {
             return solve(scene, ask);
         }
         if let Some(form) = Form::without_ratings(scene, ask) {
-            let own = form.back(&*self.known(&form)?, scene);
+            let own = form.back(&*self.known(&form)?, scene, ask.mark);
             if is_clear(&own, scene) {
                 return Ok(own);
             }
         }
         let form = Form::of(scene, ask);
-        Ok(form.back(&*self.known(&form)?, scene))
+        Ok(form.back(&*self.known(&form)?, scene, ask.mark))
     }
 
     /// The solution of a canonical scene.
@@ -103,7 +103,8 @@ impl Memo {
 
     fn put(&self, shelves: &mut Shelves, key: Key, solution: Arc<Solution>) {
         let bounds = solution.all_time_bounds.as_ref().map_or(0, Vec::len);
-        let bytes = 8 * (key.len() + bounds) + size_of::<Option<SpringPeaks>>() * solution.springs.len() + 400;
+        let springs = solution.springs.len() + solution.to_mark.len();
+        let bytes = 8 * (key.len() + bounds) + size_of::<Option<SpringPeaks>>() * springs + 400;
         if bytes > self.half {
             return;
         }
@@ -142,6 +143,7 @@ impl Form {
         if let Some((scaled, time)) = scaled(&form.scene) {
             form.scene = scaled;
             form.ask.tolerance /= scene.force.abs();
+            form.ask.mark = ask.mark.map(|mark| whole(mark / time));
             form.units = Some((time, scene.force.abs()));
         }
         let mirror = mirror(&form.scene);
@@ -184,22 +186,24 @@ impl Form {
     /// The solution of the canonical form in the scene's own units and order.
     ///
     /// Rounding to the canonical units and back moves a force by no more than is added to the bound: one unit roundoff
-    /// each way of its own size, and what happens within what the horizon (six roundoffs of it, on each of the two steps of
-    /// a pulse) and the duration are moved by, during which a force changes by at most the outside force per unit of time. (A unit impulse brings a unit mass the energy 1/2,
-    /// and no spring of stiffness 1 ever holds more.)
-    fn back(&self, solution: &Solution, scene: &Scene) -> Solution {
+    /// of its own size each way, and its change during the shift of the horizon (six roundoffs of it, for each of the two steps of a
+    /// pulse) and of the duration. A force changes by at most the outside force per unit of time: a unit impulse gives a unit mass
+    /// the energy 1/2, and a spring of stiffness 1 never stores more.
+    fn back(&self, solution: &Solution, scene: &Scene, mark: Option<f64>) -> Solution {
         let mut own = solution.clone();
         if let Some((time, force)) = self.units {
             let largest = own.springs.iter().flatten().map(|s| s.draft.best.value.max(s.buff.best.value));
             let largest = largest.fold(0.0, f64::max);
             own.error_bound += f64::EPSILON * (2.0 * largest + 12.0 * self.scene.horizon);
             own.error_bound *= force;
-            for peaks in own.springs.iter_mut().flatten() {
+            let to_mark = own.to_mark.iter_mut().map(|spring| (spring, mark.unwrap_or(scene.horizon)));
+            for (spring, until) in own.springs.iter_mut().map(|spring| (spring, scene.horizon)).chain(to_mark) {
+                let Some(peaks) = spring else { continue };
                 peaks.scale_time(time);
                 for side in [&mut peaks.draft, &mut peaks.buff] {
                     side.best.value *= force;
-                    side.best.at = side.best.at.min(scene.horizon);
-                    side.first_over = side.first_over.map(|t| t.min(scene.horizon));
+                    side.best.at = side.best.at.min(until);
+                    side.first_over = side.first_over.map(|t| t.min(until));
                 }
             }
             for bound in own.all_time_bounds.iter_mut().flatten() {
@@ -209,9 +213,11 @@ impl Form {
         }
         if self.mirrored {
             own.springs.reverse();
+            own.to_mark.reverse();
             own.all_time_bounds.iter_mut().for_each(|bounds| bounds.reverse());
         }
-        for (peaks, &initial) in own.springs.iter_mut().zip(&scene.initial) {
+        let to_mark = own.to_mark.iter_mut().zip(&scene.initial);
+        for (peaks, &initial) in own.springs.iter_mut().zip(&scene.initial).chain(to_mark) {
             let Some(peaks) = peaks else { continue };
             for (side, value) in [(&mut peaks.draft, initial), (&mut peaks.buff, -initial)] {
                 // The force before the event is known exactly, and there and back it went through other units.
@@ -251,18 +257,19 @@ fn scaled(scene: &Scene) -> Option<(Scene, f64)> {
     unit.chain.stiffness.fill(1.0);
     unit.force /= force;
     unit.duration /= time;
-    unit.horizon /= time;
-    // Whole transits are whole numbers but for roundoff; trains that share them share their scenes.
-    let whole = unit.horizon.round();
-    if (unit.horizon - whole).abs() <= 4.0 * f64::EPSILON * whole {
-        unit.horizon = whole;
-    }
+    unit.horizon = whole(unit.horizon / time);
     for of in [&mut unit.initial, &mut unit.rated_draft, &mut unit.rated_buff] {
         of.iter_mut().for_each(|f| *f /= force);
     }
     let order =
         |s: &Scene, i: usize| (s.initial[i].total_cmp(&s.rated_draft[i]), (-s.initial[i]).total_cmp(&s.rated_buff[i]));
     (0..scene.initial.len()).all(|i| order(scene, i) == order(&unit, i)).then_some((unit, time))
+}
+
+/// Whole transits are whole numbers but for roundoff; trains that share them share their scenes.
+fn whole(time: f64) -> f64 {
+    let whole = time.round();
+    if (time - whole).abs() <= 4.0 * f64::EPSILON * whole { whole } else { time }
 }
 
 /// The scene counted from the other end.
@@ -286,7 +293,8 @@ fn key(scene: &Scene, ask: &Ask) -> Key {
     let flags = [ask.verdict_only, ask.all_time_bound, worst, scene.chain.held_head, scene.chain.held_tail];
     let flags = flags.into_iter().fold(method, |all, flag| 2 * all + u64::from(flag));
     let mut words = vec![flags, scene.source as u64];
-    words.extend([ask.tolerance, scene.force, scene.duration, scene.horizon].map(f64::to_bits));
+    let mark = ask.mark.unwrap_or(f64::INFINITY);
+    words.extend([ask.tolerance, mark, scene.force, scene.duration, scene.horizon].map(f64::to_bits));
     let chain = &scene.chain;
     for list in [&chain.mass, &chain.stiffness, &scene.initial, &scene.rated_draft, &scene.rated_buff] {
         let runs = list.chunk_by(|a, b| a.to_bits() == b.to_bits());

@@ -80,10 +80,11 @@ pub enum Wanted {
     /// All.
     #[default]
     Everything,
-    /// The largest utilisation, of which spring and when, all that the error bound does not tell from it, whether each spring
-    /// exceeds its rating, and the earliest instant at which one does: to the bit what [`Wanted::Everything`] says, unless a
-    /// spring has peaks within an eighth of the error bound of each other; of those it may be another. Other extremes are what
-    /// was found on the way, never more than the true ones, and other first exceedances may be late. Ratings are finite.
+    /// The largest utilisation with its spring and time, those that differ from it by less than the error bound, whether each
+    /// spring exceeds its rating, and the earliest instant at which one does. These are identical to those of
+    /// [`Wanted::Everything`], except where a spring has peaks within an eighth of the error bound of each other: then another of
+    /// these peaks may be given. Other extremes are at most the true ones, and other first exceedances may be late. Ratings are
+    /// finite.
     Worst,
 }
 
@@ -100,6 +101,8 @@ pub struct Ask {
     pub all_time_bound: bool,
     /// Which springs' extremes are to be exact.
     pub wanted: Wanted,
+    /// An instant before the horizon up to which extremes are wanted as well, in the scene's unit of time.
+    pub mark: Option<f64>,
 }
 
 /// Extremes of every spring of a scene.
@@ -113,6 +116,8 @@ pub struct Solution {
     pub error_bound: f64,
     /// One per spring; `None` where it was left out.
     pub springs: Vec<Option<SpringPeaks>>,
+    /// The same up to the mark; empty without one.
+    pub to_mark: Vec<Option<SpringPeaks>>,
     /// Bound on |F| over all time, in the scene's unit of force, where asked for or used to leave springs out.
     pub all_time_bounds: Option<Vec<f64>>,
     /// What it took.
@@ -192,11 +197,13 @@ pub fn estimate_s(scene: &Scene, ask: &Ask) -> Result<f64, SolveError> {
 
 /// Nothing happens: every spring keeps its force.
 fn at_rest(scene: &Scene, ask: &Ask) -> Solution {
+    let springs: Vec<_> = watch::Watch::new(scene, 0.0).peaks.into_iter().map(Some).collect();
     Solution {
         method: Method::Propagator,
         reason: "the event brings no force: nothing changes".to_owned(),
         error_bound: 0.0,
-        springs: watch::Watch::new(scene, 0.0).peaks.into_iter().map(Some).collect(),
+        to_mark: ask.mark.map_or_else(Vec::new, |_| springs.clone()),
+        springs,
         all_time_bounds: ask.all_time_bound.then(|| scene.initial.iter().map(|f| f.abs()).collect()),
         work: Work::default(),
     }

@@ -150,8 +150,8 @@ impl Path {
 
     /// A bracketed frequency to double-double accuracy.
     ///
-    /// Alone in its neighbourhood: Rayleigh quotient iteration, whose error is cubed each time. In company, or when that
-    /// iteration leaves the bracket: bisection in double-double, which nothing confuses.
+    /// With no other frequency near: Rayleigh quotient iteration, whose error is cubed each time. With others near, or when that
+    /// iteration leaves the bracket: bisection in double-double, which always converges.
     #[inline(always)]
     fn sharpen(&self, index: usize, lo: f64, hi: f64, alone: bool) -> Dd {
         if alone {

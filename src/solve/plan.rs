@@ -1,9 +1,9 @@
 //! Which method a scene needs: the cheapest that reaches the tolerance, by counted work.
 //!
 //! Every method's work is counted before it is done; a price per unit of work, measured once on one machine and the same
-//! for everyone, makes the counts comparable. The choice therefore depends on the scene alone, never on the machine's mood.
+//! for everyone, makes the counts comparable. The choice therefore depends on the scene alone, not on the machine or on what else runs on it.
 
-use super::watch::{hazy, searched};
+use super::watch::{SpringPeaks, hazy, searched};
 use super::{Ask, Method, Solution, SolveError, Work, closed_form, fronts, modal, propagator, search, sums};
 use crate::chain::Scene;
 
@@ -41,7 +41,7 @@ pub struct Plan {
     omega_max: f64,
 }
 
-/// A method's price and promise for a scene.
+/// A method's estimated work for a scene, and the bound on its error.
 #[derive(Clone, Copy, Debug)]
 struct Offer {
     method: Method,
@@ -65,10 +65,10 @@ fn summed_frequency(scene: &Scene, omega_max: f64) -> f64 {
 }
 
 /// The methods that fit the scene.
-fn offers(scene: &Scene, omega_max: f64) -> Vec<Offer> {
+fn offers(scene: &Scene, mark: Option<f64>, omega_max: f64) -> Vec<Offer> {
     let springs = scene.initial.len() as f64;
     let equal = closed_form::equal(&scene.chain).is_some();
-    let look = LOOK * springs;
+    let look = LOOK * springs * if mark.is_some() { 2.0 } else { 1.0 };
     let cells = (scene.horizon * summed_frequency(scene, omega_max) / 1.5).ceil() + 1.0;
     let sums = search::MODE_SUM * springs * springs * cells + look;
     let swing = scene.force.abs() * (omega_max * scene.duration).min(2.0);
@@ -81,11 +81,13 @@ fn offers(scene: &Scene, omega_max: f64) -> Vec<Offer> {
         gigabytes: 0.0,
     }];
     if fronts::fits(scene) {
-        let passing = fronts::passing(scene);
-        let orders = ORDERS * scene.horizon * omega_max / 2.0;
+        let price = |scene: &Scene| {
+            let passing = fronts::passing(scene);
+            springs * (passing * (FRONT + PAIR * passing) + ORDERS * scene.horizon * omega_max / 2.0)
+        };
         offers.push(Offer {
             method: Method::Fronts,
-            nanoseconds: springs * (passing * (FRONT + PAIR * passing) + orders),
+            nanoseconds: price(scene) + mark.map_or(0.0, |mark| price(&until(scene, mark))),
             bound: searched(fronts::error_bound(scene)),
             gigabytes: 0.0,
         });
@@ -99,13 +101,18 @@ fn offers(scene: &Scene, omega_max: f64) -> Vec<Offer> {
     offers
 }
 
+/// A scene up to a mark.
+fn until(scene: &Scene, mark: f64) -> Scene {
+    Scene { horizon: mark, ..scene.clone() }
+}
+
 /// The plan for a scene.
 ///
 /// # Errors
 /// See [`super::solve`].
 pub fn choose(scene: &Scene, ask: &Ask) -> Result<Plan, SolveError> {
     let omega_max = propagator::omega_max(scene);
-    let offers = offers(scene, omega_max);
+    let offers = offers(scene, ask.mark, omega_max);
     if let Some(method) = ask.method {
         let unfit = if closed_form::equal(&scene.chain).is_none() {
             SolveError::NotEqual(method.name())
@@ -208,13 +215,13 @@ pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
     let all_safe = springs.clone().all(safe);
     let mut reason = plan.reason.clone();
     let (peaks, work, error_bound) = match (plan.method, &mut modes) {
-        _ if all_safe => (Vec::new(), Work::default(), 0.0),
+        _ if all_safe => ([Vec::new(), Vec::new()], Work::default(), 0.0),
         (Method::Modal, Some(modes)) => {
-            // A coupler that stands at its rating wants every digit of what first moves it.
+            // Where a coupler stands at its rating, the verdict depends on the smallest change of its force: no mode is left out.
             let share = if stands_at_rating(scene) { 0.0 } else { 0.1 * ask.tolerance };
             let left_out = sums::leave_out(scene, modes, share);
             let bound = sums::error_bound(scene, modes) + left_out;
-            let found = search::peaks(scene, modes, bound, ask.tolerance);
+            let found = search::peaks(scene, modes, [bound, ask.tolerance], ask.mark);
             if found.given_up {
                 reason += "; its search among millions of fast swings was given up: the bound is widened, and first exceedances \
                            may come earlier than they are told";
@@ -222,25 +229,31 @@ pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
             (found.peaks, found.work, bound + found.missed)
         }
         (Method::Fronts, _) => {
-            let (peaks, work) = fronts::peaks(scene);
+            let (peaks, mut work) = fronts::peaks(scene);
+            let to_mark = ask.mark.map(|mark| fronts::peaks(&until(scene, mark)));
+            work.marched += to_mark.as_ref().map_or(0, |(_, more)| more.marched);
+            work.refinements += to_mark.as_ref().map_or(0, |(_, more)| more.refinements);
+            let peaks = [peaks, to_mark.map_or_else(Vec::new, |(peaks, _)| peaks)];
             (peaks, work, searched(fronts::error_bound(scene)))
         }
         _ => {
-            let (peaks, work) = propagator::peaks(scene, plan.omega_max, ask.wanted);
+            let (peaks, work) = propagator::peaks(scene, plan.omega_max, ask.wanted, ask.mark);
             (peaks, work, searched(propagator::error_bound(scene, plan.omega_max)))
         }
     };
+    let kept = |peaks: &[SpringPeaks]| springs.clone().map(|i| peaks.get(i).copied().filter(|_| !safe(i))).collect();
     Solution {
         method: plan.method,
         reason,
         error_bound,
-        springs: springs.map(|i| peaks.get(i).copied().filter(|_| !safe(i))).collect(),
+        springs: kept(&peaks[0]),
+        to_mark: ask.mark.map_or_else(Vec::new, |_| kept(&peaks[1])),
         all_time_bounds: bounds,
         work,
     }
 }
 
-/// Whether a spring stands at its rating before the event, or so near that a bound might not tell.
+/// Whether a spring stands at its rating before the event, or within a millionth under it, where the error bound may not decide.
 fn stands_at_rating(scene: &Scene) -> bool {
     let ratings = scene.rated_draft.iter().zip(&scene.rated_buff);
     let near = |f: f64, rating: f64| f <= rating && f > (1.0 - 1e-6) * rating;

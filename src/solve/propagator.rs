@@ -69,17 +69,19 @@ pub fn error_bound(scene: &Scene, omega: f64) -> f64 {
     marching + 8.0 * size * roundoff + dropped
 }
 
-/// Extremes of every spring's force in a scene.
-pub fn peaks(scene: &Scene, omega: f64, wanted: Wanted) -> (Vec<SpringPeaks>, Work) {
+/// Extremes of every spring's force in a scene, up to the horizon and up to a mark before it.
+pub fn peaks(scene: &Scene, omega: f64, wanted: Wanted, mark: Option<f64>) -> ([Vec<SpringPeaks>; 2], Work) {
     let motion = Motion::new(scene);
-    let mut search = Search::new(scene, &motion, error_bound(scene, omega), wanted);
+    let search = Search::new(scene, &motion, error_bound(scene, omega), wanted);
     let quiet = search.quiet();
-    let mut sieve = Sieve { search: &mut search, work: Work::default() };
+    let mut sieve = Sieve { search, mark, to_mark: Vec::new(), work: Work::default() };
     march(scene, &motion, omega, quiet, &mut sieve);
-    let mut work = sieve.work;
+    let Sieve { search, mark, to_mark, mut work } = sieve;
     let (watch, looked) = search.finish();
-    work.refinements = looked;
-    (watch.peaks, work)
+    work.refinements += looked;
+    // The last step may round to end just before a mark.
+    let to_mark = if mark.is_some() { watch.peaks.clone() } else { to_mark };
+    ([watch.peaks, to_mark], work)
 }
 
 /// Forces of one spring at given times, ascending.
@@ -105,29 +107,56 @@ trait See {
 }
 
 /// Passes on to the search what may matter.
-struct Sieve<'s, 'a> {
-    search: &'s mut Search<'a>,
+struct Sieve<'a> {
+    search: Search<'a>,
+    /// An instant that is still to come, up to which extremes are wanted as well; and those, once it is past.
+    mark: Option<f64>,
+    to_mark: Vec<SpringPeaks>,
     work: Work,
 }
 
-impl See for Sieve<'_, '_> {
+impl See for Sieve<'_> {
     #[inline(always)]
     fn see(&mut self, view: &View) {
         self.work.marched += view.range.len() as u64;
-        let last = self.search.is_last(&view.step);
-        for block in view.range.start / BLOCK..view.range.end.div_ceil(BLOCK) {
-            let norm = view.norms[block];
+        if self.mark.is_some_and(|mark| mark <= view.step.from + view.step.width) {
+            self.pass_mark(view);
+        }
+        view.show(&mut self.search);
+    }
+}
+
+impl Sieve<'_> {
+    /// Extremes up to the mark, which lies within the step: all that is open by then is looked into, and the step up to the mark.
+    #[cold]
+    fn pass_mark(&mut self, view: &View) {
+        let Some(mark) = self.mark.take() else { return };
+        let mut search = self.search.until(mark);
+        view.show(&mut search);
+        let (watch, looked) = search.finish();
+        self.work.refinements += looked - self.search.looked;
+        self.to_mark = watch.peaks;
+    }
+}
+
+impl View<'_> {
+    /// Shows the search every spring that may matter in the step.
+    #[inline(always)]
+    fn show(&self, search: &mut Search) {
+        let last = search.is_last(&self.step);
+        let at = |end: usize, s: usize| self.force[end][s + 1];
+        for block in self.range.start / BLOCK..self.range.end.div_ceil(BLOCK) {
+            let norm = self.norms[block];
             let from = block * BLOCK;
-            let open = sift(view, self.search, from, norm, last);
+            let open = sift(self, search, from, norm, last);
             if any_opens(open) {
-                let at = |end: usize, s: usize| view.force[end][s + 1];
                 for s in (from..from + BLOCK).filter(|s| open[s - from] > 0.0) {
-                    self.search.consider(&view.step, s, view.remainders[1][s], norm, at);
+                    search.consider(&self.step, s, self.remainders[1][s], norm, at);
                 }
             }
         }
-        self.search.departures(|s| view.force[1][s + 1]);
-        self.search.keep_up();
+        search.departures(&self.step, at);
+        search.keep_up();
     }
 }
 

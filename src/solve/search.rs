@@ -53,38 +53,48 @@ struct Candidate {
 
 /// What a search found.
 pub struct Found {
-    /// Extremes of every spring's force.
-    pub peaks: Vec<SpringPeaks>,
+    /// Extremes of every spring's force, up to the horizon and up to a mark before it.
+    pub peaks: [Vec<SpringPeaks>; 2],
     /// The work done.
     pub work: Work,
-    /// How much further than its bound an extreme can be because of what the search does not look into: by an eighth of what the
-    /// watch was told, and the difference between that and the bound; more where it was eased, by a tenth of the tolerance, or
-    /// given up.
+    /// How much further than its bound an extreme can be because of what the search does not examine: an eighth of the bound that
+    /// the watch was given, and the difference between that bound and `bound`; a tenth of the tolerance more where the search was
+    /// eased, and more where it was given up.
     pub missed: f64,
     /// The search for an extreme or for a first exceedance was given up: that time is then an upper limit.
     pub given_up: bool,
 }
 
-/// Extremes of every spring's force in a scene from values that are within `bound` of the truth.
+/// Extremes of every spring's force in a scene, up to the horizon and up to a mark before it, from values that are within `bound` of
+/// the truth.
 ///
-/// The watch is told that they are within a quarter more ([`hazy`]): cells leave out modes, or round, by up to the fineness.
+/// The watch is given a bound larger by a quarter ([`hazy`]), because cells leave out modes, or round, by up to the fineness.
 ///
-/// Modes beyond a wide gap are left to looks first. Where so many cells want a look that a grid which resolves all modes would
-/// have taken less, it is laid.
-pub fn peaks(scene: &Scene, modes: &Modes, bound: f64, tolerance: f64) -> Found {
+/// Modes beyond a wide gap are at first computed only in cells that are examined. Where so many cells have to be examined that a
+/// grid which resolves all modes would need less work, that grid is used.
+pub fn peaks(scene: &Scene, modes: &Modes, [bound, tolerance]: [f64; 2], mark: Option<f64>) -> Found {
     let field = Field::new(scene, modes);
     let (slow, all) = (resolved_modes(&field.omega), field.omega.len());
     let price = survey_price(all, scene.initial.len(), cells(scene.horizon, &field.omega));
     let affordable = ((price / LOOK) as u64).clamp(LEAST_LOOKS, MOST_LOOKS);
     let most_looks = if slow == all { MOST_LOOKS } else { affordable };
-    let first = Scan::run(&field, slow, bound, tolerance, most_looks);
+    let first = Scan::run(&field, slow, [bound, tolerance], mark, most_looks);
     if slow == all || !first.given_up || price > MOST_NANOSECONDS {
         return first;
     }
-    let mut found = Scan::run(&field, all, bound, tolerance, MOST_LOOKS);
+    let mut found = Scan::run(&field, all, [bound, tolerance], mark, MOST_LOOKS);
     found.work.mode_sums += first.work.mode_sums;
     found.work.refinements += first.work.refinements;
     found
+}
+
+/// Stretches, of which the one that contains the mark is cut there.
+fn cut(stretches: Vec<Stretch>, mark: Option<f64>) -> Vec<Stretch> {
+    let parts = |s: Stretch| match mark.filter(|m| s.from < *m && *m < s.to) {
+        Some(mark) => vec![s.part(s.from, mark), s.part(mark, s.to)],
+        None => vec![s],
+    };
+    stretches.into_iter().flat_map(parts).collect()
 }
 
 /// How many cells resolve the last of these modes.
@@ -125,13 +135,17 @@ struct Scan<'a> {
 }
 
 impl Scan<'_> {
-    fn run(field: &Field, resolved: usize, bound: f64, tolerance: f64, most_looks: u64) -> Found {
+    fn run(field: &Field, resolved: usize, [bound, tolerance]: [f64; 2], mark: Option<f64>, most_looks: u64) -> Found {
         let watch = Watch::new(field.scene, hazy(bound));
         let lowest = watch.peaks.iter().map(|p| [p.draft.best.value, p.buff.best.value]).collect();
         let (work, eased) = (Work::default(), EASED * tolerance);
         let mut scan =
             Scan { field, resolved, watch, work, lowest, looks: 0, most_looks, eased, missed: 0.0, given_up: false };
-        for stretch in field.stretches() {
+        let mut to_mark = Vec::new();
+        for stretch in cut(field.stretches(), mark) {
+            if mark == Some(stretch.from) {
+                to_mark = scan.settled().peaks;
+            }
             let cells = cells(stretch.to - stretch.from, &field.omega[..resolved]);
             let parts = (cells * field.scene.initial.len() as f64 / MOST_CELLS) as usize + 1;
             let at = |part: usize| stretch.from + (stretch.to - stretch.from) * part as f64 / parts as f64;
@@ -140,13 +154,19 @@ impl Scan<'_> {
                 scan.stretch(&stretch.part(at(part), to));
             }
         }
-        for (spring, negative) in scan.watch.sides() {
-            if scan.watch.at_rating(spring, negative) {
-                scan.watch.settle(spring, negative, scan.lowest[spring][usize::from(negative)]);
+        let missed = scan.watch.bound() - bound + scan.missed.max(scan.watch.grain());
+        Found { peaks: [scan.settled().peaks, to_mark], work: scan.work, missed, given_up: scan.given_up }
+    }
+
+    /// What has been seen, sides that stand at their rating settled.
+    fn settled(&self) -> Watch {
+        let mut watch = self.watch.clone();
+        for (spring, negative) in self.watch.sides() {
+            if watch.at_rating(spring, negative) {
+                watch.settle(spring, negative, self.lowest[spring][usize::from(negative)]);
             }
         }
-        let missed = scan.watch.bound() - bound + scan.missed.max(scan.watch.grain());
-        Found { peaks: scan.watch.peaks, work: scan.work, missed, given_up: scan.given_up }
+        watch
     }
 
     fn stretch(&mut self, stretch: &Stretch) {
@@ -207,7 +227,7 @@ impl Scan<'_> {
         self.watch.departs(spring, negative, self.lowest[spring][usize::from(negative)]);
     }
 
-    /// The sides that may still tell something new: where all modes together, whatever their phases, pass what matters.
+    /// The sides that may still change the result: where all modes together, whatever their phases, pass what matters.
     fn open_sides(&self, stretch: &Stretch) -> Vec<(usize, bool)> {
         let modes = self.field.omega.len();
         let is_open = |&(spring, negative): &(usize, bool)| {

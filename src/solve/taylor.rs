@@ -65,6 +65,8 @@ const U: f64 = f64::EPSILON / 2.0;
 pub struct TaylorOutcome {
     /// Extremes of every spring's force, until it breaks.
     pub springs: Vec<SpringPeaks>,
+    /// The same up to a mark; empty without one.
+    pub to_mark: Vec<SpringPeaks>,
     /// What broke, in order; those of t = 0 first.
     pub breakages: Vec<Breakage>,
     /// The first coupler that came within the bound of its rating and was not seen to pass it, and when: from then on what
@@ -135,11 +137,19 @@ pub fn estimate_s(play: &Play) -> f64 {
 
 /// Extremes of every coupler's force, and what breaks.
 ///
+/// # Errors
+/// As for [`solve_to_mark`].
+pub fn solve(play: &Play) -> Result<TaylorOutcome, SolveError> {
+    solve_to_mark(play, None)
+}
+
+/// Extremes of every coupler's force, up to a mark before the horizon as well, and what breaks.
+///
 /// With a rule of breaking the motion is followed twice: the bound that the extremes need is known only when all breaks are.
 ///
 /// # Errors
 /// [`SolveError::TooMuch`] when it would run for hours.
-pub fn solve(play: &Play) -> Result<TaylorOutcome, SolveError> {
+pub fn solve_to_mark(play: &Play, mark: Option<f64>) -> Result<TaylorOutcome, SolveError> {
     let seconds = estimate_s(play);
     if seconds > MOST_SECONDS {
         let advice = "a shorter horizon takes less, in proportion".to_owned();
@@ -148,11 +158,25 @@ pub fn solve(play: &Play) -> Result<TaylorOutcome, SolveError> {
     let first = if play.rule == Rule::Keep { start(play) } else { march(play, &mut |_| {}) };
     let mut watch = Watch::new(&play.scene, first.bound);
     let mut work = Work::default();
-    march(play, &mut |piece| look(play, &mut watch, piece, &mut work));
-    watch.settle_all();
+    let mut to_mark = None;
+    march(play, &mut |piece| {
+        let until = piece.from + piece.end * piece.width;
+        if let Some(mark) = mark.filter(|mark| piece.from < *mark && *mark <= until) {
+            let mut watch = watch.until(mark);
+            look(play, &mut watch, &Piece { end: (mark - piece.from) / piece.width, ..*piece }, &mut work);
+            to_mark = Some(watch);
+        }
+        look(play, &mut watch, piece, &mut work);
+    });
+    let settled = |mut watch: Watch| {
+        watch.settle_all();
+        watch.peaks
+    };
     let March { breakages, open, gap_closes, bound } = first;
     let error_bound = searched(bound);
-    Ok(TaylorOutcome { springs: watch.peaks, breakages, open, gap_closes, error_bound, work })
+    // The last step may round to end just before a mark.
+    let to_mark = mark.map_or_else(Vec::new, |_| settled(to_mark.unwrap_or_else(|| watch.clone())));
+    Ok(TaylorOutcome { springs: settled(watch), to_mark, breakages, open, gap_closes, error_bound, work })
 }
 
 /// Force of one coupler at given times, ascending; zero once it is broken.

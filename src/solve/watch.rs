@@ -1,15 +1,15 @@
 //! What has been seen so far of every spring's force: its extremes, and its first exceedance in either sign.
 //!
-//! A scan of the forces, by whatever method, shows the watch pieces of a force as polynomials. The watch says beforehand
-//! which level a piece has to reach to be worth showing.
+//! Every method passes pieces of the forces to the watch, as polynomials in time. The watch gives the level that a piece has to reach
+//! for its extremes to matter, so that the other pieces need not be passed.
 
 use super::dd::Dd;
 use super::local::{Local, Point};
 use crate::chain::Scene;
 
-/// A difference in force that is not worth more work, as a share of the bound of the forces that are shown.
+/// Differences in force under this share of the error bound are not resolved.
 const GRAIN: f64 = 0.125;
-/// How far a piece that is shown may be from the force, as a share of the same bound.
+/// How far a piece that is passed may be from the force, as a share of the same bound.
 const FINENESS: f64 = 0.1;
 /// A push from the rating, in bounds, that counts: ahead of the front rounding is far smaller than the bound.
 const PUSH: f64 = 1e-8;
@@ -121,6 +121,17 @@ impl Watch {
         Watch { peaks, ratings, horizon: scene.horizon, bound, grain: GRAIN * bound }
     }
 
+    /// What has been seen so far, to be watched up to an earlier instant than the horizon.
+    pub fn until(&self, mark: f64) -> Watch {
+        Watch { horizon: mark, ..self.clone() }
+    }
+
+    /// Nothing later counts.
+    #[inline]
+    pub fn horizon(&self) -> f64 {
+        self.horizon
+    }
+
     /// Every side of every spring.
     pub fn sides(&self) -> impl Iterator<Item = (usize, bool)> + use<> {
         (0..self.peaks.len()).flat_map(|s| [(s, false), (s, true)])
@@ -163,7 +174,7 @@ impl Watch {
         }
     }
 
-    /// Takes note of a force well under the rating; whether it is.
+    /// Notes a force that is certainly under the rating; returns whether it is.
     pub fn departs(&mut self, spring: usize, negative: bool, value: f64) -> bool {
         let departed = self.is_low(spring, negative, value);
         if departed {
@@ -172,8 +183,8 @@ impl Watch {
         departed
     }
 
-    /// At the end: a side that stood at its rating, and the lowest it was seen at. If it never went well below, it cannot be
-    /// told whether it passed the rating, be it by a part in 1e86.
+    /// At the end: a side that stood at its rating, and the lowest it was seen at. If it was never certainly
+    /// below, it is not decided whether it passed the rating.
     pub fn settle(&mut self, spring: usize, negative: bool, lowest: f64) {
         let undecided = self.bound > 0.0 && !self.departs(spring, negative, lowest);
         let largest = self.peaks[spring].side(negative).best.value + self.grain();
@@ -189,7 +200,7 @@ impl Watch {
         }
     }
 
-    /// At the end, where every instant at which a side was well under its rating has been noted ([`Watch::departs`]).
+    /// At the end, where every instant at which a side was certainly under its rating has been noted ([`Watch::departs`]).
     pub fn settle_all(&mut self) {
         for (spring, negative) in self.sides() {
             if self.at_rating(spring, negative) {
@@ -227,7 +238,7 @@ impl Watch {
         value > self.rating(spring, negative) + self.bound
     }
 
-    /// How far a piece that is shown may be from the force, lest a verdict depend on it.
+    /// How far a piece that is passed may be from the force without changing a verdict.
     #[inline]
     pub fn fineness(&self) -> f64 {
         FINENESS * self.bound

@@ -163,9 +163,8 @@ pub(super) fn numbers(spec: &TrainSpec) -> Vec<SpecProblem> {
         for (name, n) in c.limits.named() {
             all.extend(number(&within, &format!("limits.{name}"), n, Sign::Positive));
         }
-        all.extend(
-            c.limits.disorder().map(|[message, help]| SpecProblem::new(format!("{within}.limits"), message, help)),
-        );
+        let disorder = c.limits.disorder(spec.origin.units);
+        all.extend(disorder.map(|[message, help]| SpecProblem::new(format!("{within}.limits"), message, help)));
     }
     match &spec.load {
         Load::None => {}
@@ -254,7 +253,8 @@ pub(super) fn together(train: &Train, pulled_to: &PulledTo) -> Vec<SpecProblem> 
         _ => pulled_to_n.iter().zip(&train.initial_force_n).any(|(pulled, load)| pulled < load),
     };
     if less {
-        let message = format!("pulled_to is less than the load, {}", shown(largest_n, Dimension::Force));
+        let message =
+            format!("pulled_to is less than the load, {}", shown(train.origin.units, largest_n, Dimension::Force));
         all.push(wrong(message, "it is the largest pull before, from which the train was let down to the load"));
     } else if matches!(pulled_to, PulledTo::Largest(_)) && steady.is_some() && largest_n <= 0.0 {
         let help = "the couplers' pulls before are in proportion to those of the load, of which none is in draft";

@@ -1,7 +1,7 @@
 //! What a train may have beyond linear springs under a given load.
 
 use crate::law::Law;
-use crate::units::{Dimension, shown};
+use crate::units::{Dimension, UnitSystem, shown};
 
 /// All of it is absent by default, and what is absent changes no result.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -72,8 +72,8 @@ impl Limits {
     }
 
     /// What is not in rising order, and what would be right: `proof in draft, 2 MN, is above ultimate, 1.8 MN`.
-    pub(crate) fn disorder(&self) -> Option<[String; 2]> {
-        let force = |n: f64| shown(n, Dimension::Force);
+    pub(crate) fn disorder(&self, units: UnitSystem) -> Option<[String; 2]> {
+        let force = |n: f64| shown(units, n, Dimension::Force);
         let in_sense = |(capacities, sense): ([Option<f64>; 3], &str)| {
             let given: Vec<_> = LIMITS.iter().zip(capacities).filter_map(|(name, n)| Some((name, n?))).collect();
             let wrong = given.windows(2).find(|pair| pair[0].1 > pair[1].1)?;

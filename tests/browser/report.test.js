@@ -280,3 +280,109 @@ test("a report is of a size that can be sent", () => {
   assert.ok(statSync(join(paper(), "report.html")).size < 1.5e6);
   assert.ok(statSync(join(report(join(root, "trains/mixed-manifest-train.toml")), "report.html")).size < 2e6);
 });
+
+const unit = () => report(join(root, "trains/north-american-286k-unit-train.toml"));
+const brakes = () => report(join(root, "trains/unit-train-emergency.toml"));
+// The page of a fleet of two trains, written once.
+let fleet = null;
+function fleetPage() {
+  if (fleet === null) {
+    fleet = join(folder, "fleet");
+    const trains = ["trains/paper-figure-4.toml", "trains/hauled-train-on-a-grade.toml"].map((t) => join(root, t));
+    execFileSync(program, ["fleet", ...trains, "--format", "csv,html", "--out", fleet, "-q"], { stdio: ["ignore", "ignore", "inherit"] });
+  }
+  return pathToFileURL(join(fleet, "fleet.html")).href;
+}
+
+for (const width of [390, 768, 1400]) {
+  test(`legends lie beside the data and captions in view, ${width} pixels wide`, async () => {
+    for (const out of [paper(), unit(), brakes()]) {
+      const page = await open(out, { viewport: { width, height: 900 } });
+      const troubles = await page.evaluate(() => {
+        const wrong = [];
+        for (const plot of document.querySelectorAll(".live .plot")) {
+          const legend = plot.querySelector(".legend"), data = plot.querySelector(".plot");
+          if (!legend || !data) continue;
+          const [l, d] = [legend.getBoundingClientRect(), data.getBoundingClientRect()];
+          if (l.bottom > d.top + 1 && l.top < d.bottom) wrong.push("legend over data in " + plot.id);
+        }
+        for (const caption of document.querySelectorAll("caption span")) {
+          const box = caption.getBoundingClientRect();
+          if (box.right > innerWidth + 1) wrong.push("caption cut: " + caption.textContent);
+        }
+        if (document.documentElement.scrollWidth > innerWidth) wrong.push("the page is wider than the screen");
+        return wrong;
+      });
+      assert.deepEqual(troubles, [], out);
+      await close(page);
+    }
+  });
+}
+
+test("every exceedance has a mark, and no other coupler", async () => {
+  const page = await open(paper());
+  const marks = await page.evaluate(() => {
+    const trace = document.getElementById("along-1").data.find((t) => t.name === "over its rating");
+    return Array.from(trace.x, (x, i) => [x, trace.y[i]]);
+  });
+  const couplers = result(paper()).scenarios[0].cases[0].couplers.filter((c) => c.exceeds);
+  const right = couplers.flatMap((c) => [[c.coupler, c.peak_draft_n, c.rated_draft_n], [c.coupler, c.peak_buff_n, c.rated_buff_n]])
+    .filter(([, f, rated]) => Math.abs(f) > rated).map(([coupler, f]) => [coupler, f]);
+  assert.ok(right.length > 50);
+  assert.deepEqual(marks, right);
+  await close(page);
+});
+
+test("a rating far off does not press the forces flat, and its number is shown", async () => {
+  const page = await open(unit());
+  for (const id of ["along-1", "history-1"]) {
+    const [range, notes] = await page.evaluate((id) => {
+      const { _fullLayout } = document.getElementById(id);
+      return [_fullLayout.yaxis.range, _fullLayout.annotations.map((a) => a.text)];
+    }, id);
+    // 700 kip in buff, where no force is over 253 kip.
+    assert.ok(range[0] > -400 && range[1] > 400, `${id}: ${range}`);
+    assert.ok(notes.includes("rated 700 kip \u2193"), `${id}: ${notes}`);
+  }
+  await close(page);
+});
+
+test("in dark mode no figure is white", async () => {
+  for (const out of [paper(), brakes()]) {
+    const page = await open(out, { colorScheme: "dark" });
+    for (const figure of await page.locator(".plot[id], figure > svg").all()) {
+      if (!await figure.isVisible()) continue;
+      assert.equal(await count(await figure.screenshot(), "r > 250 && g > 250 && b > 250"), 0);
+    }
+    await close(page);
+  }
+});
+
+test("the break of any coupler is a row of a folded table, which is printed open", async () => {
+  const page = await open(unit());
+  const rows = page.locator("details tbody tr", { hasText: "car 38, car 39" });
+  assert.equal(await rows.first().isVisible(), false);
+  await page.evaluate(() => dispatchEvent(new Event("beforeprint")));
+  assert.ok(await rows.first().isVisible());
+  assert.match(await rows.first().innerText(), /^40\s/);
+  await close(page);
+});
+
+test("the page of a fleet fits the screen and, with all columns, the paper", async () => {
+  for (const width of [390, 1400]) {
+    const page = await browser.newPage({ viewport: { width, height: 900 } });
+    await page.goto(fleetPage());
+    assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), `${width}`);
+    await page.close();
+  }
+  // 180 mm of A4.
+  const page = await browser.newPage({ viewport: { width: 680, height: 1000 } });
+  await page.goto(fleetPage());
+  await page.emulateMedia({ media: "print" });
+  await page.evaluate(() => dispatchEvent(new Event("beforeprint")));
+  const cut = await page.evaluate(() => [...document.querySelectorAll("main th, main td, main svg")]
+    .filter((e) => e.getBoundingClientRect().right > innerWidth + 1).map((e) => e.textContent.slice(0, 40)));
+  assert.deepEqual(cut, []);
+  assert.ok(await page.locator("details p").first().isVisible());
+  await page.close();
+});

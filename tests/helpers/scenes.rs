@@ -139,7 +139,10 @@ pub fn by(method: Method, scene: &Scene) -> Option<Found> {
             if propagator::steps(scene, omega) * springs > AFFORDABLE {
                 return None;
             }
-            (propagator::peaks(scene, omega, Wanted::Everything).0, propagator::error_bound(scene, omega))
+            (
+                propagator::peaks(scene, omega, Wanted::Everything, None).0[0].clone(),
+                propagator::error_bound(scene, omega),
+            )
         }
         Method::Modal => solved(scene, Method::Modal),
         _ => return None,

@@ -89,14 +89,14 @@ fn an_ore_train() {
 #[test]
 fn an_ore_train_in_words() {
     let expected = "Ore train
-105 vehicles, 104 couplers, 16640 t without what is held
+105 vehicles, 104 couplers, 16640 t, not counting held vehicles
   1 x locomotive (held) of 195 t
   104 x ore car of 160 t, 10.9 m
 couplers: stiffness 30 MN/m; rated 900 kN to 1.5 MN in draft, 2 MN in buff
 load before the event: 600 kN in draft
 to be run:
   knuckle breaks: coupler 53 between ore car 52 and ore car 53 breaks; 1 case, horizon 8 s
-  the rear is hit: 1.2 MN backward on ore car 104 for 60 ms; 1 case, horizon 30.44 s
+  the rear is hit: 1.2 MN backward on ore car 104 for 60 ms; 1 case, horizon 30.4403 s
 ";
     assert_eq!(describe(&parse(ORE_TRAIN)), expected);
 }
@@ -230,32 +230,36 @@ fn without_a_scenario_each_coupler_breaks_and_without_a_name_the_file_gives_it()
 fn warnings_say_what_is_likely_not_meant() {
     let warned = |more: &str| warnings(&ten(COUPLER, more));
     let breaks = "[[scenario]]\nname = \"b\"\nkind = \"break\"\ncoupler = 5\n";
-    assert_eq!(warned(breaks), ["b: a coupler without load breaks and nothing changes; give [load] a uniform force"]);
+    assert_eq!(
+        warned(breaks),
+        ["b: the coupler that breaks carries no load, so its break changes nothing; give [load] a uniform force"]
+    );
     let over = "the load is over the rating of 9 of 9 couplers before anything happens";
     assert_eq!(warned("[load]\nuniform = \"1.6 MN\""), [over]);
     assert_eq!(warned("[load]\nuniform = \"1.5 MN\""), Vec::<String>::new(), "at the rating is not over it");
     let short =
         "[load]\nuniform = \"1 MN\"\n[[scenario]]\nname = \"b\"\nkind = \"break\"\ncoupler = 9\nhorizon = \"0.58 s\"";
-    // Eight couplers in front of the broken one, each sqrt(160e3 / 30e6) s = 73.03 ms: 584.24 ms.
-    let expected = "b: the horizon of 580 ms ends before a wave has crossed the longest part, 584.24 ms";
+    // Eight couplers in front of the broken one, each sqrt(160e3 / 30e6) s = 73.03 ms: 584.237 ms.
+    let expected = "b: the horizon of 580 ms ends before a wave has crossed the longest part, 584.237 ms";
     assert_eq!(warned(short), [expected]);
     assert_eq!(warned(&short.replace("0.58", "0.59")), Vec::<String>::new());
     let long =
-        "[[scenario]]\nname = \"p\"\nkind = \"pulse\"\nat = 1\nforce = \"1 N\"\nduration = \"3 s\"\nhorizon = \"2 s\"";
+        "[[scenario]]\nname = \"p\"\nkind = \"pulse\"\nat = 1\nforce = \"1 MN\"\nduration = \"3 s\"\nhorizon = \"2 s\"";
     // Nine couplers, each 73.03 ms: four transits are 2.629 s.
     assert_eq!(
         warned(long),
         [
-            "p: the pulse outlasts the horizon of 2 s, so what its end does is not seen; a horizon of 5.6291 s covers it",
-            "p: the force does not end within the horizon and nothing holds the train, so it is pulled along for ever; hold an \
+            "p: the pulse lasts longer than the horizon of 2 s, so the effect of its end is not computed; a horizon of 5.62907 s covers it",
+            "p: the force does not end within the horizon and no vehicle is held, so the train is accelerated without end; hold an \
              end, or let the force end"
         ]
     );
     let length = "[[vehicle]]\nmass = \"10 t\"\nlength = \"9 m\"\n[load]\nuniform = \"1 N\"";
-    let expected = "no length is given for 10 vehicles, so there are no speeds in m/s and no places along the train";
+    let expected =
+        "no length is given for 10 vehicles, so there are no wave speeds over the ground and no places along the train";
     assert_eq!(warned(length), [expected]);
     let two = format!("[coupler]\n{COUPLER}\n[[vehicle]]\ncount = 2\nmass = \"10 t\"\n[load]\nuniform = \"1 N\"");
-    let expected = "break of coupler 1: once its only coupler is broken the train has none left to look at";
+    let expected = "break of coupler 1: the train has one coupler only: after its break there is none left to examine";
     assert_eq!(warnings(&parse(&two)), [expected]);
 }
 
@@ -269,7 +273,7 @@ fn horizons_of_many_cases_are_told_from_the_shortest_to_the_longest() {
         let Event::Break { couplers } = &train.scenarios()[0].event else { panic!("a break") };
         let horizons = couplers.iter().map(|&b| trainsafe::scenario::horizon_s(&train, &train.scenarios()[0], Some(b)));
         let (low, high) = horizons.fold((f64::INFINITY, 0.0f64), |(l, h), t| (l.min(t), h.max(t)));
-        let [low, high] = [low, high].map(|t| trainsafe::units::shown(t, trainsafe::units::Dimension::Time));
+        let [low, high] = [low, high].map(trainsafe::units::shown_time);
         let told = format!("horizon {low} to {high}\n");
         assert!(describe(&train).contains(&told), "{told} is not in {}", describe(&train));
     }

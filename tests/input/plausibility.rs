@@ -4,6 +4,7 @@ use std::path::Path;
 
 use trainsafe::doubts::doubts;
 use trainsafe::findings::idle_options;
+use trainsafe::units::UnitSystem;
 use trainsafe::{Options, Train, analyze, consist};
 
 fn parse(text: &str) -> Train {
@@ -35,6 +36,27 @@ uniform = \"0.7 MN\"
 kind = \"break\"
 coupler = 5
 ";
+
+/// Newtons or millinewtons in the place of meganewtons, and shares of 1 in a column of per cent.
+#[test]
+fn sizes_that_no_train_notices() {
+    let faint = SOUND.replace("0.7 MN", "0.7 mN");
+    assert!(codes(&parse(&faint)).contains(&"faint-load"));
+    let pulse = |force: &str| {
+        let pulse = format!("kind = \"pulse\"\nat = \"tail\"\nforce = \"{force}\"\nduration = \"1 s\"\n");
+        codes(&parse(&SOUND.replace("kind = \"break\"\ncoupler = 5\n", &pulse)))
+    };
+    assert!(pulse("800 mN").contains(&"faint-pulse") && pulse("-900 N").contains(&"faint-pulse"));
+    assert!(!pulse("-800 kN").contains(&"faint-pulse") && !pulse("-800 kN").contains(&"faint-load"));
+    let grade = |percent: &str| {
+        let train = SOUND.replace("uniform = \"0.7 MN\"", &format!("grade = \"{percent} %\""));
+        let train = parse(&train.replace("coupler = 5", "coupler = \"each\""));
+        doubts(&train).into_iter().find(|d| d.code == "flat-grade").map(|d| d.text)
+    };
+    let told = "the steepest grade is 0.012 %: was 1.2 % meant, given as a share of 1?";
+    assert_eq!(grade("-0.012").as_deref(), Some(told));
+    assert_eq!((grade("1.2"), grade("0.06")), (None, None));
+}
 
 /// The sound train with one line changed.
 fn with(from: &str, to: &str) -> Train {
@@ -83,10 +105,105 @@ fn implausible_numbers_are_doubted() {
     assert!(codes(&parse(&text)).contains(&"grade"));
     // The published ratio is a dashpot's: c = 2 z sqrt(k m).
     let told = doubts(&with("damping_ratio = 0\n", "damping_ratio = 0.05\n"))[0].to_string();
-    assert!(told.contains("damping = \"115.41 kN*s/m\""), "{told}");
+    assert!(told.contains("damping = \"115.412 kN\u{b7}s/m\""), "{told}");
     // One doubt for all alike.
     let told = doubts(&with("11.1 MN/m", "11.1 kN/m"))[1].to_string();
-    assert!(told.contains("coupler 1 (and 59 more couplers) by 63.063 m"), "{told}");
+    assert!(told.contains("coupler 1 (and 59 more couplers) by 63.0631 m, more than 500 mm"), "{told}");
+}
+
+/// Doubts and what `check` prints are in the units that the file or the reader asks for, and in no others.
+#[test]
+fn doubts_and_descriptions_are_in_the_reader_s_units() {
+    let event = |event: &str| SOUND.replace("kind = \"break\"\ncoupler = 5", event);
+    let texts = [
+        SOUND.replace("11.1 MN/m", "11.1 kN/m"),
+        SOUND.replace("120 t", "401 t").replace("1.2 MN", "12 MN"),
+        SOUND.replace("damping_ratio = 0\n", "damping_ratio = 0.05\n"),
+        SOUND.replace("held = true", "tractive_effort = \"9 MN\"").replace("[load]\nuniform = \"0.7 MN\"\n", ""),
+        event("kind = \"impact\"\nat = \"tail\"\nvehicles = 3\nspeed = \"201 km/h\"")
+            .replace("rated_load", "damping = \"100 kN*s/m\"\nrated_load"),
+        event("kind = \"pulse\"\nat = \"tail\"\nforce = \"1 MN\"\nduration = \"9 min\""),
+    ];
+    let samples =
+        ["trains/unit-train-emergency.toml", "trains/mixed-manifest-brakes.toml", "trains/shunting-european-rake.toml"];
+    let read = |path: &&str| consist::read(Path::new(path)).unwrap_or_else(|e| panic!("{e}"));
+    let trains: Vec<Train> = texts.iter().map(|text| parse(text)).chain(samples.iter().map(read)).collect();
+    let mut kinds: Vec<&str> = trains.iter().flat_map(codes).collect();
+    kinds.sort_unstable();
+    kinds.dedup();
+    let with_numbers =
+        ["acceleration", "dashpot-at-contact", "mass", "modal-damping", "rating", "soft-coupler", "speed", "stretch"];
+    assert!(with_numbers.iter().all(|code| kinds.contains(code)), "{kinds:?}");
+    // A number and, as the next word, one of these units.
+    let foreign = |units: &[&str], text: &str| {
+        let words: Vec<&str> =
+            text.split_whitespace().map(|w| w.trim_matches(['(', ')', ';', ',', ':', '"'])).collect();
+        let number = |word: &str| word.parse::<f64>().is_ok();
+        words.windows(2).find(|pair| number(pair[0]) && units.contains(&pair[1])).map(|pair| pair.join(" "))
+    };
+    let si = [
+        "N",
+        "kN",
+        "MN",
+        "kN/m",
+        "MN/m",
+        "kg",
+        "t",
+        "m",
+        "mm",
+        "m/s",
+        "m/s\u{b2}",
+        "km/h",
+        "kJ",
+        "kN\u{b7}s/m",
+        "MN\u{b7}s/m",
+    ];
+    let us = [
+        "lbf",
+        "kip",
+        "lbf/in",
+        "kip/in",
+        "lb",
+        "US",
+        "ft",
+        "in",
+        "ft/s",
+        "ft/s\u{b2}",
+        "mph",
+        "ft\u{b7}lbf",
+        "kip\u{b7}s/in",
+    ];
+    for train in trains {
+        for (units, others) in [(UnitSystem::Us, &si[..]), (UnitSystem::Si, &us[..])] {
+            let train = train.clone().with_units(units);
+            let mut text = consist::describe(&train).replace(train.name(), "");
+            train.scenarios().iter().for_each(|s| text = text.replace(&s.name, ""));
+            assert_eq!(foreign(others, &text), None, "{units:?}: {text}");
+        }
+    }
+}
+
+/// A file's own units and `--units` decide what `check` prints.
+#[test]
+fn check_prints_the_units_asked_for() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("train.toml");
+    let check = |text: &str, options: &[&str]| {
+        std::fs::write(&path, text).expect("written");
+        let done =
+            std::process::Command::new(env!("CARGO_BIN_EXE_trainsafe")).arg("check").arg(&path).args(options).output();
+        String::from_utf8(done.expect("it runs").stdout).expect("text")
+    };
+    let us = format!("units = \"us\"\n{SOUND}");
+    for (text, options, mass) in [
+        (SOUND, &[][..], "7200 t"),
+        (SOUND, &["--units", "us"], "7936.64 US tons"),
+        (&us, &[], "7936.64 US tons"),
+        (&us, &["--units", "si"], "7200 t"),
+    ] {
+        let printed = check(text, options);
+        assert!(printed.contains(&format!("60 couplers, {mass}, not counting held vehicles")), "{printed}");
+    }
 }
 
 /// A train that runs away, vehicles that arrive too fast, a dashpot that is struck.

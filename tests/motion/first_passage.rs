@@ -2,7 +2,10 @@
 
 use std::path::Path;
 
+use trainsafe::accuracy::campaign::row::WorstRow;
+use trainsafe::chain::Scene;
 use trainsafe::findings::CaseFindings;
+use trainsafe::solve::{Ask, Method, Solution, Wanted, solve};
 use trainsafe::{Options, Train, analyze, consist, report};
 
 fn read(file: &str) -> Train {
@@ -97,4 +100,51 @@ fn a_verdict_that_later_reflections_change_says_so() {
     assert!(first.peak_time_s <= found.first_passage_s);
     let buff = found.couplers.iter().filter_map(|c| c.first_passage.as_ref()?.peak_buff_n).fold(0.0, f64::min);
     assert!((buff / -4.57e6 - 1.0).abs() < 2e-3, "{buff}");
+}
+
+/// Extremes up to a mark are those of a scene that ends there, by every method and whatever is wanted; those up to the horizon stay
+/// what they are.
+#[test]
+fn a_mark_is_a_horizon_of_its_own() {
+    let methods = [None, Some(Method::Fronts), Some(Method::Modal), Some(Method::Propagator)];
+    let (mut compared, mut over) = (0, 0);
+    for seed in 0..20u64 {
+        let mut scene = trainsafe::accuracy::campaign::scene(seed);
+        let largest = scene.initial.iter().fold(scene.force.abs(), |most, f| most.max(f.abs()));
+        let rating = largest * (0.9 + 0.02 * (seed % 40) as f64);
+        scene.rated_draft.fill(rating);
+        scene.rated_buff.fill(0.9 * rating);
+        let mark = scene.horizon * (0.05 + 0.9 * (seed as f64 * 0.618).fract());
+        let short = Scene { horizon: mark, ..scene.clone() };
+        for method in methods {
+            let ask = Ask { tolerance: 1e-9 * largest, method, ..Ask::default() };
+            let marked = Ask { mark: Some(mark), ..ask };
+            let (Ok(both), Ok(alone), Ok(whole)) = (solve(&scene, &marked), solve(&short, &ask), solve(&scene, &ask))
+            else {
+                continue;
+            };
+            if method == Some(Method::Propagator) {
+                assert_eq!(both.springs, whole.springs, "seed {seed}");
+                let worst = solve(&scene, &Ask { wanted: Wanted::Worst, ..marked }).expect("a solution");
+                let of = |springs| WorstRow::of(&short, &Solution { springs, ..both.clone() }).expect("all springs");
+                assert!(of(worst.to_mark).agrees(&of(both.to_mark.clone()), &short), "seed {seed}");
+            }
+            let room = both.error_bound + alone.error_bound;
+            for (a, b) in both.to_mark.iter().flatten().zip(alone.springs.iter().flatten()) {
+                for (a, b) in [(&a.draft, &b.draft), (&a.buff, &b.buff)] {
+                    assert!((a.best.value - b.best.value).abs() <= room, "seed {seed} {method:?}: {a:?} {b:?}");
+                    assert!(a.best.at <= mark * (1.0 + 1e-15), "seed {seed} {method:?}: {a:?}");
+                    let decided = a.exceeds().zip(b.exceeds());
+                    assert!(decided.is_none_or(|(a, b)| a == b), "seed {seed} {method:?}: {a:?} {b:?}");
+                    if let Some((a, b)) = a.first_over.zip(b.first_over) {
+                        assert!((a - b).abs() <= 1e-6 * mark, "seed {seed} {method:?}: {a} {b}");
+                        over += 1;
+                    }
+                    compared += 1;
+                }
+            }
+            assert_eq!(both.to_mark.len(), alone.springs.len());
+        }
+    }
+    assert!(compared > 500 && over > 50, "{compared} {over}");
 }

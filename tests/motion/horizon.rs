@@ -73,16 +73,16 @@ fn what_a_short_horizon_does_not_see_is_told() {
     let rows = "time_s,force_kn\n0,0\n50,0\n60,600\n70,600\n71,0\n";
     std::fs::write(dir.path().join("late.csv"), rows).expect("written");
     for (scenario, told) in [
-        ("record = \"late.csv\"\nhorizon = \"20 s\"", "has not begun at the horizon of 20 s"),
+        ("record = \"late.csv\"\nhorizon = \"20 s\"", "begins after the horizon of 20 s"),
         ("record = \"late.csv\"\nhorizon = \"59 s\"", "has not reached its largest value at the horizon of 59 s"),
-        ("record = \"late.csv\"\nhorizon = \"70.5 s\"", "outlasts the horizon of 70.5 s"),
+        ("record = \"late.csv\"\nhorizon = \"70.5 s\"", "lasts longer than the horizon of 70.5 s"),
         (&format!("{RAMP}horizon = \"20 s\""), "has not reached its largest value"),
-        (&format!("{RAMP}horizon = \"100 s\""), "outlasts the horizon"),
+        (&format!("{RAMP}horizon = \"100 s\""), "lasts longer than the horizon"),
         (
             "force = \"1 kN\"\nduration = \"50 s\"\nshape = \"half-sine\"\nhorizon = \"24 s\"",
             "has not reached its largest",
         ),
-        ("force = \"1 kN\"\nduration = \"50 s\"\nhorizon = \"24 s\"", "outlasts the horizon"),
+        ("force = \"1 kN\"\nduration = \"50 s\"\nhorizon = \"24 s\"", "lasts longer than the horizon"),
     ] {
         let free = parse(&wagons(scenario), dir.path());
         let found = doubts(&free);

@@ -6,8 +6,14 @@ use trainsafe::solve::memo::Memo;
 use trainsafe::solve::watch::SpringPeaks;
 use trainsafe::solve::{Ask, Solution, Wanted, solve};
 
-const ASK: Ask =
-    Ask { tolerance: 1e-9, method: None, verdict_only: false, all_time_bound: true, wanted: Wanted::Everything };
+const ASK: Ask = Ask {
+    tolerance: 1e-9,
+    method: None,
+    verdict_only: false,
+    all_time_bound: true,
+    wanted: Wanted::Everything,
+    mark: None,
+};
 
 /// A chain of equal or unequal masses with its last mass pulled; `seed` sets the numbers.
 fn scene(masses: usize, equal: bool, held_head: bool, seed: u32, rating: f64) -> Scene {

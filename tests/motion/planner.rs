@@ -1,7 +1,7 @@
 //! What the planner chooses and leaves out, by counted work.
 
 use trainsafe::chain::{Chain, Scene};
-use trainsafe::solve::{Ask, Method, Solution, SolveError, Wanted, estimate_s, solve};
+use trainsafe::solve::{Ask, Method, Solution, SolveError, estimate_s, solve};
 
 /// Held head, `n` springs, the last mass released; every `stiff`-th spring 1e6 times as stiff, masses unequal by `spread`.
 fn release(n: usize, spread: f64, stiff: usize, horizon: f64) -> Scene {
@@ -27,7 +27,7 @@ fn release(n: usize, spread: f64, stiff: usize, horizon: f64) -> Scene {
 }
 
 fn ask() -> Ask {
-    Ask { tolerance: 1e-9, method: None, verdict_only: false, all_time_bound: false, wanted: Wanted::Everything }
+    Ask { tolerance: 1e-9, ..Ask::default() }
 }
 
 fn solved(scene: &Scene, ask: &Ask) -> Solution {

@@ -8,8 +8,14 @@ use trainsafe::solve::watch::SpringPeaks;
 use trainsafe::solve::{Ask, Method, Solution, Wanted, solve};
 
 /// Scenes in units of their own forces.
-const EVERYTHING: Ask =
-    Ask { tolerance: 1e-9, method: None, verdict_only: false, all_time_bound: false, wanted: Wanted::Everything };
+const EVERYTHING: Ask = Ask {
+    tolerance: 1e-9,
+    method: None,
+    verdict_only: false,
+    all_time_bound: false,
+    wanted: Wanted::Everything,
+    mark: None,
+};
 const WORST: Ask = Ask { wanted: Wanted::Worst, ..EVERYTHING };
 
 fn solved(scene: &Scene, ask: &Ask) -> Solution {

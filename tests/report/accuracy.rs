@@ -130,7 +130,7 @@ fn unequal_trains() -> Vec<Scene> {
 fn every_march_follows_unequal_trains_with_any_ends() {
     for scene in unequal_trains() {
         let modes = trainsafe::solve::modal::modes(&scene);
-        let peaks = trainsafe::solve::search::peaks(&scene, &modes, 0.0, 0.0).peaks;
+        let peaks = trainsafe::solve::search::peaks(&scene, &modes, [0.0; 2], None).peaks[0].clone();
         let times = times(&scene);
         for (peer, margin) in [
             (Peer::Newmark { phase: 0.02 }, 2.7e-2),

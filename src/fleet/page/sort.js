@@ -53,5 +53,7 @@
     if (target && target.tagName === "DETAILS") target.open = true;
   };
   addEventListener("hashchange", open);
+  // What is folded is printed open.
+  addEventListener("beforeprint", () => document.querySelectorAll("details").forEach((d) => { d.open = true; }));
   open();
 })();

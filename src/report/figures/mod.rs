@@ -7,7 +7,7 @@ mod hysteresis;
 mod influences;
 mod map;
 mod raster;
-mod reach;
+pub mod reach;
 mod regions;
 mod safe_factors;
 mod wave;

@@ -60,7 +60,7 @@ pub const TRAIN: &[(&str, &str)] = &[
     ("coupler_override[].limits.buff.ultimate", "'0.9 MN'"),
     ("load.uniform", "'0.5 MN'"),
     ("load.rolling_resistance", "'60 N/t'"),
-    ("load.grade", "'1 %'"),
+    ("load.grade", "'7 %'"),
     ("load.pulled_to", "'0.7 MN'"),
     ("scenario[break].name", "'other'"),
     ("scenario[break].coupler", "5"),

@@ -1,0 +1,220 @@
+//! Quantities in the units of a report's reader.
+
+use super::Dimension;
+
+/// The units of a reader: of reports, `check` and doubts, not of the files for programs, which are in SI.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum UnitSystem {
+    /// kN, t, m, km/h.
+    #[default]
+    Si,
+    /// kip, short tons, feet, mph.
+    Us,
+}
+
+/// A unit with its size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unit {
+    /// What it is called.
+    pub name: &'static str,
+    /// How many SI units it is.
+    pub size: f64,
+}
+
+const fn unit(name: &'static str, size: f64) -> Unit {
+    Unit { name, size }
+}
+
+/// By definition: N, kg and m.
+const LBF: f64 = 4.448_221_615_260_5;
+const LB: f64 = 0.453_592_37;
+const INCH: f64 = 0.0254;
+
+/// Times are written alike in both systems, and grades and shares.
+const TIME: &[Unit] = &[unit("µs", 1e-6), unit("ms", 1e-3), unit("s", 1.0)];
+const GRADE: &[Unit] = &[unit("\u{2030}", 1e-3), unit("%", 1e-2)];
+const SHARE: &[Unit] = &[unit("%", 1e-2)];
+
+impl UnitSystem {
+    /// Their names in a train file and on the command line.
+    pub const NAMES: [&str; 2] = ["si", "us"];
+
+    /// The system of that name.
+    pub fn from_name(name: &str) -> Option<UnitSystem> {
+        [UnitSystem::Si, UnitSystem::Us].into_iter().zip(UnitSystem::NAMES).find(|(_, n)| *n == name).map(|(of, _)| of)
+    }
+
+    /// The units in which quantities of a kind are written, from the smallest. A speed is one of vehicles.
+    pub fn units(self, dimension: Dimension) -> &'static [Unit] {
+        match (self, dimension) {
+            (_, Dimension::Time) => TIME,
+            (_, Dimension::Grade) => GRADE,
+            (_, Dimension::Share) => SHARE,
+            (UnitSystem::Si, of) => metric(of),
+            (UnitSystem::Us, of) => us(of),
+        }
+    }
+
+    /// The unit of places along a train, and of what a wave covers in a second.
+    pub fn long(self) -> Unit {
+        if self == UnitSystem::Us { unit("ft", 12.0 * INCH) } else { unit("m", 1.0) }
+    }
+
+    /// A speed of waves.
+    pub fn wave_speed(self, metres_per_s: f64) -> String {
+        format!("{}/s", self.lengths(metres_per_s))
+    }
+
+    /// An acceleration.
+    pub fn acceleration(self, metres_per_s2: f64) -> String {
+        format!("{}/s\u{b2}", self.lengths(metres_per_s2))
+    }
+
+    fn lengths(self, metres: f64) -> String {
+        written(&[self.long()], metres, 4)
+    }
+
+    /// An energy.
+    pub fn energy(self, joules: f64) -> String {
+        let units: &[Unit] = match self {
+            UnitSystem::Si => const { &[unit("J", 1.0), unit("kJ", 1e3), unit("MJ", 1e6)] },
+            UnitSystem::Us => const { &[unit("ft\u{b7}lbf", 12.0 * INCH * LBF)] },
+        };
+        written(units, joules, 4)
+    }
+}
+
+fn metric(dimension: Dimension) -> &'static [Unit] {
+    match dimension {
+        Dimension::Mass => const { &[unit("kg", 1.0), unit("t", 1e3)] },
+        Dimension::Force => const { &[unit("N", 1.0), unit("kN", 1e3), unit("MN", 1e6)] },
+        Dimension::Stiffness => const { &[unit("N/m", 1.0), unit("kN/m", 1e3), unit("MN/m", 1e6)] },
+        Dimension::Length => const { &[unit("mm", 1e-3), unit("m", 1.0)] },
+        Dimension::Speed => const { &[unit("km/h", 1.0 / 3.6)] },
+        Dimension::Damping => const { &[unit("N\u{b7}s/m", 1.0), unit("kN\u{b7}s/m", 1e3), unit("MN\u{b7}s/m", 1e6)] },
+        Dimension::Resistance => const { &[unit("N/t", 1e-3), unit("N/kg", 1.0)] },
+        Dimension::Time => TIME,
+        Dimension::Grade => GRADE,
+        Dimension::Share => SHARE,
+    }
+}
+
+fn us(dimension: Dimension) -> &'static [Unit] {
+    match dimension {
+        Dimension::Mass => const { &[unit("lb", LB), unit("US tons", 2000.0 * LB)] },
+        Dimension::Force => const { &[unit("lbf", LBF), unit("kip", 1e3 * LBF)] },
+        Dimension::Stiffness => const { &[unit("lbf/in", LBF / INCH), unit("kip/in", 1e3 * LBF / INCH)] },
+        Dimension::Length => const { &[unit("in", INCH), unit("ft", 12.0 * INCH)] },
+        Dimension::Speed => const { &[unit("mph", 63_360.0 * INCH / 3600.0)] },
+        Dimension::Damping => const { &[unit("lbf\u{b7}s/in", LBF / INCH), unit("kip\u{b7}s/in", 1e3 * LBF / INCH)] },
+        Dimension::Resistance => const { &[unit("lbf/ton_us", LBF / (2000.0 * LB))] },
+        same => metric(same),
+    }
+}
+
+/// The largest unit that the value reaches, or the smallest there is; of nothing the first that is as large as SI's own.
+pub fn unit_for(units: &[Unit], value: f64) -> Unit {
+    let fits = |u: &&Unit| if value == 0.0 { u.size >= 1.0 } else { value.abs() >= u.size };
+    let found = if value == 0.0 { units.iter().find(fits) } else { units.iter().rev().find(fits) };
+    found.copied().unwrap_or(units[0])
+}
+
+/// A quantity that was given, from SI, as its reader writes it: up to six digits, no trailing zeros.
+///
+/// ```
+/// use trainsafe::units::{Dimension, UnitSystem, shown};
+/// assert_eq!(shown(UnitSystem::Si, 1.5e6, Dimension::Force), "1.5 MN");
+/// assert_eq!(shown(UnitSystem::Us, 129_727.4, Dimension::Mass), "143 US tons");
+/// ```
+pub fn shown(system: UnitSystem, value: f64, dimension: Dimension) -> String {
+    written(system.units(dimension), value, 6)
+}
+
+/// The same of a time, which is written alike in all units.
+pub fn shown_time(value_s: f64) -> String {
+    written(TIME, value_s, 6)
+}
+
+/// The same to three digits, of a limit that is a round number in SI.
+pub fn rounded(system: UnitSystem, value: f64, dimension: Dimension) -> String {
+    written(system.units(dimension), value, 3)
+}
+
+fn written(units: &[Unit], value: f64, most: i32) -> String {
+    let unit = unit_for(units, value);
+    format!("{} {}", without_zeros(&digits(value / unit.size, 0.0, most)), unit.name)
+}
+
+/// At most `most` significant digits, none finer than the error; whole digits are never rounded away.
+///
+/// Very large and very small numbers are written with a power of ten.
+pub fn digits(value: f64, error: f64, most: i32) -> String {
+    if !value.is_finite() {
+        return "not finite".to_owned();
+    }
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let exponent = value.abs().log10().floor() as i32;
+    let finest = if error > 0.0 { -(2.0 * error).log10().ceil() } else { f64::INFINITY };
+    if !(-4..7).contains(&exponent) {
+        let places = (finest + f64::from(exponent)).clamp(0.0, f64::from(most - 1));
+        return format!("{value:.*e}", places as usize);
+    }
+    let places = finest.clamp(0.0, f64::from((most - 1 - exponent).max(0)));
+    format!("{value:.*}", places as usize)
+}
+
+/// A number without the zeros that end its fraction.
+pub fn without_zeros(number: &str) -> String {
+    let (mantissa, power) = number.split_once('e').map_or((number, None), |(m, p)| (m, Some(p)));
+    let mantissa = if mantissa.contains('.') { mantissa.trim_end_matches('0').trim_end_matches('.') } else { mantissa };
+    power.map_or_else(|| mantissa.to_owned(), |p| format!("{mantissa}e{p}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SI: UnitSystem = UnitSystem::Si;
+    const US: UnitSystem = UnitSystem::Us;
+
+    #[test]
+    fn given_numbers_have_no_trailing_zeros() {
+        assert_eq!(shown(SI, 600e3, Dimension::Force), "600 kN");
+        assert_eq!(shown(SI, 0.06, Dimension::Time), "60 ms");
+        assert_eq!(shown(SI, 0.0, Dimension::Time), "0 s");
+        assert_eq!(shown(SI, 16.8e6, Dimension::Mass), "16800 t");
+        assert_eq!(shown(SI, 1e300, Dimension::Mass), "1e297 t");
+        assert_eq!(shown(SI, 25.0 / 3.6, Dimension::Speed), "25 km/h");
+        assert_eq!(shown(SI, 0.0125, Dimension::Grade), "1.25 %");
+        assert_eq!(SI.wave_speed(290.0), "290 m/s");
+    }
+
+    #[test]
+    fn a_reader_of_us_units_gets_them() {
+        assert_eq!(shown(US, 286_000.0 * LB, Dimension::Mass), "143 US tons");
+        assert_eq!(shown(US, 16.9173e6, Dimension::Stiffness), "96.6003 kip/in");
+        assert_eq!(shown(US, 16.1544, Dimension::Length), "53 ft");
+        assert_eq!(shown(US, 0.0254, Dimension::Length), "1 in");
+        assert_eq!(shown(US, 2.68224, Dimension::Speed), "6 mph");
+        assert_eq!(US.wave_speed(304.8), "1000 ft/s");
+        assert_eq!(US.acceleration(0.3048), "1 ft/s\u{b2}");
+        assert_eq!(US.energy(48_809.0), "36000 ft\u{b7}lbf");
+        assert_eq!(rounded(US, 5e3, Dimension::Mass), "5.51 US tons");
+    }
+
+    /// What is shown can be written into a file: the reader of files takes it for the same quantity.
+    #[test]
+    fn every_unit_can_be_read() {
+        for system in [SI, US] {
+            for dimension in Dimension::ALL {
+                for unit in system.units(dimension) {
+                    let read = crate::units::parse(&format!("1 {}", unit.name), dimension, false);
+                    let Ok(crate::units::Amount::Si(size)) = read else { panic!("{}: {read:?}", unit.name) };
+                    assert!((size / unit.size - 1.0).abs() < 1e-14, "{}: {size}", unit.name);
+                }
+            }
+        }
+    }
+}

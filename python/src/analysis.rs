@@ -4,7 +4,6 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use arrow_array::{ArrayRef, Float64Array, StringArray};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use trainsafe::findings::{self, CaseFindings, Of, ScenarioFindings, Stop};
@@ -54,11 +53,11 @@ pub fn analyze(
 /// Options that say how exactly and how.
 pub fn options(tolerance: f64, method: Option<&str>) -> PyResult<Options> {
     if !(tolerance > 0.0 && tolerance < 1.0) {
-        return Err(PyValueError::new_err("tolerance is a number between 0 and 1, such as 1e-9"));
+        return Err(errors::refused(&"tolerance is a number between 0 and 1, such as 1e-9"));
     }
     let known = |name: &str| {
         let unknown = || format!("no method is named {name:?}; there are fronts, modal and propagator");
-        Method::from_name(name).ok_or_else(|| PyValueError::new_err(unknown()))
+        Method::from_name(name).ok_or_else(|| errors::refused(&unknown()))
     };
     Ok(Options { tolerance, method: method.map(known).transpose()?, ..Options::default() })
 }
@@ -139,17 +138,18 @@ pub fn history<'py>(
     document: &Bound<'py, Document>,
     scenario: usize,
     broken: Option<usize>,
-    coupler: usize,
+    coupler: isize,
     times_s: Vec<f64>,
 ) -> PyResult<Bound<'py, PyBytes>> {
     let train = document.get().train.clone();
     let couplers = train.couplers().len();
+    let coupler = usize::try_from(coupler).unwrap_or(0);
     let known = |number: usize| (1..=couplers).contains(&number);
     if !known(coupler) || !broken.is_none_or(known) || scenario >= train.scenarios().len() {
-        return Err(PyValueError::new_err(format!("the train has couplers 1 to {couplers}")));
+        return Err(errors::refused(&format!("the train has couplers 1 to {couplers}")));
     }
     if times_s.iter().any(|t| !(*t >= 0.0 && t.is_finite())) || !times_s.is_sorted() {
-        return Err(PyValueError::new_err("times are seconds after the event, zero or more, and rise"));
+        return Err(errors::refused(&"times are seconds after the event, zero or more, and rise"));
     }
     let forces = work(py, &Stop::default(), move || {
         findings::history(&train, scenario, broken.map(|b| b - 1), coupler - 1, &times_s)
@@ -160,8 +160,7 @@ pub fn history<'py>(
 
 fn chosen(formats: &[String]) -> PyResult<Vec<Format>> {
     let known = |name: &String| {
-        let unknown =
-            || PyValueError::new_err(format!("no form of the report is named {name:?}; there are md and html"));
+        let unknown = || errors::refused(&format!("no form of the report is named {name:?}; there are md and html"));
         Format::ALL.into_iter().find(|format| format.name() == name).ok_or_else(unknown)
     };
     formats.iter().map(known).collect()

@@ -21,6 +21,11 @@ pub fn analysis(py: Python<'_>, error: &dyn Display) -> PyErr {
     made(py, "analysis_error", (error.to_string(),))
 }
 
+/// `trainsafe.AnalysisError`, of arguments that have no such value.
+pub fn refused(error: &dyn Display) -> PyErr {
+    Python::attach(|py| analysis(py, error))
+}
+
 fn made<'py, A: pyo3::call::PyCallArgs<'py>>(py: Python<'py>, name: &str, args: A) -> PyErr {
     match py.import("trainsafe._errors").and_then(|errors| errors.call_method1(name, args)) {
         Ok(error) => PyErr::from_value(error),

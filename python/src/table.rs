@@ -16,6 +16,8 @@ use pyo3::types::{PyCapsule, PyList};
 use trainsafe::consist::{cell_of_number, cell_of_text};
 use trainsafe::report::{Cells, Column, CouplerRow};
 
+use crate::errors;
+
 /// A table of results: columns of text, whole numbers, numbers and flags, with nulls.
 #[pyclass(frozen, module = "trainsafe._native")]
 pub struct Table {
@@ -181,7 +183,7 @@ fn cells(name: &str, array: &ArrayRef) -> PyResult<Vec<String>> {
             (0..array.len()).map(one).collect()
         }
         kind => {
-            return Err(PyValueError::new_err(format!("the column {name:?} holds {kind}, neither text nor numbers")));
+            return Err(errors::refused(&format!("the column {name:?} holds {kind}, neither text nor numbers")));
         }
     })
 }

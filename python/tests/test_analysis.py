@@ -73,9 +73,12 @@ def test_history_and_field(figure_4):
     assert np.isnan(field.utilisation[50]).all()  # The broken one.
     rod = figure_4.field(rod=True)
     assert np.nanmax(np.abs(rod.utilisation)) < 1.0 + 1e-6
-    for wrong in ({"coupler": 0}, {"coupler": 52}, {"times_s": [-1.0]}, {"times_s": [2.0, 1.0]}, {"scenario": "x"}, {"broken": 3}):
-        with pytest.raises(ValueError):
+    for wrong in ({"coupler": 0}, {"coupler": 52}, {"times_s": [-1.0]}, {"times_s": [2.0, 1.0]}, {"times_s": [1e9]}, {"coupler": -1}, {"scenario": "x"}, {"broken": 3}):
+        with pytest.raises(trainsafe.AnalysisError) as caught:
             figure_4.history(**{"coupler": 1, **wrong})
+        assert caught.value.problems == []
+    with pytest.raises(TypeError):
+        figure_4.history(2.5)
 
 
 def test_a_break_of_each_coupler_has_a_case_of_its_own(ore):

@@ -31,7 +31,7 @@ def test_a_study_of_a_train_in_memory(ore):
     assert {row["variation"] for row in rows} == {1, 2, 3}
     broken = [row["utilisation"] for row in rows if row["kind"] == "break"]
     assert broken[0] < broken[1] < broken[2]
-    assert {row["file"] for row in rows} == {"trains/ore-train.toml"}
+    assert {row["file"] for row in rows} == {"trains/ore-train.toml (1)", "trains/ore-train.toml (2)"}
     # The same as analysing each by itself.
     alone = trainsafe.analyze(heavier.replace("load.uniform", "0.45 MN"), scenario=ore.scenarios[0])
     same = [r for r in rows if r["variation"] == 2 and r["scenario"] == ore.scenarios[0]][1]
@@ -79,11 +79,31 @@ def test_what_cannot_be_run_is_refused(tmp_path, ore):
         list(trainsafe.fleet([]))
     with pytest.raises(trainsafe.InputError) as caught:
         list(trainsafe.fleet(ore, study={"vary": [{"key": "coupler.stifness", "values": ["1 MN/m"]}]}))
-    assert caught.value.problems[0].key == "vary[0].key"
+    assert (caught.value.problems[0].key, caught.value.problems[0].path) == ("vary[0].key", "<study>")
+    assert "--> <study>:" in str(caught.value) and "/study.toml" not in str(caught.value)
     study = tmp_path / "study.toml"
     study.write_text('trains = ["x.toml"]\n')
     with pytest.raises(ValueError, match="names its own trains"):
         list(trainsafe.fleet(ore, study=study))
+
+
+def test_trains_of_one_path_are_told_apart(ore):
+    told = {"coupler": {"stiffness": "30 MN/m", "rated_load": "1 MN"}, "vehicle": {"count": 3, "mass": "80 t"}, "load": {"uniform": "10 %"}}
+    stiffer = ore.replace("coupler.stiffness", "60 MN/m")
+    rows = list(trainsafe.fleet([ore, told, stiffer]))
+    assert list(dict.fromkeys(row["file"] for row in rows)) == ["trains/ore-train.toml (1)", "<dict>", "trains/ore-train.toml (3)"]
+    alone = list(trainsafe.fleet(told, study={"vary": {"key": "load.uniform", "values": ["20 %", "30 %"]}}))
+    assert [row["file"] for row in alone] == ["<dict>"] * 4 and alone[-1]["variation"] == 2
+
+
+def test_errors_name_the_train_and_not_where_it_was_put(ore):
+    bad = ore.replace("load.uniform", "0.5 MN")
+    study = {"vary": [{"key": "vehicle[9].mass", "values": ["1 t"]}]}
+    try:
+        said = [row["error"] for row in trainsafe.fleet(bad, study=study)]
+    except trainsafe.TrainsafeError as error:
+        said = [str(error)]
+    assert said and all("vehicle[9]" in text and "/a/b/c/" not in text for text in said), said
 
 
 def test_doubts_are_warnings():

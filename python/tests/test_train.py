@@ -70,6 +70,13 @@ def test_replace_changes_one_key_and_not_the_train_it_is_called_on(ore):
         ore.replace("coupler.stiffness", object())
 
 
+def test_a_list_of_one_table_may_be_the_table():
+    keys = {"coupler": {"stiffness": "30 MN/m", "rated_load": "1 MN"}, "load": {"uniform": "40 %"}}
+    vehicle, event = {"count": 3, "mass": "80 t"}, {"kind": "break", "coupler": 2}
+    alone = trainsafe.Train.from_dict({**keys, "vehicle": vehicle, "scenario": event})
+    assert alone == trainsafe.Train.from_dict({**keys, "vehicle": [vehicle], "scenario": [event]})
+
+
 def test_errors_are_value_errors_with_places(tmp_path):
     path = tmp_path / "bad.toml"
     path.write_text('[coupler]\nstiffness = "30 MN/m"\nrated_load = "1 t"\n[[vehicle]]\nmass = "80 t"\ncount = 0\n')

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import json
+import operator
 import os
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from . import _native
+from ._errors import AnalysisError
 from ._table import Table
 from ._train import Train, read
 
@@ -123,7 +125,7 @@ class Analysis:
         broken: int | None = None,
         points: int = 2001,
     ) -> History:
-        """The force in a coupler (the worst one) at times (`points` of them up to the horizon), in a scenario (the first) and, of its
+        """The force in a coupler (the worst one) at times up to the horizon (`points` of them), in a scenario (the first) and, of its
         breaks, the one of coupler `broken` (the worst one).
 
         >>> import trainsafe
@@ -136,13 +138,16 @@ class Analysis:
         worst = case["worst_coupler"]
         chosen = coupler if coupler is not None else worst
         if chosen is None:
-            raise ValueError("no coupler is left in this case")
-        times = np.linspace(0.0, case["horizon_s"], points) if times_s is None else np.asarray(times_s, dtype=float)
+            raise AnalysisError("no coupler is left in this case")
+        horizon = case["horizon_s"]
+        times = np.linspace(0.0, horizon, points) if times_s is None else np.asarray(times_s, dtype=float).ravel()
+        if times.max(initial=0.0) > horizon:
+            raise AnalysisError(f"forces were computed for {horizon:g} s after the event: no later one can be told")
         index = self._train.scenarios.index(case["scenario"])
         forces = _native.history(
-            self._train._document, index, case["broken_coupler"], int(chosen), times.ravel().tolist()
+            self._train._document, index, case["broken_coupler"], operator.index(chosen), times.tolist()
         )
-        return History(times.ravel().copy(), np.frombuffer(forces, dtype=np.float64).copy())
+        return History(times.copy(), np.frombuffer(forces, dtype=np.float64).copy())
 
     def field(self, *, scenario: str | None = None, broken: int | None = None, rod: bool = False) -> Field | None:
         """The force in every coupler over time, or with `rod` that in an elastic rod in the train's place; `None` where that would
@@ -199,7 +204,7 @@ class Analysis:
 
         field = self.field(scenario=scenario, broken=broken, rod=rod)
         if field is None:
-            raise ValueError("there is no such field: it would take long, or the train has no elastic rod in its place")
+            raise AnalysisError("there is no such field: it would take long, or the train has no elastic rod in its place")
         axes = ax if ax is not None else plt.gca()
         most = float(np.nanmax(np.abs(field.utilisation)))
         last = field.coupler[-1] + 1
@@ -263,7 +268,7 @@ class Analysis:
         if scenario is None and names:
             scenario = names[0]
         if scenario not in names:
-            raise ValueError(f"no scenario {scenario!r} was run; there are {', '.join(map(repr, names)) or 'none'}")
+            raise AnalysisError(f"no scenario {scenario!r} was run; there are {', '.join(map(repr, names)) or 'none'}")
         rows = [dict(zip(columns, row)) for row in zip(*columns.values())]
         rows = [row for row in rows if row["scenario"] == scenario]
         if broken is None:
@@ -271,7 +276,7 @@ class Analysis:
         else:
             row = next((i for i, found in enumerate(rows) if found["broken_coupler"] == broken), -1)
         if row < 0:
-            raise ValueError(f"coupler {broken} does not break in {scenario!r}")
+            raise AnalysisError(f"coupler {broken} does not break in {scenario!r}")
         return names.index(scenario), rows[row], row
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 
 
 @dataclass(frozen=True)
@@ -25,7 +26,21 @@ class Problem:
 
 
 class TrainsafeError(ValueError):
-    """What trainsafe cannot do."""
+    """What trainsafe cannot do; ``problems`` is empty where no place in an input is at fault."""
+
+    problems: list[Problem]
+
+    def __init__(self, text: str, problems: Iterable[Problem] = ()) -> None:
+        super().__init__(text)
+        self.problems = list(problems)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (str(self), self.problems)
+
+    def with_names(self, names: Mapping[str, str]) -> TrainsafeError:
+        """The same with other names in the place of files' paths."""
+        problems = [replace(problem, path=names.get(problem.path, problem.path)) for problem in self.problems]
+        return type(self)(with_names(str(self), names), problems)
 
 
 class InputError(TrainsafeError):
@@ -39,18 +54,16 @@ class InputError(TrainsafeError):
     [('coupler.stiffness', 'stiffness has "MN", a unit of force')]
     """
 
-    problems: list[Problem]
-
-    def __init__(self, text: str, problems: list[Problem]) -> None:
-        super().__init__(text)
-        self.problems = problems
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return InputError, (str(self), self.problems)
-
 
 class AnalysisError(TrainsafeError):
     """An analysis that could not be done."""
+
+
+def with_names(text: str, names: Mapping[str, str]) -> str:
+    """A text with other names in the place of files' paths."""
+    for path, name in names.items():
+        text = text.replace(path, name)
+    return text
 
 
 def input_error(text: str, problems: str) -> InputError:

@@ -6,13 +6,15 @@ import json
 import os
 import tempfile
 import warnings
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any, Union
 
 from . import _native, _toml
+from ._errors import AnalysisError, TrainsafeError, with_names
 from ._train import Train
 
-Trains = Union[Train, str, "os.PathLike[str]"]
+Trains = Union[Train, Mapping[str, Any], str, "os.PathLike[str]"]
 
 
 def fleet(
@@ -26,9 +28,10 @@ def fleet(
     """Yields a row for every case of every train: the columns of `fleet.csv`, as they are computed, in order. A train or case that
     cannot be computed is a row with `error` and the columns of `errors.csv`.
 
-    `trains` are train files, folders, globs or `Train` objects; a `study` is a file that names its own trains, or a dictionary with a
-    study's keys but for `trains`. `progress` is called with how many cases are done, how many of them failed, and how many there are.
-    What the run has to say besides is a Python warning at the end.
+    `trains` are train files, folders, globs, `Train` objects or dictionaries with the keys of a train file. `Train` objects of one path
+    are told apart by their place among `trains`: the `file` of their rows is `ore-train.toml (1)` and so on. A `study` is a file that
+    names its own trains, or a dictionary with a study's keys but for `trains`. `progress` is called with how many cases are done, how
+    many of them failed, and how many there are. What the run has to say besides is a Python warning at the end.
 
     >>> import trainsafe
     >>> train = trainsafe.read("trains/ore-train.toml")
@@ -37,18 +40,27 @@ def fleet(
     >>> [round(row["utilisation"], 2) for row in rows if row["kind"] == "break"]
     [0.3, 0.6]
     """
-    given = [] if trains is None else [trains] if isinstance(trains, (Train, str, os.PathLike)) else list(trains)
+    if trains is None or isinstance(trains, (Train, Mapping, str, os.PathLike)):
+        trains = [] if trains is None else [trains]
+    given = [Train.from_dict(train) if isinstance(train, Mapping) else train for train in trains]
+    held = Counter(os.fspath(train._document.path) for train in given if isinstance(train, Train))
     with tempfile.TemporaryDirectory(prefix="trainsafe-") as folder:
         paths, names = [], {}
         for number, train in enumerate(given):
             if isinstance(train, Train):
                 path = _put(train, os.path.join(folder, str(number)))
-                names[path] = os.fspath(train._document.path)
+                name = os.fspath(train._document.path)
+                names[path] = f"{name} ({number + 1})" if held[name] > 1 else name
                 paths.append(path)
             else:
                 paths.append(os.path.abspath(train) if study is not None else os.fspath(train))
-        run = _native.FleetRun(_with_study(paths, study, folder), float(tolerance), method)
-        yield from _rows(run, progress, names)
+        paths = _with_study(paths, study, folder)
+        if isinstance(study, Mapping):
+            names[paths[0]] = "<study>"
+        try:
+            yield from _rows(_native.FleetRun(paths, float(tolerance), method), progress, names)
+        except TrainsafeError as error:
+            raise error.with_names(names) from None
 
 
 def _rows(
@@ -64,12 +76,12 @@ def _rows(
             for line in (lines or "").splitlines():
                 row = json.loads(line)
                 row["file"] = names.get(row["file"], row["file"])
+                if row.get("error"):
+                    row["error"] = with_names(row["error"], names)
                 yield row
             if notes is not None:
                 for note in notes:
-                    for path, name in names.items():
-                        note = note.replace(path, name)
-                    warnings.warn(note, stacklevel=3)
+                    warnings.warn(with_names(note, names), stacklevel=3)
                 return
     finally:
         run.stop()
@@ -78,14 +90,14 @@ def _rows(
 def _with_study(paths: list[str], study: Any, folder: str) -> list[str]:
     if study is None:
         if not paths:
-            raise ValueError("there are no trains: give train files, folders, globs or Train objects, or a study")
+            raise AnalysisError("there are no trains: give train files, folders, globs or Train objects, or a study")
         return paths
     if not isinstance(study, Mapping):
         if paths:
-            raise ValueError("a study file names its own trains: give it alone, or the study as a dictionary")
+            raise AnalysisError("a study file names its own trains: give it alone, or the study as a dictionary")
         return [os.fspath(study)]
     if "trains" in study and paths:
-        raise ValueError("the study names its own trains: leave them out on one side")
+        raise AnalysisError("the study names its own trains: leave them out on one side")
     own = [os.path.abspath(train) for train in study.get("trains", [])]
     path = os.path.join(folder, "study.toml")
     with open(path, "w", encoding="utf-8") as file:
@@ -104,7 +116,7 @@ def _put(train: Train, folder: str) -> str:
         if not target.startswith(folder):
             if os.path.exists(target):
                 continue
-            raise ValueError(f"{name} lies too far from the train file to be kept with it")
+            raise AnalysisError(f"{name} lies too far from the train file to be kept with it")
         os.makedirs(os.path.dirname(target), exist_ok=True)
         with open(target, "w", encoding="utf-8", newline="") as file:
             file.write(content)

@@ -28,10 +28,16 @@ def value(of: Any) -> str:
     raise TypeError(f"{type(of).__name__} has no form in a train file: give text with a unit, a number, a dict or a list")
 
 
+_LISTS = ("vehicle", "coupler_override", "scenario", "vary")
+"""Lists of tables, of which one alone need not stand in a list."""
+
+
 def document(of: Mapping[str, Any]) -> str:
     """A dictionary with the keys of a train file or study, as its text."""
     plain, tables = [], []
     for key, held in of.items():
+        if key in _LISTS and isinstance(held, Mapping):
+            held = [held]
         if held is None:
             continue
         is_table = isinstance(held, Mapping)

@@ -59,7 +59,8 @@ class Train:
         """The train whose vehicles are the rows of a table: of pandas, polars, DuckDB, pyarrow, or anything with `__arrow_c_stream__`.
 
         Columns are headed as those of a CSV table of vehicles (`mass [t]`, `label`, `rated_load [MN]`, ...); the other keys of a train
-        file are given by name: `coupler={...}`, `load={...}`, `scenario=[...]`.
+        file are given by name: `coupler={...}`, `load={...}`, `scenario=[...]`. `coupler` is needed even where the table has columns
+        of every coupler, which go before it.
         """
         if not hasattr(table, "__arrow_c_stream__"):
             table = _by_arrow(table)

@@ -258,18 +258,25 @@ const PLACEHOLDER: Ratings = Ratings {
 };
 
 fn base_coupler(root: &Table, path: &Path, files: &Files) -> Read<Ratings> {
-    let value = root.require("coupler", "add a [coupler] table with stiffness and rated_load")?;
+    // Of a table of vehicles too, whatever its columns are.
+    let own =
+        if root.get("vehicles").is_some() { "; what a coupler's row of the table has goes before it" } else { "" };
+    let value = root.require("coupler", &format!("add a [coupler] table with stiffness and rated_load{own}"))?;
     let table = value.table()?;
     let damping = table.get("damping").map(|v| v.quantity()).transpose();
     let law = match table.get("gear") {
         Some(_) => LawKeys::read(&table, path, files),
         None => table
-            .require("stiffness", "add stiffness = \"30 MN/m\", that of the whole connection between two vehicles")
+            .require(
+                "stiffness",
+                &format!("add stiffness = \"30 MN/m\", that of the whole connection between two vehicles{own}"),
+            )
             .and_then(|_| LawKeys::read(&table, path, files)),
     };
     let law = law.and_then(|law| together(&table, law));
-    let draft =
-        table.require("rated_load", "add rated_load = \"1.5 MN\", the capacity in draft").and_then(|v| v.quantity());
+    let draft = table
+        .require("rated_load", &format!("add rated_load = \"1.5 MN\", the capacity in draft{own}"))
+        .and_then(|v| v.quantity());
     let buff = table.get("rated_buff").map_or(Ok(Amount::Share(1.0)), |v| v.amount());
     let limits = table.get("limits").as_ref().map_or(Ok(Limits::default()), limits);
     Ok(Ratings { law: law?, draft_n: draft?, buff: buff?, limits: limits?, damping_n_s_per_m: damping?.unwrap_or(0.0) })

@@ -139,6 +139,10 @@ fn choose(sheets: Vec<Named>, name: Option<&str>, is_wanted: fn(&str) -> bool) -
             let title = format!("sheets {} and {} could both be meant", quoted(&first), quoted(&second));
             Err([title, "name the sheet behind a #, as in \"consist.xlsx#Sheet1\"".into()])
         }
-        _ => Err(["no sheet of the workbook holds such a table".into(), format!("its sheets are {all}")]),
+        _ => {
+            let help =
+                format!("its sheets are {all}; name the one that is meant behind a # to be told what is wrong with it");
+            Err(["no sheet of the workbook holds such a table".into(), help])
+        }
     }
 }

@@ -27,6 +27,3 @@ parts() { find parts/fleet-parts -name '0*.csv' ! -name '*-errors.csv' 2>/dev/nu
 await() {
     until [ "$(parts)" -ge "$1" ]; do sleep 0.05; done
 }
-
-# The workers of the run in parts/ on this machine.
-workers() { pgrep -f "fleet trains --out parts --work"; }

@@ -11,7 +11,7 @@ run=$!
 for done in $((all / 4)) $((all / 2)); do
     await "$done"
     # By its full name: the shell that parallel starts has the same words in its command.
-    kill -9 "$(pgrep -f "^$TRAINSAFE fleet trains --out parts --work" | head -1)"
+    kill -9 "$(pgrep -f "^([^ ]*python[^ ]* )?$TRAINSAFE fleet trains --out parts --work" | head -1)"
     echo "killed a worker with $(parts) parts done"
 done
 wait $run || { cat parallel.log; exit 1; }

@@ -11,7 +11,7 @@ snakemake=$(realpath -s "$(command -v "${SNAKEMAKE:-snakemake}")")
     --config trains=trains out=parts workers=3 trainsafe="$TRAINSAFE" > snakemake.log 2>&1 &
 run=$!
 await $((all / 4))
-kill -9 "$(pgrep -f "^$TRAINSAFE fleet trains --out parts --work" | head -1)"
+kill -9 "$(pgrep -f "^([^ ]*python[^ ]* )?$TRAINSAFE fleet trains --out parts --work" | head -1)"
 echo "killed a worker with $(parts) parts done"
 wait $run || { cat snakemake.log; exit 1; }
 diff -r whole parts

@@ -43,6 +43,12 @@ fn the_sheet_that_is_meant_is_asked_for() {
     assert_eq!(read("two-tables.xlsx#Summer").expect("a train").vehicles().len(), 4);
     let none = message("consist.ods#Sheet1");
     assert!(none.contains("the workbook has no sheet \"Sheet1\"") && none.contains("\"Notes\", \"Consist\""), "{none}");
+    let gear =
+        "[coupler]\ngear = \"two-tables.xlsx\"\nrated_load = \"1 MN\"\n[[vehicle]]\nmass = \"80 t\"\ncount = 3\n";
+    let other =
+        consist::parse(gear, Path::new("tests/workbooks/train.toml")).expect_err("no table of a gear").to_string();
+    assert!(other.contains("no sheet of the workbook holds such a table"), "{other}");
+    assert!(other.contains("name the one that is meant behind a # to be told what is wrong with it"), "{other}");
     assert!(message("consist.xlsx#Notes").contains("this is no table of vehicles"));
     assert!(message("consist.csv#Sheet1").contains("this is no workbook, so it has no sheets"));
 }

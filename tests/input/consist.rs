@@ -254,11 +254,11 @@ fn warnings_say_what_is_likely_not_meant() {
              end, or let the force end"
         ]
     );
-    let length = "[[vehicle]]\nmass = \"10 t\"\nlength = \"9 m\"\n[load]\nuniform = \"1 N\"";
+    let length = "[[vehicle]]\nmass = \"10 t\"\nlength = \"9 m\"\n[load]\nuniform = \"2 kN\"";
     let expected =
         "no length is given for 10 vehicles, so there are no wave speeds over the ground and no places along the train";
     assert_eq!(warned(length), [expected]);
-    let two = format!("[coupler]\n{COUPLER}\n[[vehicle]]\ncount = 2\nmass = \"10 t\"\n[load]\nuniform = \"1 N\"");
+    let two = format!("[coupler]\n{COUPLER}\n[[vehicle]]\ncount = 2\nmass = \"10 t\"\n[load]\nuniform = \"2 kN\"");
     let expected = "break of coupler 1: the train has one coupler only: after its break there is none left to examine";
     assert_eq!(warnings(&parse(&two)), [expected]);
 }

@@ -169,7 +169,24 @@ fn included_files_and_other_folders() {
     let train = read(&text);
     assert_eq!(train.vehicles().iter().map(|v| v.mass_kg).collect::<Vec<_>>()[1..], [31_200.0; 3]);
     assert_eq!(train.couplers().len(), 3);
-    assert!(!import(folder.path(), &["coal.con"]).0.contains("31.2"));
+    let (text, said) = import(folder.path(), &["coal.con"]);
+    assert!(
+        !text.contains("31.2") && said.contains("warning: no vehicle's file is found: they are looked for"),
+        "{said}"
+    );
+    // A copy on another system may have another case.
+    fs::rename(folder.path().join("more"), folder.path().join("Trainset")).expect("renamed");
+    assert!(import(folder.path(), &["coal.con"]).0.contains("31.2"));
+}
+
+#[test]
+fn a_consist_that_is_cut_off_is_doubted() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let cut = &CONSIST[..CONSIST.rfind("Wagon").expect("wagons")];
+    for (text, is_doubted) in [(CONSIST, false), (cut, true)] {
+        fs::write(folder.path().join("coal.con"), text).expect("written");
+        assert_eq!(import(folder.path(), &["coal.con"]).1.contains("the consist ends within a block"), is_doubted);
+    }
 }
 
 #[test]

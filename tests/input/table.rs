@@ -133,6 +133,20 @@ error: row 4, column held: a vehicle in the middle of the train is held
     }
 }
 
+/// A table with the columns of every coupler does not spare `[coupler]`, and the message says which goes before which.
+#[test]
+fn a_table_has_a_coupler_table_beside_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("consist.csv"), "mass [t],stiffness [MN/m],rated_load [MN]\n80,30,1\n80,30,1\n")
+        .expect("a table");
+    let said = |text: &str| consist::parse(text, &folder.path().join("train.toml")).expect_err(text).to_string();
+    let own = "; what a coupler's row of the table has goes before it";
+    let none = said("vehicles = \"consist.csv\"\n");
+    assert!(none.contains(&format!("add a [coupler] table with stiffness and rated_load{own}")), "{none}");
+    let half = said("vehicles = \"consist.csv\"\n[coupler]\nstiffness = \"30 MN/m\"\n");
+    assert!(half.contains(&format!("the capacity in draft{own}")), "{half}");
+}
+
 #[test]
 fn a_train_has_its_vehicles_once() {
     let error = read("mass [t]\n80\n80\n", "[[vehicle]]\nmass = \"80 t\"\n").expect_err("two lists of vehicles");

@@ -52,7 +52,7 @@ struct Vehicle {
 /// # Errors
 /// A text that is no consist, or a consist without vehicles.
 pub(super) fn draft(text: &str, path: &Path, trainsets: &[PathBuf], files: &Files) -> Result<Draft, InputError> {
-    let root = Block::parse(text);
+    let (root, unclosed) = Block::parse(text);
     let consist = root.find("TrainCfg");
     let members: Vec<Member> = consist.iter().flat_map(|consist| consist.blocks()).filter_map(member).collect();
     if members.len() < 2 {
@@ -74,6 +74,16 @@ pub(super) fn draft(text: &str, path: &Path, trainsets: &[PathBuf], files: &File
         remarks: remarks(&vehicles),
         doubts: vec![],
     };
+    draft.doubts.extend(unclosed.then(|| {
+        let text =
+            "the consist ends within a block: the file may have been cut off, and vehicles be missing".to_owned();
+        Doubt::of_train("consist-cut-off", text)
+    }));
+    draft.doubts.extend(members.iter().all(|member| find(member, &folders).is_none()).then(|| {
+        let text = "no vehicle's file is found: they are looked for beside the consist, in TRAINSET and in ../TRAINSET; \
+                    --trainset names another folder";
+        Doubt::of_train("no-vehicle-files", text.to_owned())
+    }));
     draft.doubts.extend(too_strong(&vehicles));
     Ok(draft)
 }
@@ -93,8 +103,8 @@ fn member(block: &Block) -> Option<Member> {
 fn folders(consist: &Path, trainsets: &[PathBuf]) -> Vec<PathBuf> {
     let own = consist.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new(".")).to_owned();
     let beside = own.canonicalize().ok().and_then(|own| Some(own.parent()?.to_owned()));
-    let up = beside.into_iter().flat_map(|parent| [parent.join("TRAINSET"), parent]);
-    trainsets.iter().cloned().chain([own.join("TRAINSET"), own.clone()]).chain(up).collect()
+    let with_trainset = |folder: PathBuf| entry(&folder, "TRAINSET").into_iter().chain([folder]);
+    trainsets.iter().cloned().chain([own].into_iter().chain(beside).flat_map(with_trainset)).collect()
 }
 
 /// An entry of a folder by its name in any case; names of Windows have none.
@@ -124,7 +134,7 @@ fn find(member: &Member, folders: &[PathBuf]) -> Option<PathBuf> {
 /// The blocks of a vehicle's file and of those that it includes, which come first.
 fn blocks(path: &Path, files: &Files, depth: usize) -> Result<Vec<Block>, String> {
     let text = files.beside(path, |_| true).map_err(|[title, _]| title)?;
-    let own = Block::parse(&text);
+    let (own, _) = Block::parse(&text);
     let mut all = vec![];
     for include in own.all("include").filter(|_| depth < DEEPEST) {
         let name = include.word().unwrap_or_default().replace('\\', "/");

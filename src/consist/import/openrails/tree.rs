@@ -13,8 +13,8 @@ pub(super) struct Block {
 }
 
 impl Block {
-    /// The whole text as a block without a name. Parentheses that do not match end the blocks that are open.
-    pub(super) fn parse(text: &str) -> Block {
+    /// The whole text as a block without a name, and whether it ends within another. The end closes the blocks that are open.
+    pub(super) fn parse(text: &str) -> (Block, bool) {
         let mut open = vec![Block::default()];
         for token in (Tokens { rest: text }).take(MOST_WORDS) {
             let depth = open.len();
@@ -28,10 +28,11 @@ impl Block {
                 _ => {}
             }
         }
+        let unclosed = open.len() > 1;
         while open.len() > 1 {
             close(&mut open);
         }
-        open.pop().unwrap_or_default()
+        (open.pop().unwrap_or_default(), unclosed)
     }
 
     /// The blocks directly in it but for comments.

@@ -1,0 +1,34 @@
+//! How the motion of a scenario is computed: decided here alone.
+
+use crate::train::{Event, Scenario, Train};
+
+/// The kinds of motion that are computed in different ways.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Motion {
+    /// Steps of force on undamped linear chains: by one of the methods of [`crate::solve::Method`].
+    Steps,
+    /// The same with this damping ratio in every mode: by [`crate::solve::damped_modes`].
+    DampedModes(f64),
+    /// Linear couplers with dashpots, forces of other shapes, or speeds at the start: by [`crate::solve::taylor`].
+    Taylor,
+    /// Couplers that are not linear, or brakes and tractive efforts that change after the event: by [`crate::march`].
+    Events,
+}
+
+impl Motion {
+    /// That of a scenario of a train.
+    pub(crate) fn of(train: &Train, scenario: &Scenario) -> Motion {
+        let extras = train.extras();
+        let response = &scenario.response;
+        let driven = response.emergency.is_some() || !response.efforts.is_empty();
+        if !extras.laws.is_empty() || driven || matches!(scenario.event, Event::Brake { .. }) {
+            Motion::Events
+        } else if extras.dashpot_n_s_per_m.iter().any(|c| *c > 0.0) || scenario.event.beyond_steps() {
+            Motion::Taylor
+        } else if extras.damping_ratio > 0.0 {
+            Motion::DampedModes(extras.damping_ratio)
+        } else {
+            Motion::Steps
+        }
+    }
+}

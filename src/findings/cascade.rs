@@ -116,8 +116,10 @@ pub(super) fn find(
         })
         .collect();
     let gone = |i: usize| Some(i) == broken || breaks.iter().any(|b| b.coupler == i + 1);
+    let at_its_load = at_breaking_load(train, scenario, broken).map(|i| (i, 0.0));
+    let open = at_its_load.or(outcome.open);
     // What comes after the sequence is in doubt is certain of no coupler.
-    let certain = outcome.open.map_or(f64::INFINITY, |(_, t)| t);
+    let certain = open.map_or(f64::INFINITY, |(_, t)| t);
     let over = |i: &usize| !gone(*i) && outcome.springs[*i].buff.first_over.is_some_and(|t| t < certain);
     let kept_in_buff = (0..train.couplers().len()).filter(over).map(|i| i + 1).collect();
     Ok(Some(CascadeFindings {
@@ -126,14 +128,26 @@ pub(super) fn find(
         pieces: pieces(train.vehicles().len(), gone),
         breaks,
         kept_in_buff,
-        undecided_from_s: outcome.open.map(|(_, t)| t * scales.time_s),
-        undecided_coupler: outcome.open.map(|(i, _)| i + 1),
+        undecided_from_s: open.map(|(_, t)| t * scales.time_s),
+        undecided_coupler: open.map(|(i, _)| i + 1),
         gap_closes_s: outcome.gap_closes.map(|(_, t)| t * scales.time_s),
         gap_coupler: outcome.gap_closes.map(|(i, _)| i + 1),
         gap_closures: vec![],
         error_estimate_n: None,
         error_bound_n: outcome.error_bound * scales.force_n,
     }))
+}
+
+/// A coupler whose load before the event is at the load that breaks it, as near as the load is known: it may be over it from the start.
+fn at_breaking_load(train: &Train, scenario: &Scenario, broken: Option<usize>) -> Option<usize> {
+    let load_n = scenario::initial_force_n(train, &scenario.event);
+    let sides = if scenario.cascade == Rule::InBoth { 2 } else { 1 };
+    let is_at = |&i: &usize| {
+        let (loads, error_n) = (scenario::break_loads(train, i), train.load_error_n(i));
+        let near = |side: usize| ([load_n[i], -load_n[i]][side] - loads[side].0).abs() <= error_n;
+        error_n > 0.0 && (0..sides).any(near)
+    };
+    (0..load_n.len()).filter(|i| Some(*i) != broken).find(is_at)
 }
 
 /// The keys that give the loads that break couplers.

@@ -91,6 +91,8 @@ impl Limits {
 pub struct Steady {
     /// Forces from outside on each vehicle, N, forward positive: traction, running resistance, grade, brakes.
     pub outside_n: Vec<f64>,
+    /// How far each coupler's force before the event may be from the exact one, N: 0 where a double holds it exactly.
+    pub error_n: Vec<f64>,
     /// Acceleration of the whole train, m/s2, forward positive; 0 where a vehicle is held.
     pub acceleration_m_per_s2: f64,
 }

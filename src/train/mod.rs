@@ -117,6 +117,11 @@ impl Train {
         &self.initial_force_n
     }
 
+    /// How far a coupler's force before the event may be from the exact one, N; `coupler` is an index from 0.
+    pub(crate) fn load_error_n(&self, coupler: usize) -> f64 {
+        self.extras.steady.as_ref().map_or(0.0, |steady| steady.error_n[coupler])
+    }
+
     /// What is to be run; at least one scenario.
     pub fn scenarios(&self) -> &[Scenario] {
         &self.scenarios

@@ -217,11 +217,11 @@ impl Load {
             Load::Uniform(n) => (vec![n; couplers.len()], None),
             Load::InCouplers(forces) => (forces, None),
             Load::OnVehicles(outside_n) => {
-                let (forces, acceleration_m_per_s2) = match sound {
+                let (forces, error_n, acceleration_m_per_s2) = match sound {
                     true => steady_forces(vehicles, couplers, &outside_n),
-                    false => (vec![0.0; couplers.len()], 0.0),
+                    false => (vec![0.0; couplers.len()], vec![0.0; couplers.len()], 0.0),
                 };
-                (forces, Some(Steady { outside_n, acceleration_m_per_s2 }))
+                (forces, Some(Steady { outside_n, error_n, acceleration_m_per_s2 }))
             }
         }
     }

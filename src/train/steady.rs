@@ -22,11 +22,15 @@ pub(crate) fn without_noise(sum: f64, magnitudes: f64) -> f64 {
     if sum.abs() <= NOISE * magnitudes { 0.0 } else { sum }
 }
 
-/// The couplers' forces under steady forces from outside, N, draft positive, and the train's acceleration, m/s2.
+/// What double-double leaves of a sum that is exact, as a share of the magnitudes in it.
+const EXACT: f64 = 1e-28;
+
+/// The couplers' forces under steady forces from outside, N, draft positive; how far each may be from the exact one, N, 0 where a
+/// double holds it exactly; and the train's acceleration, m/s2.
 ///
 /// `outside_n` holds a force for each vehicle, N, forward positive; that of a held vehicle plays no part. Sums are in
 /// double-double and rounded once; what is only the rounding of the given forces is 0.
-pub fn steady_forces(vehicles: &[Vehicle], couplers: &[Coupler], outside_n: &[f64]) -> (Vec<f64>, f64) {
+pub fn steady_forces(vehicles: &[Vehicle], couplers: &[Coupler], outside_n: &[f64]) -> (Vec<f64>, Vec<f64>, f64) {
     let last = vehicles.len() - 1;
     let free = !vehicles[0].held && !vehicles[last].held;
     let sum = |terms: &mut dyn Iterator<Item = f64>| terms.fold(Dd::ZERO, |s, x| s + Dd::from(x));
@@ -58,6 +62,7 @@ pub fn steady_forces(vehicles: &[Vehicle], couplers: &[Coupler], outside_n: &[f6
             -(stretch / couplers.iter().fold(Dd::ZERO, |s, c| s + compliance(c)))
         }
     };
-    let force = |f: Dd| without_noise((f + offset).to_f64(), magnitudes);
-    (forces.into_iter().map(force).collect(), acceleration.to_f64())
+    let force = |f: &Dd| without_noise((*f + offset).to_f64(), magnitudes);
+    let error = |f: &Dd| if (*f + offset).lo.abs() <= EXACT * magnitudes { 0.0 } else { NOISE * magnitudes };
+    (forces.iter().map(force).collect(), forces.iter().map(error).collect(), acceleration.to_f64())
 }

@@ -272,7 +272,7 @@ fn rounding_of_a_cancellation_is_no_load() {
     let train = probe("", "", "[load]\ngrade = \"1.0 %\"");
     let mut outside_n = train.extras().steady.clone().expect("forces").outside_n;
     outside_n[0] += 1.0;
-    let (forces, _) = trainsafe::train::steady_forces(train.vehicles(), train.couplers(), &outside_n);
+    let (forces, _, _) = trainsafe::train::steady_forces(train.vehicles(), train.couplers(), &outside_n);
     assert!((forces[0] - 0.823).abs() < 1e-3, "{forces:?}");
 }
 

@@ -103,6 +103,12 @@ mod with_the_feature {
                 "undecided",
                 "exceeding_first_passage",
                 "first_passage_worst_coupler",
+                "passing_fatigue",
+                "passing_proof",
+                "passing_ultimate",
+                "undecided_limits",
+                "further_breaks",
+                "pieces",
                 "rod_exceeding"
             ]
         );

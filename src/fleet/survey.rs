@@ -14,7 +14,7 @@ use crate::consist;
 use crate::doubts::doubts;
 use crate::error::printable_path;
 use crate::findings::{Options, cases, idle_options};
-use crate::train::{CouplerSpec, Doubt, Load, Origin, Source, Train, TrainSpec};
+use crate::train::{CouplerSpec, Doubt, Event, Load, Origin, PulledTo, Scenario, Source, Train, TrainSpec};
 
 /// What is known of a train file before the run.
 #[derive(Serialize, Deserialize)]
@@ -159,10 +159,20 @@ pub fn reach(study: &Study, variation: usize, base: &Base) -> Reach {
     reach
 }
 
-/// The train as far as it has a part in any result: not where it was read from, nor the mass of what is held.
+/// The train as far as it has a part in any result: not where it was read from, nor the mass of what is held; lengths, the train's
+/// speed and emergency brakes only where brakes are applied, an earlier pull only where gears have friction.
 fn effective(train: Train) -> TrainSpec {
+    let applies = |s: &Scenario| s.response.emergency.is_some() || matches!(s.event, Event::Brake { .. });
+    let has_brakes = train.scenarios().iter().any(applies);
     let mut spec = TrainSpec { origin: Origin::default(), ..train.into_spec() };
     spec.vehicles.iter_mut().filter(|v| v.held).for_each(|v| v.mass_kg = 1.0);
+    if !has_brakes {
+        spec.vehicles.iter_mut().for_each(|v| (v.length_m, v.emergency_brake_n) = (None, 0.0));
+        spec.speed_m_per_s = None;
+    }
+    if !spec.couplers.iter().any(|c| c.law.has_friction()) {
+        spec.pulled_to = PulledTo::None;
+    }
     spec
 }
 
@@ -186,7 +196,13 @@ fn why_none(key: &Key) -> (&'static str, &'static str) {
             "no coupler of",
             "each has a value of its own, from the table of vehicles or a [[coupler_override]], and keeps it",
         ),
+        (Some("load"), "pulled_to") => {
+            ("nothing in", "only the force in a gear with friction depends on an earlier pull")
+        }
         (Some("load"), _) => ("no vehicle of", "each has a value of its own, and keeps it"),
+        (None, "speed") | (Some("vehicle"), "length" | "emergency_brake") => {
+            ("nothing in", "no force depends on it in a train whose scenarios apply no brakes")
+        }
         (Some("vehicle"), "mass") => ("no vehicle of", "it is held, and the mass of a held vehicle plays no part"),
         _ => ("nothing in", "none of its values changes the train"),
     }

@@ -192,7 +192,7 @@ fn each_vehicle_of_a_group_has_a_draw_of_its_own() {
 #[test]
 fn forces_and_masses_are_drawn_apart_together() {
     let vary = "key = \"vehicle[1].brake_force\"\nper = \"vehicle\"\ndistribution = \"uniform\"\nlow = \"10 kN\"\nhigh = \"20 \
-                kN\"\n[[vary]]\nkey = \"vehicle[1].length\"\nper = \"vehicle\"\nvalues = [\"10 m\", \"12 m\"]\n";
+                kN\"\n[[vary]]\nkey = \"vehicle[1].mass\"\nper = \"vehicle\"\nvalues = [\"80 t\", \"82 t\"]\n";
     let train = TRAIN.replace(
         "kind = \"pulse\"\nat = \"tail\"\nforce = \"700 kN\"\nduration = \"0.2 s\"",
         "kind = \"break\"\ncoupler = 4",

@@ -82,6 +82,23 @@ fn inputs_without_effect_are_refused_with_the_reason() {
             vary("vehicle[7].mass", &range("100 t", "200 t")),
             "error: vehicle[7].mass reaches nothing in train.toml: the train file has no vehicle[7] (counted from 0)\n".to_owned(),
         ),
+        (
+            &plain,
+            vary("vehicle[1].length", &range("10 m", "20 m")),
+            "error: vehicle[1].length reaches nothing in train.toml: no force depends on it in a train whose scenarios apply no brakes\n"
+                .to_owned(),
+        ),
+        (
+            &plain,
+            vary("speed", &range("10 km/h", "20 km/h")),
+            "error: speed reaches nothing in train.toml: no force depends on it in a train whose scenarios apply no brakes\n".to_owned(),
+        ),
+        (
+            &plain,
+            vary("load.pulled_to", &range("0.9 MN", "1 MN")),
+            "error: load.pulled_to reaches nothing in train.toml: only the force in a gear with friction depends on an earlier pull\n"
+                .to_owned(),
+        ),
         // One value only: what the key reaches can be seen all the same.
         (&buff, vary("coupler.rated_buff", "values = [\"2 MN\"]\n"), OWN_COUPLERS.replace("rated_load", "rated_buff")),
         (

@@ -217,6 +217,10 @@ impl<'a> Judge<'a> {
                     least = least.min(room / (growth + bound).max(0.0));
                     most = most.min(if growth > bound { room / (growth - bound) } else { f64::INFINITY });
                 }
+                // A load that is the rating but for its rounding may be taken to be over it.
+                if !self.is_load() && self.load > 0.0 && room.abs() <= self.load {
+                    least = 0.0;
+                }
             }
         }
         [least, most]

@@ -1,7 +1,7 @@
 //! Couplers with slack and gears, and what brakes and drives do, in words.
 
 use crate::law::{Curve, Law};
-use crate::train::{Application, Event, Scenario, Train, count};
+use crate::train::{Application, Scenario, Train, count};
 use crate::units::{Dimension, UnitSystem, shown, shown_time};
 
 /// The laws of couplers that are not linear, each kind once with what it does at the load; empty where all are linear.
@@ -103,8 +103,7 @@ pub(super) fn response(train: &Train, scenario: &Scenario) -> String {
         let vehicles = count(efforts.len(), "vehicle");
         text += &format!("; the tractive effort of {vehicles} changes until {}", shown_time(last_s));
     }
-    let braking = scenario.response.emergency.is_some() || matches!(scenario.event, Event::Brake { .. });
-    if let Some(speed) = train.extras().speed_m_per_s.filter(|_| braking) {
+    if let Some(speed) = train.extras().speed_m_per_s.filter(|_| scenario.applies_brakes()) {
         text += &format!("; the train runs at {}", shown(units, speed, Dimension::Speed));
     }
     text

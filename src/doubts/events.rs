@@ -113,7 +113,6 @@ fn pulse(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
 /// Brakes and tractive efforts that change nothing, or go on changing after the horizon.
 fn changes(train: &Train, scenario: &Scenario) -> Option<(&'static str, String)> {
     let until_s = longest_horizon_s(train, scenario);
-    let time = shown_time;
     let efforts = &scenario.response.efforts;
     if !efforts.is_empty() && efforts.iter().all(|f| f.points.iter().all(|p| p[1] == 0.0)) {
         let text = "the schedule of tractive efforts changes none of them, and so nothing";
@@ -128,8 +127,8 @@ fn changes(train: &Train, scenario: &Scenario) -> Option<(&'static str, String)>
     let text = || {
         format!(
             "brakes or tractive efforts go on changing until {}, after the horizon of {}: what that does is not seen",
-            time(last_s),
-            time(until_s)
+            shown_time(last_s),
+            shown_time(until_s)
         )
     };
     (last_s > until_s).then(|| ("changes-beyond-horizon", text()))

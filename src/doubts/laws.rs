@@ -1,7 +1,7 @@
 //! Doubts about slack, gears, the pull before and brakes.
 
 use crate::law::{Curve, Law};
-use crate::train::{Doubt, Event, Train, more};
+use crate::train::{Doubt, Scenario, Train, more};
 use crate::units::{Dimension, shown};
 
 /// Every doubt about a train's laws, and keys that change nothing in it.
@@ -63,8 +63,7 @@ fn no_memory(train: &Train) -> Option<Doubt> {
 
 /// Keys of brakes in a train none of whose scenarios applies any.
 fn without_brakes(train: &Train) -> Vec<Doubt> {
-    let applies = |s: &crate::train::Scenario| s.response.emergency.is_some() || matches!(s.event, Event::Brake { .. });
-    if train.scenarios().iter().any(applies) {
+    if train.scenarios().iter().any(Scenario::applies_brakes) {
         return vec![];
     }
     let told = |given: bool, code: &'static str, key: &str| {

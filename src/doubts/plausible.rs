@@ -30,23 +30,25 @@ pub(super) fn of_train(train: &Train) -> Vec<Doubt> {
     sizes.into_iter().chain([counted_in_label(train), acceleration(train), modal_damping(train)]).flatten().collect()
 }
 
-/// A load that no coupler notices: newtons or millinewtons where kilonewtons or meganewtons were probably meant.
+/// A load under 1 kN: newtons or millinewtons where kilonewtons or meganewtons were probably meant.
 fn faint_load(train: &Train) -> Option<Doubt> {
     let largest_n = train.initial_force_n().iter().fold(0.0f64, |a, f| a.max(f.abs()));
-    let force = shown(train.origin().units, largest_n, Dimension::Force);
-    let text = format!(
-        "the largest force of the load is {force}, under 1 kN; check the number and its unit (mN is millinewton)"
-    );
-    (largest_n > 0.0 && largest_n < FAINT_N).then(|| Doubt::of_train("faint-load", text))
+    faint(train, "load", largest_n).filter(|_| largest_n > 0.0).map(|text| Doubt::of_train("faint-load", text))
+}
+
+/// The words of a doubt about a force of almost nothing, N, of the load or of a pulse.
+fn faint(train: &Train, what: &str, force_n: f64) -> Option<String> {
+    let units = train.origin().units;
+    let [force, least] = [shown(units, force_n, Dimension::Force), rounded(units, FAINT_N, Dimension::Force)];
+    (force_n < FAINT_N).then(|| {
+        format!("the largest force of the {what} is {force}, under {least}; check the number and its unit (mN is millinewton)")
+    })
 }
 
 /// A pulse so small, as the words of a doubt.
 pub(super) fn faint_pulse(train: &Train, force_n: f64) -> Option<(&'static str, String)> {
-    let force = shown(train.origin().units, force_n.abs(), Dimension::Force);
-    let text = format!(
-        "the largest force of the pulse is {force}, under 1 kN; check the number and its unit (mN is millinewton)"
-    );
-    (force_n.abs() < FAINT_N && !in_own_units(train)).then_some(("faint-pulse", text))
+    let text = faint(train, "pulse", force_n.abs()).filter(|_| !in_own_units(train));
+    text.map(|text| ("faint-pulse", text))
 }
 
 /// Whether it is a model in units of its own, such as the paper's with masses and stiffnesses of 1, whose sizes mean nothing. No

@@ -138,16 +138,15 @@ pub(super) fn find(
     }))
 }
 
-/// A coupler whose load before the event is at the load that breaks it, as near as the load is known: it may be over it from the start.
+/// The first coupler whose load before the event equals the load that breaks it, to the rounding of the load: it may break at t = 0.
 fn at_breaking_load(train: &Train, scenario: &Scenario, broken: Option<usize>) -> Option<usize> {
     let load_n = scenario::initial_force_n(train, &scenario.event);
     let sides = if scenario.cascade == Rule::InBoth { 2 } else { 1 };
-    let is_at = |&i: &usize| {
-        let (loads, error_n) = (scenario::break_loads(train, i), train.load_error_n(i));
-        let near = |side: usize| ([load_n[i], -load_n[i]][side] - loads[side].0).abs() <= error_n;
-        error_n > 0.0 && (0..sides).any(near)
+    let may_break = |&i: &usize| {
+        let of_sides = [load_n[i], -load_n[i]].into_iter().zip(scenario::break_loads(train, i)).take(sides);
+        Some(i) != broken && of_sides.into_iter().any(|(load, (at, _))| train.rounding_decides(i, load, at))
     };
-    (0..load_n.len()).filter(|i| Some(*i) != broken).find(is_at)
+    (0..load_n.len()).find(may_break)
 }
 
 /// The keys that give the loads that break couplers.

@@ -24,6 +24,8 @@ pub(super) struct Case<'a> {
     /// The coupler that breaks, from 0.
     pub broken: Option<usize>,
     pub horizon_s: f64,
+    /// End of the first passage, s.
+    passage_s: f64,
     pub options: Options,
     memo: &'a Memo,
 }
@@ -39,7 +41,8 @@ impl<'a> Case<'a> {
         // After a break the coupler of the largest utilisation is the one that bounds the load; it need not be under a pulse.
         let wanted = if broken.is_some() { options.wanted } else { Wanted::Everything };
         let horizon_s = scenario::horizon_s(train, scenario, broken);
-        Case { train, scenario, broken, horizon_s, options: Options { wanted, ..options.clone() }, memo }
+        let passage_s = first_passage::end_s(train, scenario, broken, horizon_s);
+        Case { train, scenario, broken, horizon_s, passage_s, options: Options { wanted, ..options.clone() }, memo }
     }
 
     fn motion(&self) -> Motion {
@@ -51,8 +54,7 @@ impl<'a> Case<'a> {
     /// # Errors
     /// A method that does not fit, or one that would take too long.
     pub fn solve(&self) -> Result<Solved, SolveError> {
-        let passage_s = first_passage::end_s(self.train, self.scenario, self.broken, self.horizon_s);
-        self.solve_on(self.train, [self.horizon_s, passage_s], &self.options)
+        self.solve_on(self.train, [self.horizon_s, self.passage_s], &self.options)
     }
 
     /// Extremes of every coupler of a train up to a time, and up to a mark if that is before it; the train may have other ratings
@@ -103,9 +105,8 @@ pub(crate) fn case_findings(
 ) -> Result<CaseFindings, SolveError> {
     let start = Instant::now();
     let case = Case::new(train, scenario, broken, options, memo);
-    let horizon_s = case.horizon_s;
+    let (horizon_s, passage_s) = (case.horizon_s, case.passage_s);
     let rod = case.rod();
-    let passage_s = first_passage::end_s(train, scenario, broken, horizon_s);
     let solved = case.solve()?;
     let safe_load_factor = case.safe_load_factor(&solved)?;
     let Solved { method, reason, error_bound_n, error_estimate_n, mut couplers, worst, left_out, to_mark, marched } =

@@ -29,11 +29,10 @@ pub(super) fn safe_load_factor(
         let [draft, buff] = c.extremes_n;
         let draft = factor(c.rated_draft_n, initial, draft);
         let buff = factor(c.rated_buff_n, -initial, buff);
+        let sides = [(initial, c.rated_draft_n), (-initial, c.rated_buff_n)];
         // A load that may be over its rating is taken to be.
-        let error_n = train.load_error_n(c.coupler - 1);
-        let at_rating = |load_n: f64, rating_n: f64| error_n > 0.0 && (load_n - rating_n).abs() <= error_n;
-        let at = !proportional && (at_rating(initial, c.rated_draft_n) || at_rating(-initial, c.rated_buff_n));
-        [draft, buff, at.then_some(0.0)]
+        let over = |(load, rating)| !proportional && train.rounding_decides(c.coupler - 1, load, rating);
+        [draft, buff, sides.into_iter().any(over).then_some(0.0)]
     });
     let bounded = left_out.iter().map(|&(index, bound)| {
         let coupler = &train.couplers()[index];

@@ -16,7 +16,7 @@ use super::{FleetError, parts};
 const LOOK: Duration = Duration::from_millis(500);
 
 /// Computes what is missing in a folder, or as one of several workers what nobody else does; how many trains or cases failed in it.
-/// A worker ends when every chunk is done, by itself or by others: a worker that has claimed a chunk may still be killed.
+/// A worker waits until every chunk is done, its own and those of others, because another worker may be killed before its chunk is done.
 ///
 /// # Errors
 /// As for [`Plan::compute`]; a part that cannot be written.

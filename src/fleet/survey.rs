@@ -14,7 +14,7 @@ use crate::consist;
 use crate::doubts::doubts;
 use crate::error::printable_path;
 use crate::findings::{Options, cases, idle_options};
-use crate::train::{CouplerSpec, Doubt, Event, Load, Origin, PulledTo, Scenario, Source, Train, TrainSpec};
+use crate::train::{CouplerSpec, Doubt, Load, Origin, PulledTo, Scenario, Source, Train, TrainSpec};
 
 /// What is known of a train file before the run.
 #[derive(Serialize, Deserialize)]
@@ -162,8 +162,7 @@ pub fn reach(study: &Study, variation: usize, base: &Base) -> Reach {
 /// The train as far as it has a part in any result: not where it was read from, nor the mass of what is held; lengths, the train's
 /// speed and emergency brakes only where brakes are applied, an earlier pull only where gears have friction.
 fn effective(train: Train) -> TrainSpec {
-    let applies = |s: &Scenario| s.response.emergency.is_some() || matches!(s.event, Event::Brake { .. });
-    let has_brakes = train.scenarios().iter().any(applies);
+    let has_brakes = train.scenarios().iter().any(Scenario::applies_brakes);
     let mut spec = TrainSpec { origin: Origin::default(), ..train.into_spec() };
     spec.vehicles.iter_mut().filter(|v| v.held).for_each(|v| v.mass_kg = 1.0);
     if !has_brakes {

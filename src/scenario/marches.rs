@@ -16,7 +16,6 @@ pub fn march(train: &Train, scenario: &Scenario, broken: Option<usize>, until_s:
         let [(draft, _), (buff, _)] = break_loads(train, i);
         [draft, if rule == Rule::InBoth { buff } else { f64::INFINITY }]
     };
-    let braking = scenario.response.emergency.is_some() || matches!(event, Event::Brake { .. });
     Problem {
         mass_kg: train.vehicles().iter().map(|v| v.mass_kg).collect(),
         held_head: train.vehicles()[0].held,
@@ -25,7 +24,7 @@ pub fn march(train: &Train, scenario: &Scenario, broken: Option<usize>, until_s:
         dashpot_n_s_per_m: train.extras().dashpot_n_s_per_m.clone(),
         start: start(train, event),
         speed_m_s: (0..=last).map(|v| speed_m_per_s(event, v, last)).collect(),
-        common_speed_m_s: train.extras().speed_m_per_s.filter(|_| braking),
+        common_speed_m_s: train.extras().speed_m_per_s.filter(|_| scenario.applies_brakes()),
         steady_n: steady_n(train, event),
         forcing: forcing(train, scenario, horizon_s),
         gone: broken.into_iter().collect(),

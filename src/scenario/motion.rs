@@ -1,6 +1,6 @@
 //! How the motion of a scenario is computed: decided here alone.
 
-use crate::train::{Event, Scenario, Train};
+use crate::train::{Scenario, Train};
 
 /// The kinds of motion that are computed in different ways.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,9 +19,7 @@ impl Motion {
     /// That of a scenario of a train.
     pub(crate) fn of(train: &Train, scenario: &Scenario) -> Motion {
         let extras = train.extras();
-        let response = &scenario.response;
-        let driven = response.emergency.is_some() || !response.efforts.is_empty();
-        if !extras.laws.is_empty() || driven || matches!(scenario.event, Event::Brake { .. }) {
+        if !extras.laws.is_empty() || scenario.applies_brakes() || !scenario.response.efforts.is_empty() {
             Motion::Events
         } else if extras.dashpot_n_s_per_m.iter().any(|c| *c > 0.0) || scenario.event.beyond_steps() {
             Motion::Taylor

@@ -21,6 +21,13 @@ pub struct Scenario {
     pub response: Response,
 }
 
+impl Scenario {
+    /// Whether brakes are applied in it, by a parting or as its event.
+    pub(crate) fn applies_brakes(&self) -> bool {
+        self.response.emergency.is_some() || matches!(self.event, Event::Brake { .. })
+    }
+}
+
 /// What brakes and drives do after an event.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {

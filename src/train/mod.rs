@@ -117,9 +117,11 @@ impl Train {
         &self.initial_force_n
     }
 
-    /// How far a coupler's force before the event may be from the exact one, N; `coupler` is an index from 0.
-    pub(crate) fn load_error_n(&self, coupler: usize) -> f64 {
-        self.extras.steady.as_ref().map_or(0.0, |steady| steady.error_n[coupler])
+    /// Whether rounding alone decides on which side of a capacity, N, a coupler's load before the event lies, N, both in one sense;
+    /// `coupler` is an index from 0. A load that is given, or that a double holds exactly, has no rounding.
+    pub(crate) fn rounding_decides(&self, coupler: usize, load_n: f64, capacity_n: f64) -> bool {
+        let error_n = self.extras.steady.as_ref().map_or(0.0, |steady| steady.error_n[coupler]);
+        error_n > 0.0 && (load_n - capacity_n).abs() <= error_n
     }
 
     /// What is to be run; at least one scenario.

@@ -134,7 +134,7 @@ fn the_plan_is_made_once_by_a_worker_that_lives() {
     assert_merged(folder.path());
 }
 
-/// A finished plan of trains that have changed since: a worker is refused, and what is joined is told to be of the old ones.
+/// After a finished run a train file changes: a further worker is refused, and joining warns that the results are of the old file.
 #[test]
 fn a_finished_plan_of_changed_trains_is_told() {
     let folder = folder(6, 4);

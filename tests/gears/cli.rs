@@ -257,7 +257,7 @@ fn sample_gears_are_read() {
     assert_eq!(count, 5);
 }
 
-/// A gear that an impact closes is told; one that stays within its table is not.
+/// A warning names a gear that closes in an impact, and none that does not.
 #[test]
 fn closing_gears_are_told() {
     let codes = |speed: &str| {

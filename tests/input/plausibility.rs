@@ -371,7 +371,7 @@ cut_power = { after = \"3 s\", over = \"2 s\" }
 horizon = \"20 s\"
 ";
 
-/// What brakes, tractive efforts and the pull before do not change, or only after the horizon, is told.
+/// A warning names brakes, tractive efforts and an earlier pull that change nothing, or go on changing after the horizon.
 #[test]
 fn changes_that_are_not_seen_are_doubted() {
     assert!(codes(&parse(BRAKED)).is_empty());

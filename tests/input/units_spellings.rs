@@ -321,7 +321,7 @@ fn shares_in_words() {
     }
 }
 
-/// What `check` prints is read as what it stands for, to the last of its six digits.
+/// A quantity as `check` prints it is read back as the same number, to the six digits that are printed.
 #[test]
 fn what_is_shown_is_read_again() {
     for (system, dimension) in [UnitSystem::Si, UnitSystem::Us].into_iter().flat_map(|s| Dimension::ALL.map(|d| (s, d)))

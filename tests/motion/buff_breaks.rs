@@ -76,7 +76,7 @@ fn couplers_in_buff_are_left_out_of_each() {
     assert!(draft.scenarios()[0].left_out_in_buff.is_empty() && codes(&draft).is_empty());
 }
 
-/// A train all in buff has no break to compute: alone that is an error, and beside another scenario it is told.
+/// In a train all in buff no break can be computed: an error if that is its only scenario, else a sentence of the report.
 #[test]
 fn a_train_all_in_buff_has_no_breaks() {
     let train = parse(&train(BUNCHED, ""));

@@ -3,10 +3,8 @@
 use super::overloaded;
 use crate::scenario::{Motion, horizon_s, initial_force_n, last_change_s, longest_horizon_s, longest_transit_s};
 use crate::train::{Doubt, Event, Scenario, Train, more};
-use crate::units::{Dimension, rounded, shown, shown_time};
+use crate::units::{Dimension, shown, shown_time};
 
-/// Speeds over this are doubtful, m/s: 200 km/h.
-const FAST_M_PER_S: f64 = 200.0 / 3.6;
 /// A record that ends at a larger share of its largest force ends too early.
 const CUT: f64 = 0.01;
 
@@ -31,7 +29,7 @@ fn breaks(train: &Train, scenario: &Scenario, couplers: &[usize]) -> Vec<(&'stat
             "nothing-left",
             "the train has one coupler only: after its break there is none left to examine".to_owned(),
         ));
-    } else if couplers.iter().any(|&b| load(b) == 0.0) {
+    } else if let Some(first) = couplers.iter().find(|&&b| load(b) == 0.0) {
         let advice = if train.extras().steady.is_some() {
             "check the forces on the vehicles: a tractive_effort, a brake_force or a held vehicle may be missing"
         } else {
@@ -39,7 +37,11 @@ fn breaks(train: &Train, scenario: &Scenario, couplers: &[usize]) -> Vec<(&'stat
         };
         found.push((
             "no-load",
-            format!("the coupler that breaks carries no load, so its break changes nothing; {advice}"),
+            format!(
+                "coupler {}{} carries no load, so its break changes nothing; {advice}",
+                first + 1,
+                more(couplers.iter().filter(|&&b| load(b) == 0.0).count() - 1, "coupler")
+            ),
         ));
     }
     let mut in_buff = couplers.iter().filter(|&&b| load(b) < 0.0);
@@ -91,7 +93,7 @@ fn pulse(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
             format!("the pulse {unseen}; a horizon of {} covers it", shown_time(whole_s)),
         ));
         if train.vehicles().iter().all(|v| !v.held) {
-            let text = "the force does not end within the horizon and no vehicle is held, so the train is accelerated without end";
+            let text = "the force does not end within the horizon and no vehicle is held, so the whole train is accelerated all that time";
             found.push(("force-never-ends", format!("{text}; hold an end, or let the force end")));
         }
     }
@@ -140,11 +142,7 @@ fn impact(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
     found.extend(overloaded(train, &before).map(|text| ("load-over-rating", text)));
     let joint = scenario.event.joint(train.vehicles().len());
     let (Some(joint), Event::Impact { speed_m_per_s, .. }) = (joint, &scenario.event) else { return found };
-    if *speed_m_per_s > FAST_M_PER_S {
-        let [speed, most] =
-            [shown(units, *speed_m_per_s, Dimension::Speed), rounded(units, FAST_M_PER_S, Dimension::Speed)];
-        found.push(("speed", format!("the vehicles arrive at {speed}, over {most}; check the number and its unit")));
-    }
+    found.extend(super::plausible::fast(train, "the vehicles arrive at", *speed_m_per_s));
     if let Some(&c) = train.extras().dashpot_n_s_per_m.get(joint).filter(|c| **c > 0.0) {
         let force = shown(units, c * speed_m_per_s, Dimension::Force);
         let text = format!(

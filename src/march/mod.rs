@@ -57,7 +57,9 @@ pub struct Problem {
     /// Force in draft and in buff, both positive, above which each coupler parts; infinite for never. Empty for none.
     pub break_at_n: Vec<[f64; 2]>,
     /// Emergency brakes that every parting sets off.
-    pub emergency: Option<Emergency>,
+    pub emergency: Option<Brakes>,
+    /// Brakes that are applied at t = 0, and the places from which, m from the front of the train.
+    pub application: Option<(Brakes, Vec<f64>)>,
     /// The motion is followed up to here.
     pub horizon_s: f64,
     /// Extremes are given up to here as well.
@@ -82,15 +84,27 @@ impl Problem {
             gone: Vec::new(),
             break_at_n: Vec::new(),
             emergency: None,
+            application: None,
             horizon_s,
             mark_s: horizon_s,
         }
     }
+
+    /// The full brake forces of all vehicles that may brake, N.
+    pub(crate) fn brakes_n(&self) -> impl Iterator<Item = f64> {
+        let applied = self.application.iter().map(|(brakes, _)| brakes);
+        self.emergency.iter().chain(applied).flat_map(|brakes| brakes.full_n.iter().copied())
+    }
+
+    /// The direction in which the train runs, 1 or -1: brakes act against it.
+    pub(crate) fn direction(&self) -> f64 {
+        if self.common_speed_m_s.is_some_and(|speed| speed < 0.0) { -1.0 } else { 1.0 }
+    }
 }
 
-/// Emergency brakes: the pipe opens where a coupler parts, and a wave runs both ways from there.
+/// Brakes along a train: a wave runs both ways from where they are applied, as where a coupler parts and the pipe opens.
 #[derive(Clone, Debug)]
-pub struct Emergency {
+pub struct Brakes {
     /// Speed of the wave.
     pub wave_m_s: f64,
     /// Share of the full force against the time since the wave came to the middle of the vehicle, straight between points; the

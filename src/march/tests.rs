@@ -29,6 +29,7 @@ fn train(laws: Vec<Law>, start: Vec<Rest>, speed_m_s: Vec<f64>) -> Problem {
         gone: Vec::new(),
         break_at_n: Vec::new(),
         emergency: None,
+        application: None,
         horizon_s: 9.0,
         mark_s: 9.0,
     }

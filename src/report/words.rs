@@ -279,11 +279,11 @@ pub fn verdict_of(scenario: &ScenarioFindings, units: UnitSystem) -> String {
     verdict(case, units) + &first_passage(case) + &impact(case, units)
 }
 
-const LOSSES: &str = "come after reflections from the ends, which the losses of a real train reduce";
+const LOSSES: &str = "after reflections from the ends, which the losses of a real train reduce";
 
 /// What is to be said of exceedances after the first passage: a march has what losses and brakes the file gives.
 fn later_ones(case: &CaseFindings) -> &'static str {
-    if case.method == "march" { "come after it" } else { LOSSES }
+    if case.method == "march" { "after it" } else { LOSSES }
 }
 
 /// What differs in the first passage; empty where nothing does.
@@ -299,9 +299,15 @@ fn first_passage(case: &CaseFindings) -> String {
         moment(worst.peak_time_s, case)
     );
     match case.exceeding_first_passage {
-        0 => format!(" In the first passage, to {end}, none exceeds: {largest}. The exceedances {}.", later_ones(case)),
+        0 => format!(
+            " In the first passage, to {end}, none exceeds: {largest}. The exceedances come {}.",
+            later_ones(case)
+        ),
         n => {
-            format!(" In the first passage, to {end}, {n} of them exceed; {largest}. The others {}.", later_ones(case))
+            let exceed = if n == 1 { "exceeds" } else { "exceed" };
+            let others = if later == 1 { "other comes" } else { "others come" };
+            let later = later_ones(case);
+            format!(" In the first passage, to {end}, {n} of them {exceed}; {largest}. The {others} {later}.")
         }
     }
 }
@@ -314,8 +320,8 @@ fn first_passages(scenario: &ScenarioFindings) -> String {
         0 => String::new(),
         later => {
             let other = count(later, "other break");
-            let come = scenario.cases.first().map_or(LOSSES, later_ones);
-            format!(" In the first passage, {early} would; the exceedances after the {other} {come}.")
+            let later = scenario.cases.first().map_or(LOSSES, later_ones);
+            format!(" In the first passage, {early} would; the exceedances after the {other} come {later}.")
         }
     }
 }
@@ -327,8 +333,6 @@ pub fn passage(scenario: &ScenarioFindings, units: UnitSystem) -> String {
     let [case] = &scenario.cases[..] else { return String::new() };
     let largest = |peak: &dyn Fn(&CouplerFindings) -> Option<(f64, f64)>| -> Option<Peak> {
         let all = case.couplers.iter().filter_map(|c| peak(c).map(|(f, t)| (c.coupler, f, t)));
-        // A force within its error may be none.
-        let all = all.filter(|(_, f, _)| f.abs() > case.error_n());
         all.reduce(|a, b| if b.1.abs() > a.1.abs() { b } else { a })
     };
     let early = |c: &CouplerFindings| c.first_passage.clone();

@@ -239,6 +239,22 @@ fn a_vehicle_that_stops_ends_the_report() {
     );
 }
 
+/// Brakes that are applied everywhere at once stop every vehicle, of equal mass and brake force, after v m / B.
+#[test]
+fn a_brake_application_stops_the_train() {
+    let train = "speed = \"5 km/h\"\n[coupler]\nstiffness = \"30 MN/m\"\nslack = \"10 mm\"\nrated_load = \"1 MN\"\n[[vehicle]]\ncount = 20\n\
+                 mass = \"80 t\"\nlength = \"15 m\"\nemergency_brake = \"60 kN\"\n[[scenario]]\nkind = \"brake\"\nat = \"head\"\n\
+                 horizon = \"60 s\"\nemergency = { wave = \"300 km/s\", build_up = [[\"0 s\", \"0 %\"], [\"1 us\", \"100 %\"]] }\n";
+    let stops = |train: &str| {
+        let folder = folder(&[("train.toml", train)]);
+        let json: Value =
+            serde_json::from_str(&text(folder.path(), &["analyze", "train.toml", "--json"])).expect("JSON");
+        json["scenarios"][0]["cases"][0]["stopped_at_s"].as_f64().expect("it stops")
+    };
+    let due_s = 5.0 / 3.6 * 80e3 / 60e3;
+    assert!((stops(train) - due_s).abs() < 1e-5, "{} {due_s}", stops(train));
+}
+
 #[test]
 fn sample_gears_are_read() {
     let files = fs::read_dir("trains/gears").expect("the folder of gears").map(|f| f.expect("an entry").path());

@@ -334,6 +334,16 @@ fn a_record_s_obstacle_is_named_once() {
         ("time_s,force_kn\n0,0\n1,\n2,3\n", "row 3: force is empty"),
         ("a,b\n0,0\n1,1\n", "the record has no columns of time and force with units"),
         ("label,mass [t]\na,80\n", "it is a table of vehicles"),
+        (
+            "time_s force_kn\n0 0\n1 5\n2 0\n",
+            "the record has no columns of time and force with units: it is a table with blanks between its cells, where commas, \
+             semicolons or tabs are needed",
+        ),
+        (
+            "time_s,force_1_kn,force_2_kn\n0,0,0\n1,5,6\n",
+            "the record has no columns of time and force with units: columns 2 and 3 of row 1 could each be the force; head one of \
+             them so",
+        ),
         ("time_s,force_kn\n1,0\n1,2\n", "the record holds no stretch of time"),
         ("time_s,force_kn\n0,0\n1,0\n", "the record holds no force other than zero"),
     ] {

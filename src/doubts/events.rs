@@ -5,7 +5,7 @@ use crate::scenario::{Motion, horizon_s, initial_force_n, last_change_s, longest
 use crate::train::{Doubt, Event, Scenario, Train, more};
 use crate::units::{Dimension, shown, shown_time};
 
-/// A record that ends at a larger share of its largest force ends too early.
+/// A record that starts or ends at a larger share of its largest force is cut there.
 const CUT: f64 = 0.01;
 
 /// Every doubt about a scenario.
@@ -100,14 +100,23 @@ fn pulse(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
     if let Event::Pulse { force_n, .. } | Event::Shaped { force_n, .. } = &scenario.event {
         found.extend(super::plausible::faint_pulse(train, *force_n));
     }
-    if let Event::Shaped { shape: "record", drive, force_n, duration_s, .. } = &scenario.event
-        && drive.ends_at().abs() > CUT * force_n.abs()
-    {
-        let [force, end] = [shown(train.origin().units, drive.ends_at(), Dimension::Force), shown_time(*duration_s)];
-        let text = format!(
-            "the record ends at {force}, and the force drops to 0 there, at {end}; end it with a row of force 0"
-        );
-        found.push(("record-ends-at-a-force", text));
+    if let Event::Shaped { shape: "record", drive, force_n, duration_s, .. } = &scenario.event {
+        let cut = |end_n: f64| {
+            (end_n.abs() > CUT * force_n.abs()).then(|| shown(train.origin().units, end_n, Dimension::Force))
+        };
+        found.extend(cut(drive.starts_at()).map(|force| {
+            let text = format!(
+                "the record starts at {force}, and the force jumps there from 0; begin it with a row of force 0"
+            );
+            ("record-starts-at-a-force", text)
+        }));
+        found.extend(cut(drive.ends_at()).map(|force| {
+            let end = shown_time(*duration_s);
+            let text = format!(
+                "the record ends at {force}, and the force drops to 0 there, at {end}; end it with a row of force 0"
+            );
+            ("record-ends-at-a-force", text)
+        }));
     }
     found
 }

@@ -4,7 +4,7 @@ use super::numbers::{brief_time, digits, down, down_to, given_force, percent, ti
 use crate::consist;
 use crate::findings::{self, CaseFindings, CouplerFindings, LoadSearch, ScenarioFindings};
 pub(crate) use crate::train::count;
-use crate::train::{Application, Event, Scenario, Train};
+use crate::train::{Application, Event, Scenario, Train, more};
 use crate::units::{Dimension, UnitSystem, shown, shown_time};
 
 /// The scenario of the train that a scenario of findings was made from, with its index.
@@ -276,7 +276,23 @@ pub fn interval(c: &CouplerFindings, error_n: f64, units: UnitSystem) -> String 
 /// The verdict on a scenario: over the horizon, over the first passage where that differs, and both senses of an impact.
 pub fn verdict_of(scenario: &ScenarioFindings, units: UnitSystem) -> String {
     let [case] = &scenario.cases[..] else { return verdict_each(scenario, units) + &first_passages(scenario) };
-    verdict(case, units) + &first_passage(case) + &impact(case, units)
+    verdict(case, units) + &first_passage(case) + &impact(case, units) + &meetings(case)
+}
+
+/// Where parted vehicles meet again and push each other; empty where none do, or where that is not computed.
+fn meetings(case: &CaseFindings) -> String {
+    let mut couplers: Vec<usize> = case.gap_closures.iter().map(|closure| closure.coupler).collect();
+    couplers.sort_unstable();
+    couplers.dedup();
+    let Some(first) = case.gap_closures.iter().min_by(|a, b| a.time_s.total_cmp(&b.time_s)) else {
+        return String::new();
+    };
+    format!(
+        " The vehicles that part at coupler {}{} meet again at {} and push each other, which is computed.",
+        first.coupler,
+        more(couplers.len() - 1, "coupler"),
+        time(first.time_s)
+    )
 }
 
 const LOSSES: &str = "after reflections from the ends, which the losses of a real train reduce";

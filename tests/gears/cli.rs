@@ -205,6 +205,8 @@ fn parted_pieces_meet_again() {
     let closure = &json["scenarios"][0]["cases"][0]["gap_closures"][0];
     assert_eq!(closure["coupler"], 31, "{json}");
     assert!(closure["time_s"].as_f64().is_some_and(|t| t > 0.0 && t < 40.0));
+    let told = text(folder.path(), &["analyze", "train.toml", "--out", "out"]);
+    assert!(told.replace('\n', " ").contains("The vehicles that part at coupler 31 meet again at"), "{told}");
 }
 
 /// A throttle schedule on a logger's clock changes nothing for a long time, and is told.

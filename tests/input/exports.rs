@@ -318,6 +318,12 @@ fn a_record_on_another_clock_is_shifted_and_says_so() {
         let (drawn, _, duration_s, doubts) = course(csv);
         assert_eq!((&drawn, duration_s, doubts), (&plain, 0.5, vec!["record-shifted"]), "{csv}");
     }
+    let codes = |csv: &str| {
+        let train = record(csv).unwrap_or_else(|e| panic!("{csv}\n{e}"));
+        trainsafe::doubts::doubts(&train).iter().map(|d| d.code).filter(|c| c.starts_with("record")).collect::<Vec<_>>()
+    };
+    assert_eq!(codes("time_s,force_kn\n0,500\n0.05,1500\n0.1,0\n"), ["record-starts-at-a-force"]);
+    assert!(codes("t,F\ns,kN\n0,0\n0.05,1500\n0.1,0\n").is_empty());
     let train = record("time_s,force_kn\n5000,800\n5000.5,0\n").expect("a force at once");
     let text = "the record p.csv starts at 5000 s: its clock at 5000 s, where it has a force at once, is taken as t = 0 of the event";
     assert_eq!(train.origin().doubts, [Doubt::of_train("record-shifted", text)]);

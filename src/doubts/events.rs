@@ -1,6 +1,7 @@
 //! Doubts about scenarios.
 
 use super::overloaded;
+use crate::law::Law;
 use crate::scenario::{Motion, horizon_s, initial_force_n, last_change_s, longest_horizon_s, longest_transit_s};
 use crate::train::{Doubt, Event, Scenario, Train, more};
 use crate::units::{Dimension, shown, shown_time};
@@ -152,7 +153,14 @@ fn impact(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
     let joint = scenario.event.joint(train.vehicles().len());
     let (Some(joint), Event::Impact { speed_m_per_s, .. }) = (joint, &scenario.event) else { return found };
     found.extend(super::plausible::fast(train, "the vehicles arrive at", *speed_m_per_s));
-    if let Some(&c) = train.extras().dashpot_n_s_per_m.get(joint).filter(|c| **c > 0.0) {
+    let extras = train.extras();
+    let loses = extras.laws.iter().any(Law::has_friction) || extras.dashpot_n_s_per_m.iter().any(|c| *c > 0.0);
+    if Motion::of(train, scenario) == Motion::Events && !loses {
+        let text = "no coupler absorbs work, so that the draft after the collision includes the whole rebound of the springs; a real \
+                    draft gear absorbs up to 87 % of the work: give the couplers a gear";
+        found.push(("elastic-rebound", text.to_owned()));
+    }
+    if let Some(&c) = extras.dashpot_n_s_per_m.get(joint).filter(|c| **c > 0.0) {
         let force = shown(units, c * speed_m_per_s, Dimension::Force);
         let text = format!(
             "the dashpot of coupler {} carries {force} at the instant of contact, its damping times the speed, while the force of \

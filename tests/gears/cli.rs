@@ -275,6 +275,27 @@ fn sample_gears_are_read() {
     assert_eq!(count, 5);
 }
 
+/// Shares of 1 in a column of per cent, and springs without loss in an impact.
+#[test]
+fn shares_of_one_and_springs_that_rebound_are_told() {
+    let train = hauled(GEARS, "throttle = \"throttle.csv\"\n");
+    for (rows, told) in [("0,1\n2.5,0.5\n", true), ("0,100\n2.5,50\n", false), ("0,100\n2.5,0\n", false)] {
+        let throttle = format!("time [s],share [%]\n{rows}");
+        let folder = folder(&[("train.toml", &train), ("throttle.csv", &throttle)]);
+        let said = text(folder.path(), &["check", "train.toml"]);
+        assert_eq!(said.contains("were shares of 1 meant"), told, "{said}");
+    }
+    let impact = "[[vehicle]]\nmass = \"80 t\"\ncount = 6\n[[scenario]]\nkind = \"impact\"\nat = \"tail\"\nvehicles = 2\nspeed = \"5 km/h\"\n";
+    for (coupler, told) in
+        [("stiffness = \"30 MN/m\"\nslack = \"16 mm\"", true), (GEARS, false), ("stiffness = \"30 MN/m\"", false)]
+    {
+        let train = format!("[coupler]\n{coupler}\nrated_load = \"2 MN\"\n{impact}");
+        let folder = folder(&[("train.toml", &train)]);
+        let said = text(folder.path(), &["check", "train.toml"]);
+        assert_eq!(said.contains("the whole rebound of the springs"), told, "{coupler}: {said}");
+    }
+}
+
 /// A warning names a gear that closes in an impact, and none that does not.
 #[test]
 fn closing_gears_are_told() {

@@ -83,7 +83,7 @@ pub fn verdict(run: &Run, summary: &Summary) -> Vec<String> {
         passages(harmful, summary.unsafe_later()),
         summary.harmful,
         count(summary.cases, "case"),
-        if summary.harmful == 1 { "does" } else { "do" },
+        if summary.harmful == 1 || summary.cases == 1 { "does" } else { "do" },
         passages(summary.harmful, summary.harmful_later),
     ));
     if let Some(doubts) = doubts::sentence(summary) {
@@ -106,7 +106,7 @@ pub fn verdict(run: &Run, summary: &Summary) -> Vec<String> {
     }
     match summary.undecided_trains() {
         0 => {}
-        n => text.push(format!("For {n} more it is not decided: a rating lies within the error bound of a peak.")),
+        n => text.push(format!("For {n} more it is not decided: a rating lies within the error of a peak, or forces cannot be told up to the horizon.")),
     }
     match summary.failed {
         0 => {}

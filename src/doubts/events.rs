@@ -17,7 +17,7 @@ pub(super) fn of_scenario(train: &Train, scenario: &Scenario) -> Vec<Doubt> {
         Event::Impact { .. } => impact(train, scenario),
         Event::Brake { .. } => vec![],
     };
-    let found = found.into_iter().chain(changes(train, scenario));
+    let found = found.into_iter().chain(changes(train, scenario)).chain(stands(train, scenario));
     let found = found.map(|(code, text)| Doubt::of_scenario(code, scenario, text));
     found.chain(short_horizon(train, scenario)).collect()
 }
@@ -120,6 +120,21 @@ fn pulse(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
         }));
     }
     found
+}
+
+/// A train that the forces on its vehicles slow down, and bring to a stand before the horizon; brakes that are applied are computed.
+fn stands(train: &Train, scenario: &Scenario) -> Option<(&'static str, String)> {
+    let extras = train.extras();
+    let (speed, slowing) = (extras.speed_m_per_s?, -extras.steady.as_ref()?.acceleration_m_per_s2);
+    let (at_s, until_s) = (speed / slowing, longest_horizon_s(train, scenario));
+    let text = || {
+        format!(
+            "the forces on the vehicles bring the train to a stand at {}, before the horizon of {}; forces go on here as if it ran",
+            shown_time(at_s),
+            shown_time(until_s)
+        )
+    };
+    (slowing > 0.0 && at_s < until_s && !scenario.applies_brakes()).then(|| ("train-stands", text()))
 }
 
 /// Brakes and tractive efforts that change nothing, or go on changing after the horizon.

@@ -47,6 +47,8 @@ pub struct Problem {
     /// Speed of the common motion at t = 0 against the track, where brakes act: they act against it, and the march ends when a
     /// braked vehicle would stop. `None`: forward, and no vehicle stops.
     pub common_speed_m_s: Option<f64>,
+    /// Acceleration of the common motion against the track, beside what `steady_n` gives.
+    pub common_m_s2: f64,
     /// Steady outside force on each vehicle. Of a train without a held vehicle the common acceleration that they give is taken
     /// off, so that they may be given with it or without. What is under 1e-12 of the largest force counts as balance.
     pub steady_n: Vec<f64>,
@@ -79,6 +81,7 @@ impl Problem {
             dashpot_n_s_per_m: Vec::new(),
             speed_m_s: vec![0.0; vehicles],
             common_speed_m_s: None,
+            common_m_s2: 0.0,
             steady_n: vec![0.0; vehicles],
             forcing: Vec::new(),
             gone: Vec::new(),

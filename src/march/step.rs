@@ -111,7 +111,7 @@ impl<'a> March<'a> {
             t: 0.0,
             events: 0,
             steps: 0,
-            common_m_s2,
+            common_m_s2: common_m_s2 + problem.common_m_s2,
             past: 0.0,
             nothing: [0.0; 2],
             mean_width: f64::INFINITY,

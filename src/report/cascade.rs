@@ -97,7 +97,13 @@ fn kept(cascade: &CascadeFindings) -> String {
 
 /// From when on the sequence is not decided, and the beginning of a sentence about what is left if it is supposed to hold.
 fn open(cascade: &CascadeFindings, later: usize) -> Option<String> {
-    let (from, coupler) = (cascade.undecided_from_s?, cascade.undecided_coupler?);
+    let from = cascade.undecided_from_s?;
+    let Some(coupler) = cascade.undecided_coupler else {
+        return Some(format!(
+            "The motion is followed to {} only, and what breaks later is not known. Until then ",
+            time(from)
+        ));
+    };
     let later = match later {
         0 => String::new(),
         1 => "one more breaks later, and ".to_owned(),

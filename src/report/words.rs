@@ -369,10 +369,15 @@ pub fn passage(scenario: &ScenarioFindings, units: UnitSystem) -> String {
     if first == [None, None] && all == [None, None] {
         return String::new();
     }
-    let (end, whole) = (time(case.first_passage_s.min(case.horizon_s)), brief_time(case.horizon_s));
+    let (end, whole) = (time(case.first_passage_s), brief_time(case.horizon_s));
+    if case.first_passage_s >= case.horizon_s {
+        return format!("Over all {whole}, which end before the wave has come back from the far end: {}.", both(all));
+    }
+    let passage =
+        format!("In the first passage, until the wave has come back from the far end at {end}: {}.", both(first));
     match first == all {
-        true => format!("In the first passage, to {end}: {}. No later force is larger.", both(first)),
-        false => format!("In the first passage, to {end}: {}. Over all {whole}: {}.", both(first), both(all)),
+        true => passage + " No later force is larger.",
+        false => format!("{passage} Over all {whole}: {}.", both(all)),
     }
 }
 

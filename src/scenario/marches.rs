@@ -25,6 +25,7 @@ pub fn march(train: &Train, scenario: &Scenario, broken: Option<usize>, until_s:
         start: start(train, event),
         speed_m_s: (0..=last).map(|v| speed_m_per_s(event, v, last)).collect(),
         common_speed_m_s: train.extras().speed_m_per_s.filter(|_| scenario.applies_brakes()),
+        common_m_s2: train.extras().steady.as_ref().map_or(0.0, |steady| steady.acceleration_m_per_s2),
         steady_n: steady_n(train, event),
         forcing: forcing(scenario, horizon_s),
         gone: broken.into_iter().collect(),

@@ -147,7 +147,7 @@ fn check_tells_slack_travel_and_losses() {
     for part in [
         "every coupler: a gear, which closes after 149 mm at 2.52 MN; a full stroke takes 157.7 kJ and loses 79 % of it, in series with \
          200 MN/m, slack 25 mm",
-        "at 600 kN in draft, let down from 800 kN, it has travelled 54.6119 mm beyond the slack",
+        "at 600 kN in draft, let down from 800 kN, it and what is in series have moved 54.6119 mm beyond the slack",
     ] {
         assert!(told.contains(part), "{told}");
     }
@@ -255,6 +255,12 @@ fn a_brake_application_stops_the_train() {
     };
     let due_s = 5.0 / 3.6 * 80e3 / 60e3;
     assert!((stops(train) - due_s).abs() < 1e-5, "{} {due_s}", stops(train));
+    // Forces that slow or drive the train before the application take part: a = -0.2 m/s2 and 0.5 m/s2 beside the brakes' -0.75.
+    for (key, a) in [("rolling_resistance = \"200 N/t\"", -0.2), ("tractive_effort = \"40 kN\"", 0.5)] {
+        let train = train.replace("emergency_brake = \"60 kN\"", &format!("emergency_brake = \"60 kN\"\n{key}"));
+        let due_s = 5.0 / 3.6 / (60e3 / 80e3 - a);
+        assert!((stops(&train) - due_s).abs() < 1e-4, "{key}: {} {due_s}", stops(&train));
+    }
 }
 
 #[test]

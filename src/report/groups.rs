@@ -9,7 +9,6 @@ use crate::units::{Dimension, UnitSystem, shown};
 const ROWS: usize = 40;
 
 /// Headings of those columns in which any group has something, and the groups' rows.
-#[derive(Debug, serde::Serialize)]
 pub struct Groups {
     /// What the table is of.
     pub of: &'static str,

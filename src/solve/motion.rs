@@ -77,14 +77,15 @@ fn row_norm(ahead: &[f64], behind: &[f64], stiffness: &[f64], i: usize) -> f64 {
 
 /// Springs whose norms are taken together.
 pub const BLOCK: usize = 8;
-/// Blocks on either side beyond which a step brings little of a motion: past 8 powers of X the series of `1 / cos(theta/2)`
-/// sums to 3e-6 at the largest phase.
+/// Blocks on either side beyond which a step brings little of a motion to two springs beside a block: what comes from there takes 7
+/// powers of X or more.
 const NEAR: usize = 1;
-/// How much it brings from there, at most.
-pub const FROM_OUTSIDE: f64 = 1e-5;
-/// Blocks beyond which it brings next to nothing: past 24 powers 1e-15 of a motion.
+/// How much it brings from there, at most: the rest of the series of `1 / cos(theta/2)` at the largest phase, from those powers on. Its
+/// terms are all positive, and as large as those of any instant between the ends.
+pub const FROM_OUTSIDE: f64 = 5.28e-5;
+/// Blocks beyond which it brings next to nothing: 23 powers or more.
 pub const FAR: usize = 3;
-const FROM_AFAR: f64 = 1e-15;
+const FROM_AFAR: f64 = 3e-15;
 /// `1 / cos(PHASE / 2)`, rounded up.
 pub const GROWTH: f64 = 1.37;
 
@@ -177,6 +178,24 @@ pub fn least_slope([left, right]: [[f64; 3]; 2], remainder: f64) -> f64 {
 mod tests {
     use super::super::between::PHASE;
     use super::*;
+
+    /// The rests of the series of `1 / cos(theta/2)` in `theta^2`, whose coefficients follow from `cos x / cos x = 1`.
+    #[test]
+    fn rests_of_the_series_are_rounded_up() {
+        let mut terms = vec![1.0f64];
+        for p in 1..60 {
+            let (mut power, mut term) = (1.0, 0.0);
+            for j in 1..=p {
+                power *= -PHASE * PHASE / 4.0 / ((2 * j * (2 * j - 1)) as f64);
+                term -= power * terms[p - j];
+            }
+            terms.push(term);
+        }
+        let rest = |from: usize| terms[from..].iter().rev().sum::<f64>();
+        for (from, bound) in [(0, GROWTH), (7, FROM_OUTSIDE), (23, FROM_AFAR)] {
+            assert!(rest(from) <= bound && bound < 2.0 * rest(from), "{from}: {:e} {bound:e}", rest(from));
+        }
+    }
 
     /// For G = sin(theta x + phase) the bracket holds its largest value over 0 <= x <= 1, and is as narrow as its remainder says.
     #[test]

@@ -1,7 +1,8 @@
 //! Couplers with slack and gears, and what brakes and drives do, in words.
 
 use crate::law::{Curve, Law};
-use crate::train::{Application, Scenario, Train, count};
+use crate::play::Rule;
+use crate::train::{Application, Event, Scenario, Train, count};
 use crate::units::{Dimension, UnitSystem, shown, shown_time};
 
 /// The laws of couplers that are not linear, each kind once with what it does at the load; empty where all are linear.
@@ -70,7 +71,8 @@ fn at_the_load(train: &Train, couplers: &[usize], law: &Law) -> String {
     };
     let (force_n, units) = (train.initial_force_n()[most], train.origin().units);
     if force_n == 0.0 {
-        return "; no load before the event".to_owned();
+        let slack = if law.slack_m() > 0.0 { ", so it starts in the middle of its slack" } else { "" };
+        return format!("; no load before the event{slack}");
     }
     let rest = law.rest(&train.history_n(most));
     let travel_m = law.elongation_m(&rest).abs() - 0.5 * law.slack_m();
@@ -103,6 +105,14 @@ pub(super) fn response(train: &Train, scenario: &Scenario) -> String {
     let (mut text, units) = (String::new(), train.origin().units);
     if let Some(emergency) = &scenario.response.emergency {
         text += &format!("; each parting sets off emergency brakes both ways ({})", application(emergency, units));
+    }
+    if let (Event::Brake { emergency, .. }, true) = (&scenario.event, scenario.cascade != Rule::Keep) {
+        text += match emergency {
+            true => "; each parting sets off these brakes too, both ways from where it is",
+            false => {
+                "; a parting sets off no emergency brakes, because a service application gives none: in a train it does"
+            }
+        };
     }
     let efforts = &scenario.response.efforts;
     let ends = |of: fn(&[[f64; 2]]) -> Option<&[f64; 2]>| efforts.iter().filter_map(move |f| of(&f.points));

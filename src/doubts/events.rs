@@ -6,6 +6,8 @@ use crate::scenario::{Motion, horizon_s, initial_force_n, last_change_s, longest
 use crate::train::{Doubt, Event, Scenario, Train, more};
 use crate::units::{Dimension, shown, shown_time};
 
+/// An acceleration that a standing part of a train does not have, m/s2.
+const MOVES_M_PER_S2: f64 = 0.05;
 /// A record that starts or ends at a larger share of its largest force is cut there.
 const CUT: f64 = 0.01;
 
@@ -169,6 +171,20 @@ fn impact(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
     let (Some(joint), Event::Impact { speed_m_per_s, .. }) = (joint, &scenario.event) else { return found };
     found.extend(super::plausible::fast(train, "the vehicles arrive at", *speed_m_per_s));
     let extras = train.extras();
+    if let (Some(steady), Event::Impact { at_head, .. }) = (&extras.steady, &scenario.event) {
+        let standing = if *at_head { joint + 1..train.vehicles().len() } else { 0..joint + 1 };
+        let part = &train.vehicles()[standing.clone()];
+        let mass_kg: f64 = part.iter().map(|v| v.mass_kg).sum();
+        let force_n: f64 = steady.outside_n[standing].iter().sum();
+        if part.iter().all(|v| !v.held) && force_n.abs() > MOVES_M_PER_S2 * mass_kg {
+            let text = format!(
+                "the forces on the vehicles that stand come to {}, which would move them: a brake holds a standing vehicle and does not \
+                 push it; leave brake_force out there, or hold an end",
+                shown(units, force_n, Dimension::Force)
+            );
+            found.push(("standing-part-moves", text));
+        }
+    }
     let loses = extras.laws.iter().any(Law::has_friction) || extras.dashpot_n_s_per_m.iter().any(|c| *c > 0.0);
     if Motion::of(train, scenario) == Motion::Events && !loses {
         let text = "no coupler absorbs work, so that the draft after the collision includes the whole rebound of the springs; a real \

@@ -219,7 +219,7 @@ fn finite(safe: &Factors, cause: usize) -> Option<f64> {
     safe[cause].filter(|f| f.is_finite())
 }
 
-/// Sections as HTML.
+/// Sections as HTML; they have no blocks of other kinds.
 fn blocks(blocks: &[Block]) -> String {
     let (mut out, mut heading) = (String::new(), "");
     for block in blocks {

@@ -39,10 +39,13 @@ pub fn section(
     }
     all.extend(over_limits(scenario, train.origin().units));
     let left_out: usize = cases.iter().map(|c| c.left_out).sum();
-    all.extend((left_out > 0).then(|| Block::Paragraph("Left out", lines(&format!(
-        "Couplers that cannot exceed at any time, because their all-time bounds lie under their ratings, are not listed: {left_out} in\n\
-         all cases together. The safe factor counts them by those bounds and may be larger."
-    )))));
+    if left_out > 0 {
+        let text = format!(
+            "Couplers that cannot exceed at any time, because their all-time bounds lie under their ratings, are not listed: \
+             {left_out} in\nall cases together. The safe factor counts them by those bounds and may be larger."
+        );
+        all.push(Block::Paragraph("Left out", lines(&text)));
+    }
     let pictures = shown.map_or_else(Vec::new, Shown::pictures);
     all.extend(pictures.into_iter().map(|picture| Block::Figure(Some(index), picture)));
     all.extend(titled("Continuum model", words::rod(scenario)));

@@ -43,14 +43,11 @@ pub use variants::{Changed, DampingFindings, Variant, VariantFindings};
 
 use crate::doubts;
 use crate::scenario::Scales;
-use crate::solve::memo::Memo;
+use crate::solve::responses::Shared;
 use crate::solve::watch::{Side, SpringPeaks};
 use crate::solve::{Ask, Method, SolveError, Wanted};
 use crate::train::{Doubt, Event, Scenario, Source, Train};
 use crate::units::UnitSystem;
-
-/// What one analysis may remember of scenes that it has solved, bytes.
-const REMEMBERED: usize = 32 << 20;
 
 /// How an analysis is to be done.
 #[derive(Clone, Debug)]
@@ -404,7 +401,6 @@ pub enum AnalyzeError {
 /// ```
 pub fn analyze(train: &Train, options: &Options) -> Result<Analysis, AnalyzeError> {
     let date = date::today().map_err(AnalyzeError::Date)?;
-    let memo = Memo::new(REMEMBERED);
     let chosen = chosen(train, options)?;
     if chosen.iter().all(|s| cases(&s.event).is_empty()) {
         return Err(AnalyzeError::NoCase);
@@ -416,7 +412,7 @@ pub fn analyze(train: &Train, options: &Options) -> Result<Analysis, AnalyzeErro
         sha256: source.sha256.iter().map(|byte| format!("{byte:02x}")).collect(),
     };
     let inputs = train.origin().sources.iter().map(file).collect();
-    let scenarios = chosen.iter().map(|s| scenario_findings(train, s, options, &memo));
+    let scenarios = chosen.iter().map(|s| scenario_findings(train, s, options));
     let scenarios: Vec<ScenarioFindings> = scenarios.collect::<Result<_, _>>()?;
     doubts.extend(chosen.iter().zip(&scenarios).flat_map(|(s, found)| doubts_found::found(train, s, &found.cases)));
     let (vehicles, couplers) = (train.vehicles().len(), train.couplers().len());
@@ -485,18 +481,17 @@ fn scenario_findings(
     train: &Train,
     scenario: &Scenario,
     options: &Options,
-    memo: &Memo,
 ) -> Result<ScenarioFindings, AnalyzeError> {
     let cases = cases(&scenario.event)
         .par_iter()
         .map(|&b| {
             options.stop.check()?;
-            case_findings(train, scenario, b, options, memo)
+            case_findings(train, scenario, b, options, Shared::Nothing)
                 .map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })
         })
         .collect::<Result<Vec<_>, _>>()?;
     options.stop.check()?;
-    let map = if options.map { map::find(train, scenario, options, memo) } else { Ok(None) };
+    let map = if options.map { map::find(train, scenario, options) } else { Ok(None) };
     let map = map.map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
     let solve = |source| AnalyzeError::Solve { scenario: scenario.name.clone(), source };
     let (mut damping, mut variants) = (Vec::new(), Vec::new());

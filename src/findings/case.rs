@@ -10,7 +10,7 @@ use super::{
 use crate::play::Rule;
 use crate::rod::Rod;
 use crate::scenario::{self, Motion, Part, Scales};
-use crate::solve::memo::Memo;
+use crate::solve::responses::Shared;
 use crate::solve::{Ask, SolveError, Wanted};
 use crate::train::{Event, Scenario, Train};
 
@@ -27,7 +27,7 @@ pub(super) struct Case<'a> {
     /// End of the first passage, s.
     passage_s: f64,
     pub options: Options,
-    memo: &'a Memo,
+    shared: Shared<'a>,
 }
 
 impl<'a> Case<'a> {
@@ -36,13 +36,13 @@ impl<'a> Case<'a> {
         scenario: &'a Scenario,
         broken: Option<usize>,
         options: &Options,
-        memo: &'a Memo,
+        shared: Shared<'a>,
     ) -> Case<'a> {
         // After a break the coupler of the largest utilisation is the one that bounds the load; it need not be under a pulse.
         let wanted = if broken.is_some() { options.wanted } else { Wanted::Everything };
         let horizon_s = scenario::horizon_s(train, scenario, broken);
         let passage_s = first_passage::end_s(train, scenario, broken, horizon_s);
-        Case { train, scenario, broken, horizon_s, passage_s, options: Options { wanted, ..options.clone() }, memo }
+        Case { train, scenario, broken, horizon_s, passage_s, options: Options { wanted, ..options.clone() }, shared }
     }
 
     fn motion(&self) -> Motion {
@@ -66,7 +66,7 @@ impl<'a> Case<'a> {
             Motion::Steps | Motion::DampedModes(_) => {
                 let parts = scenario::parts(train, &self.scenario.event, self.broken, until_s);
                 let ask = ask(train, options, (mark_s < until_s).then_some(mark_s));
-                solved_by_parts(train, &parts, &ask, options, self.memo)
+                solved_by_parts(train, &parts, &ask, options, self.shared)
             }
         }
     }
@@ -101,10 +101,10 @@ pub(crate) fn case_findings(
     scenario: &Scenario,
     broken: Option<usize>,
     options: &Options,
-    memo: &Memo,
+    shared: Shared,
 ) -> Result<CaseFindings, SolveError> {
     let start = Instant::now();
-    let case = Case::new(train, scenario, broken, options, memo);
+    let case = Case::new(train, scenario, broken, options, shared);
     let (horizon_s, passage_s) = (case.horizon_s, case.passage_s);
     let rod = case.rod();
     let solved = case.solve()?;
@@ -170,7 +170,7 @@ fn solved_by_parts(
     parts: &[Part],
     ask: &Ask,
     options: &Options,
-    memo: &Memo,
+    shared: Shared,
 ) -> Result<Solved, SolveError> {
     let scales = Scales::of(train);
     let mut within = [(); 2].map(|()| (Vec::new(), Vec::new()));
@@ -178,7 +178,7 @@ fn solved_by_parts(
     let (mut error_bound_n, mut left_out) = (0.0f64, Vec::new());
     for part in parts {
         let solution = match train.extras().damping_ratio {
-            0.0 => memo.solve(&part.scene, ask)?,
+            0.0 => shared.solve(&part.scene, ask)?,
             ratio => general::damped(&part.scene, ratio, ask)?,
         };
         let tells = (solution.error_bound > ask.tolerance, part.scene.initial.len());

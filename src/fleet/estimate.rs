@@ -93,7 +93,7 @@ fn look(plan: &Plan, case: u64, start: Instant) -> Result<Option<Looked>, FleetE
             let solved = is_time.then(|| {
                 for broken in pair {
                     // Those that cannot be computed take their time too.
-                    let _ = findings::case_findings(&train, scenario, broken, &plan.options, plan.memo);
+                    let _ = findings::case_findings(&train, scenario, broken, &plan.options, plan.shared(&train));
                 }
                 begun.elapsed().as_secs_f64()
             });

@@ -62,7 +62,8 @@ pub struct Options {
     pub verdict_only: bool,
     /// Report the all-time bound of every coupler's force.
     pub all_time_bound: bool,
-    /// Which couplers' forces are to be exact. [`Wanted::Worst`] is less work, where it makes a difference: after breaks.
+    /// Which couplers' forces are to be exact. [`Wanted::Worst`] is less work, where it makes a difference: after breaks. Couplers that
+    /// are neither the worst nor over their ratings may then be left out.
     pub wanted: Wanted,
     /// Add a map to every scenario: overloading force by duration, or safe load by broken coupler.
     pub map: bool,
@@ -477,11 +478,7 @@ fn ask(train: &Train, options: &Options, mark_s: Option<f64>) -> Ask {
     }
 }
 
-fn scenario_findings(
-    train: &Train,
-    scenario: &Scenario,
-    options: &Options,
-) -> Result<ScenarioFindings, AnalyzeError> {
+fn scenario_findings(train: &Train, scenario: &Scenario, options: &Options) -> Result<ScenarioFindings, AnalyzeError> {
     let cases = cases(&scenario.event)
         .par_iter()
         .map(|&b| {

@@ -44,11 +44,7 @@ pub struct MapPoint {
 ///
 /// # Errors
 /// As for a case.
-pub(super) fn find(
-    train: &Train,
-    scenario: &Scenario,
-    options: &Options,
-) -> Result<Option<MapFindings>, SolveError> {
+pub(super) fn find(train: &Train, scenario: &Scenario, options: &Options) -> Result<Option<MapFindings>, SolveError> {
     if Motion::of(train, scenario) == Motion::Events {
         return Ok(None);
     }

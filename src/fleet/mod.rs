@@ -67,7 +67,7 @@ use reports::Reports;
 use summary::Summary;
 
 /// Memory for responses that a run may use again, bytes.
-const REMEMBERED: usize = 160 << 20;
+const REMEMBERED: usize = 320 << 20;
 
 /// Why a run could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -116,7 +116,7 @@ pub struct Request {
     pub reports: usize,
     /// Keep every coupler of every case too, in `couplers/`.
     pub couplers: bool,
-    /// Bytes of memory for responses that were found; `None`: 160 MiB. Results do not depend on it.
+    /// Bytes of memory for responses that were found; `None`: 320 MiB. Results do not depend on it.
     pub memo_bytes: Option<usize>,
     /// Who is told how far the run is.
     pub progress: Telling,

@@ -9,7 +9,7 @@ use super::couplers::Couplers;
 use super::inputs::Inputs;
 use super::rows::{self, Chunk};
 use super::variation::Varied;
-use super::{FleetError, Request};
+use super::{FleetError, REMEMBERED, Request};
 use crate::doubts::doubts;
 use crate::findings::{self, AnalyzeError, Options, cases};
 use crate::solve::Wanted;
@@ -25,7 +25,7 @@ const MOST_CASES: u64 = 500;
 const LEAST_REPEATS: usize = 10;
 /// About what the response of a chain takes in memory, bytes per square of its springs, and what those of a train may.
 const SPRING_BYTES: usize = 64;
-const MOST_BYTES: usize = 160 << 20;
+const MOST_BYTES: usize = REMEMBERED / 2;
 
 /// Cases of all variations of all trains, in order, cut into chunks.
 pub struct Plan<'a> {
@@ -58,7 +58,10 @@ impl<'a> Plan<'a> {
         });
         let ends: Vec<u64> = ends.collect();
         let total = ends.last().copied().unwrap_or(0);
-        let chunk_cases = (total / CHUNKS).clamp(FEWEST_CASES, MOST_CASES);
+        let cases = (total / CHUNKS).clamp(FEWEST_CASES, MOST_CASES);
+        // Of variations with as many cases each none is cut in two: it would be read twice.
+        let of_one = ends.first().map_or(1, |first| (*first).max(1));
+        let chunk_cases = if cases > of_one { cases - cases % of_one } else { cases };
         // A row tells of the worst coupler, and counts the others.
         let wanted = if request.couplers { Wanted::Everything } else { Wanted::Worst };
         let repeats = inputs.study.as_ref().is_some_and(|study| study.chain_repeats() >= LEAST_REPEATS);
@@ -155,7 +158,9 @@ impl<'a> Plan<'a> {
     pub fn shared(&self, train: &Train) -> Shared<'a> {
         let springs = train.couplers().len();
         match self.shared {
-            Shared::EveryChain(responses) if all_cases(train).count() * springs * springs * SPRING_BYTES > MOST_BYTES => {
+            Shared::EveryChain(responses)
+                if all_cases(train).count() * springs * springs * SPRING_BYTES > MOST_BYTES =>
+            {
                 Shared::EqualChains(responses)
             }
             shared => shared,

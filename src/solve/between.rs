@@ -105,7 +105,7 @@ impl<'a> Search<'a> {
             .collect();
         let [levels, crossings] = [0, 1].map(|_| [0, 1].map(|_| vec![f64::INFINITY; springs.next_multiple_of(BLOCK)]));
         let lead = (wanted == Wanted::Worst).then(|| {
-            let lead = Lead::new(scene, bound);
+            let lead = Lead::new(bound);
             [lead.clone(), lead]
         });
         let mut search = Search {
@@ -489,8 +489,7 @@ fn window(springs: usize, spring: usize, at: impl Fn(usize) -> f64) -> [f64; WIN
 fn local(motion: &Motion, step: &Step, spring: usize, around: &[[f64; WINDOW]; 2]) -> Local {
     let square = step.width * step.width;
     let squared = |x: &[f64]| window(motion.ahead.len(), spring, |s| square * x[s]);
-    let (ahead, behind, drive) =
-        (squared(&motion.ahead), squared(&motion.behind), squared(&motion.drive));
+    let (ahead, behind, drive) = (squared(&motion.ahead), squared(&motion.behind), squared(&motion.drive));
     let mut sum: [f64; WINDOW] = std::array::from_fn(|l| 0.5 * (around[0][l] + around[1][l]));
     let mut difference: [f64; WINDOW] = std::array::from_fn(|l| 0.5 * (around[1][l] - around[0][l]));
     let mut coefficient = [0.0; COEFFICIENTS];

@@ -7,8 +7,10 @@
 //!
 //! Bound: |f| times that of R, and the rounding of the product and of the sum.
 
+use std::sync::{Arc, Mutex, PoisonError};
+
 use super::between::{Step, jet, piece};
-use super::local::Point;
+use super::local::{Local, Point};
 use super::motion::{BLOCK, Motion, any_opens, bracket, least_slope, opening};
 use super::propagator::{self, See, View, block, march};
 use super::watch::{Side, SpringPeaks, searched};
@@ -32,8 +34,10 @@ pub struct Response {
     /// Steps with a record.
     steps: Vec<Kept>,
     rows: Vec<Row>,
-    /// Of R and of -R, spring by spring.
-    sides: Vec<[Stairs; 2]>,
+    /// Records of R and of -R, spring by spring.
+    records: Vec<[Vec<Record>; 2]>,
+    /// The horizon and the mark that were asked for last, and the largest R and -R up to them.
+    latest: Mutex<Option<([f64; 2], Arc<[[Top; 2]]>)>>,
 }
 
 /// A step, and the places of the forces at its ends.
@@ -50,13 +54,8 @@ struct Row {
     forces: Box<[f64]>,
 }
 
-/// One sign of one spring's response.
-#[derive(Clone, Debug, Default)]
-struct Stairs {
-    records: Vec<Record>,
-    /// The largest value up to the mark, if it is over 0.
-    to_mark: Option<Point>,
-}
+/// The largest value of a side up to the horizon, and up to the mark: 0 at t = 0 before the first record.
+type Top = [Point; 2];
 
 /// A new largest value, and the number of its step among those that are kept.
 #[derive(Clone, Copy, Debug)]
@@ -82,41 +81,32 @@ struct Passing {
 }
 
 impl Response {
-    /// Marches through the scene under a unit forward force, up to a mark as well; the scene's own forces and ratings play no part.
-    pub fn new(scene: &Scene, omega_max: f64, mark: Option<f64>) -> Response {
+    /// Marches through the scene under a unit forward force; the scene's own forces and ratings play no part.
+    pub fn new(scene: &Scene, omega_max: f64) -> Response {
         let springs = scene.initial.len();
         let motion = Motion::new(scene);
         let bound = propagator::error_bound(scene, omega_max);
-        let padded = |s: usize| if s < springs { GRAIN * bound } else { f64::INFINITY };
+        let grain = GRAIN * bound;
+        let padded = |s: usize| if s < springs { grain } else { f64::INFINITY };
         let levels = [0, 1].map(|_| (0..springs.next_multiple_of(BLOCK)).map(padded).collect());
-        let mut recorder = Recorder {
-            scene,
-            motion: &motion,
-            mark,
-            levels,
-            grain: GRAIN * bound,
-            last: u64::MAX,
-            steps: Vec::new(),
-            rows: Vec::new(),
-            sides: vec![Default::default(); springs],
-        };
-        march(scene, &motion, omega_max, 0.01 * GRAIN * bound, &mut recorder);
-        if recorder.mark.is_some() {
-            // The last step may round to end just before the mark.
-            recorder.sides.iter_mut().flatten().for_each(Stairs::mark);
-        }
-        let Recorder { steps, rows, mut sides, .. } = recorder;
-        sides.iter_mut().flatten().for_each(|stairs| stairs.records.shrink_to_fit());
-        let tops = sides.iter().flatten().filter_map(|stairs| Some(stairs.records.last()?.top.value));
+        let (steps, rows, records) = (Vec::new(), Vec::new(), vec![Default::default(); springs]);
+        let horizon = scene.horizon;
+        let mut recorder = Recorder { horizon, motion: &motion, levels, grain, last: u64::MAX, steps, rows, records };
+        march(scene, &motion, omega_max, 0.01 * grain, &mut recorder);
+        let Recorder { steps, rows, mut records, .. } = recorder;
+        records.iter_mut().flatten().for_each(Vec::shrink_to_fit);
+        let tops = records.iter().flatten().filter_map(|of_side| Some(of_side.last()?.top.value));
         let largest = tops.fold(0.0, f64::max);
-        Response { horizon: scene.horizon, bound: searched(bound), largest, steps, rows, sides, motion }
+        let latest = Mutex::default();
+        Response { horizon, bound: searched(bound), largest, steps, rows, records, latest, motion }
     }
 
     /// What it takes in memory, about, bytes.
     pub fn bytes(&self) -> usize {
-        let records: usize = self.sides.iter().flatten().map(|stairs| size_of_val(stairs.records.as_slice())).sum();
+        let records: usize = self.records.iter().flatten().map(|of_side| size_of_val(of_side.as_slice())).sum();
         let rows: usize = self.rows.iter().map(|row| size_of::<Row>() + size_of_val(&*row.forces)).sum();
-        records + rows + size_of_val(self.steps.as_slice()) + self.sides.len() * (size_of::<[Stairs; 2]>() + 56)
+        let of_spring = size_of::<[Vec<Record>; 2]>() + size_of::<[Top; 2]>() + size_of::<[f64; 6]>();
+        records + rows + size_of_val(self.steps.as_slice()) + self.records.len() * of_spring
     }
 
     /// Extremes of every spring of a scene whose response this is; `None` where its bound is over the tolerance, or a spring stands at
@@ -131,29 +121,31 @@ impl Response {
         let turned = (scene.force < 0.0) != way.mirrored;
         let place = |i: usize| if way.mirrored { springs - 1 - i } else { i };
         let (unit, mark) = (way.time.unwrap_or(1.0), ask.mark.unwrap_or(scene.horizon));
+        let tops = self.tops([scene.horizon, mark].map(|until| way.in_its_unit(until)));
         let mut peaks = Vec::with_capacity(springs);
         let mut to_mark = Vec::with_capacity(if ask.mark.is_some() { springs } else { 0 });
         let mut passing: Vec<Passing> = Vec::new();
         for i in 0..springs {
-            let of_spring = &self.sides[place(i)];
+            let (of_spring, records) = (&tops[place(i)], &self.records[place(i)]);
             let mut side = |negative: bool| {
-                let stairs = &of_spring[usize::from(negative != turned)];
+                let top = &of_spring[usize::from(negative != turned)];
                 let (before, rating) = before(scene, i, negative);
                 if before <= rating && before > rating - AT_RATING * bound {
                     return None;
                 }
-                let largest = |top: Option<Point>, until: f64| {
-                    let top = top.map(|top| Point { at: (unit * top.at).min(until), value: before + size * top.value });
-                    top.filter(|top| top.value > before).unwrap_or(Point { at: 0.0, value: before })
+                let largest = |top: Point, until: f64| {
+                    let value = before + size * top.value;
+                    Point { at: if value > before { (unit * top.at).min(until) } else { 0.0 }, value }
                 };
-                let (best, first) = (largest(stairs.last(), scene.horizon), (before > rating).then_some(0.0));
+                let (best, first) = (largest(top[0], scene.horizon), (before > rating).then_some(0.0));
                 if first.is_none() && best.value > rating + bound {
                     let over = |record: &Record| before + size * record.top.value > rating + bound;
-                    let record = stairs.records[stairs.records.partition_point(|record| !over(record))];
+                    let records = &records[usize::from(negative != turned)];
+                    let record = records[records.partition_point(|record| !over(record))];
                     passing.push(Passing { spring: i, negative, record });
                 }
                 let up_to = |best: Point| Side::known(best, first, best.value > rating - bound);
-                Some([up_to(best), up_to(largest(stairs.to_mark, mark))])
+                Some([up_to(best), up_to(largest(top[1], mark))])
             };
             let [draft, buff] = [side(false)?, side(true)?];
             peaks.push(SpringPeaks { draft: draft[0], buff: buff[0] });
@@ -162,7 +154,8 @@ impl Response {
             }
         }
         // Of the worst alone the earliest exceedance of all is to be exact.
-        let over_at_once = peaks.iter().any(|p: &SpringPeaks| p.draft.first_over.is_some() || p.buff.first_over.is_some());
+        let over_at_once =
+            peaks.iter().any(|p: &SpringPeaks| p.draft.first_over.is_some() || p.buff.first_over.is_some());
         let earliest = if over_at_once { None } else { passing.iter().map(|p| p.record.step).min() };
         for Passing { spring, negative, record } in passing {
             let step = &self.steps[record.step as usize].step;
@@ -206,14 +199,60 @@ impl Response {
         size * (self.bound + units) + f64::EPSILON * (initial + 2.0 * size * self.largest)
     }
 
+    /// The largest R and -R up to a horizon and up to a mark.
+    fn tops(&self, until: [f64; 2]) -> Arc<[[Top; 2]]> {
+        let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, tops)) = latest.as_ref().filter(|(known, _)| *known == until) {
+            return tops.clone();
+        }
+        let springs = 0..self.records.len();
+        let [horizon, mark] = until.map(|until| {
+            // Steps that end by then; the last one may round to end just before or behind the horizon.
+            let is_all = until >= self.horizon * (1.0 - 8.0 * f64::EPSILON);
+            let ended = self.steps.partition_point(|kept| is_all || kept.step.from + kept.step.width <= until);
+            let top = |s: usize, negative: bool| self.top(s, negative, ended, until);
+            springs.clone().map(|s| [top(s, false), top(s, true)]).collect::<Vec<_>>()
+        });
+        let tops: Arc<[[Top; 2]]> = springs.map(|s| [0, 1].map(|side| [horizon[s][side], mark[s][side]])).collect();
+        *latest = Some((until, tops.clone()));
+        tops
+    }
+
+    /// The largest value of a side up to an instant, by which so many of the kept steps have ended.
+    fn top(&self, spring: usize, negative: bool, ended: usize, until: f64) -> Point {
+        let records = &self.records[spring][usize::from(negative)];
+        let before = records.partition_point(|record| (record.step as usize) < ended);
+        let best = before.checked_sub(1).map_or(Point { at: 0.0, value: 0.0 }, |last| records[last].top);
+        let next = records.get(before).filter(|next| next.step as usize == ended);
+        let cut = next.and_then(|next| {
+            let local = self.force(*next, spring, negative);
+            let end = ((until - local.center) / local.radius).min(1.0);
+            let top = if end > -1.0 { local.largest(-1.0, end, best.value) } else { None }?;
+            Some(Point { at: local.time(top.at), value: top.value })
+        });
+        cut.unwrap_or(best)
+    }
+
+    /// A side's response over the step of a record.
+    fn force(&self, record: Record, spring: usize, negative: bool) -> Local {
+        let Kept { step, rows } = &self.steps[record.step as usize];
+        let local = piece(&self.motion, step, spring, |end, s| self.rows[rows[end]].at(s));
+        if negative { local.negated() } else { local }
+    }
+
     /// When a side passes a level, which it does in a record's step.
     fn passes(&self, record: Record, spring: usize, negative: bool, level: f64) -> f64 {
-        let Kept { step, rows } = &self.steps[record.step as usize];
-        let mut local = piece(&self.motion, step, spring, |end, s| self.rows[rows[end]].at(s));
-        if negative {
-            local = local.negated();
-        }
+        let local = self.force(record, spring, negative);
         local.time(local.first_over(-1.0, 1.0, level).unwrap_or(1.0))
+    }
+}
+
+impl Way {
+    /// A time in the response's unit. Whole transits are whole numbers but for roundoff.
+    pub fn in_its_unit(self, time: f64) -> f64 {
+        let Some(unit) = self.time else { return time };
+        let (own, whole) = (time / unit, (time / unit).round());
+        if (own - whole).abs() <= 4.0 * f64::EPSILON * whole { whole } else { own }
     }
 }
 
@@ -238,22 +277,10 @@ impl Row {
     }
 }
 
-impl Stairs {
-    fn last(&self) -> Option<Point> {
-        self.records.last().map(|record| record.top)
-    }
-
-    fn mark(&mut self) {
-        self.to_mark = self.last();
-    }
-}
-
 /// Takes the records out of a march.
 struct Recorder<'a> {
-    scene: &'a Scene,
+    horizon: f64,
     motion: &'a Motion,
-    /// An instant that is still to come.
-    mark: Option<f64>,
     /// Per sign and spring: what R, or -R, has to pass for a record; whole blocks of springs.
     levels: [Vec<f64>; 2],
     grain: f64,
@@ -261,24 +288,19 @@ struct Recorder<'a> {
     last: u64,
     steps: Vec<Kept>,
     rows: Vec<Row>,
-    sides: Vec<[Stairs; 2]>,
+    records: Vec<[Vec<Record>; 2]>,
 }
 
 impl See for Recorder<'_> {
     #[inline(always)]
     fn see(&mut self, view: &View) {
-        let mark = self.mark.filter(|mark| *mark <= view.step.from + view.step.width);
-        if mark.is_some() {
-            self.mark = None;
-            self.sides.iter_mut().flatten().for_each(Stairs::mark);
-        }
         let mut any = false;
         for number in view.range.start / BLOCK..view.range.end.div_ceil(BLOCK) {
             let from = number * BLOCK;
             let open = sift(view, &self.levels, from, view.norms[number]);
             if any_opens(open) {
                 for spring in (from..from + BLOCK).filter(|s| open[s - from] > 0.0) {
-                    any |= self.record(view, spring, view.norms[number], mark);
+                    any |= self.record(view, spring, view.norms[number]);
                 }
             }
         }
@@ -306,7 +328,7 @@ fn sift(view: &View, levels: &[Vec<f64>; 2], from: usize, norm: f64) -> [f64; BL
 impl Recorder<'_> {
     /// Whether a spring has a record in a step; it is noted.
     #[inline]
-    fn record(&mut self, view: &View, spring: usize, norm: f64, mark: Option<f64>) -> bool {
+    fn record(&mut self, view: &View, spring: usize, norm: f64) -> bool {
         let step = &view.step;
         let at = |end: usize, s: usize| view.force[end][s + 1];
         let ends = [0, 1].map(|end| jet(self.motion, step, spring, |s| at(end, s)));
@@ -319,27 +341,17 @@ impl Recorder<'_> {
             if bracket(ends, remainder)[1] <= level {
                 continue;
             }
-            let force = || {
-                let local = piece(self.motion, step, spring, at);
-                if negative { local.negated() } else { local }
-            };
-            let largest = |until: f64| {
-                let local = force();
-                let top = local.largest(-1.0, ((until - local.center) / local.radius).min(1.0), level)?;
-                Some(Point { at: local.time(top.at).min(until), value: top.value })
-            };
-            let horizon = self.scene.horizon;
             let top = if least_slope(ends, remainder) > 0.0 {
-                let end = Point { at: (step.from + step.width).min(horizon), value: ends[1][0] };
-                Some(end).filter(|end| end.value > level)
+                Some(Point { at: step.from + step.width, value: ends[1][0] }).filter(|end| end.value > level)
             } else {
-                largest(horizon)
+                let local = piece(self.motion, step, spring, at);
+                let local = if negative { local.negated() } else { local };
+                let end = ((self.horizon - local.center) / local.radius).min(1.0);
+                local.largest(-1.0, end, level).map(|top| Point { at: local.time(top.at), value: top.value })
             };
             let Some(top) = top else { continue };
-            let to_mark = mark.and_then(largest);
-            let stairs = &mut self.sides[spring][usize::from(negative)];
-            stairs.to_mark = to_mark.or(stairs.to_mark);
-            stairs.records.push(Record { step: self.steps.len() as u32, top });
+            let record = Record { step: self.steps.len() as u32, top };
+            self.records[spring][usize::from(negative)].push(record);
             self.levels[usize::from(negative)][spring] = top.value + self.grain;
             any = true;
         }
@@ -348,7 +360,7 @@ impl Recorder<'_> {
 
     /// Keeps the forces at both ends of a step.
     fn keep(&mut self, view: &View) {
-        let springs = 1..self.sides.len() + 1;
+        let springs = 1..self.records.len() + 1;
         // The end of the step before is the beginning of this one.
         if view.step.number == 0 || self.last != view.step.number - 1 {
             self.rows.push(Row::new(&view.force[0][springs.clone()]));

@@ -46,9 +46,10 @@ impl Shared<'_> {
             Shared::EqualChains(responses) => (responses, equal(&scene.chain).is_some()),
             Shared::EveryChain(responses) => (responses, true),
         };
-        let by_march = matches!(ask.method, None | Some(Method::Propagator)) && !ask.verdict_only && !ask.all_time_bound;
+        let by_march =
+            matches!(ask.method, None | Some(Method::Propagator)) && !ask.verdict_only && !ask.all_time_bound;
         if is_shared && by_march && scene.force != 0.0 {
-            let (question, way) = Question::of(scene, ask);
+            let (question, way) = Question::of(scene);
             let (entry, is_new) = responses.entry(&question);
             let solution = entry.response().and_then(|response| response.solution(scene, ask, way));
             responses.count(!is_new && solution.is_some());
@@ -94,7 +95,6 @@ struct Question<'a> {
     source: usize,
     duration: f64,
     horizon: f64,
-    mark: Option<f64>,
 }
 
 impl Responses {
@@ -186,9 +186,9 @@ impl Entry {
 
 impl<'a> Question<'a> {
     /// What a scene asks, and how its solution comes from the response.
-    fn of(scene: &'a Scene, ask: &Ask) -> (Question<'a>, Way) {
+    fn of(scene: &'a Scene) -> (Question<'a>, Way) {
         let Scene { chain, source, duration, horizon, .. } = scene;
-        let own = Question { chain: Cow::Borrowed(chain), source: *source, duration: *duration, horizon: *horizon, mark: ask.mark };
+        let own = Question { chain: Cow::Borrowed(chain), source: *source, duration: *duration, horizon: *horizon };
         let Some((mass, stiffness)) = equal(chain) else {
             return (own, Way { mirrored: false, time: None });
         };
@@ -196,6 +196,8 @@ impl<'a> Question<'a> {
         let last = chain.stiffness.len();
         let from_tail = (last - source, chain.held_tail);
         let mirrored = (*source, chain.held_head) < from_tail;
+        let way = Way { mirrored, time: Some(time) };
+        let own_horizon = way.in_its_unit(*horizon);
         let [held_head, held_tail] =
             if mirrored { [chain.held_tail, chain.held_head] } else { [chain.held_head, chain.held_tail] };
         let chain = Chain { mass: vec![1.0; last + 1], stiffness: vec![1.0; last], held_head, held_tail };
@@ -203,10 +205,9 @@ impl<'a> Question<'a> {
             chain: Cow::Owned(chain),
             source: if mirrored { last - source } else { *source },
             duration: duration / time,
-            horizon: whole(horizon / time),
-            mark: ask.mark.map(|mark| whole(mark / time)),
+            horizon: if *duration < *horizon { own_horizon } else { passages(last as f64, own_horizon) },
         };
-        (question, Way { mirrored, time: Some(time) })
+        (question, way)
     }
 
     fn own(&self) -> Question<'static> {
@@ -234,18 +235,18 @@ impl<'a> Question<'a> {
             return None;
         }
         let seconds = |method: Option<Method>| {
-            let ask = Ask { tolerance: f64::INFINITY, mark: self.mark, method, ..Ask::default() };
+            let ask = Ask { tolerance: f64::INFINITY, method, ..Ask::default() };
             plan::choose(&scene, &ask).ok().map(|plan| plan.seconds)
         };
         let is_fast = seconds(Some(Method::Propagator))? <= MOST_TIMES * seconds(None)?;
-        is_fast.then(|| Response::new(&scene, omega_max, self.mark))
+        is_fast.then(|| Response::new(&scene, omega_max))
     }
 
     /// A mix of all bits (G. L. Steele, D. Lea, C. H. Flood, *OOPSLA 2014*, 453-472, a round of SplitMix64 for each number).
     fn hash(&self) -> u64 {
         let chain = &self.chain;
         let flags = [chain.held_head, chain.held_tail].into_iter().fold(2, |all, flag| 2 * all + u64::from(flag));
-        let times = [self.duration, self.horizon, self.mark.unwrap_or(f64::INFINITY)];
+        let times = [self.duration, self.horizon];
         let numbers = times.iter().chain(&chain.mass).chain(&chain.stiffness).map(|x| x.to_bits());
         [flags, self.source as u64].into_iter().chain(numbers).fold(0, |all, word| {
             let mixed = (all ^ word).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -254,8 +255,10 @@ impl<'a> Question<'a> {
     }
 }
 
-/// Whole transits are whole numbers but for roundoff; trains that share them share their responses.
-fn whole(time: f64) -> f64 {
-    let whole = time.round();
-    if (time - whole).abs() <= 4.0 * f64::EPSILON * whole { whole } else { time }
+/// The horizon of a response after a break that lasts as long as another one at least: four passages of a wave, or twice as many, or twice
+/// these and so on. Trains break into few long parts and many short ones, which then share their responses.
+fn passages(springs: f64, horizon: f64) -> f64 {
+    let doublings = (horizon / (4.0 * springs)).log2().ceil();
+    let longer = 4.0 * springs * doublings.exp2();
+    if longer >= horizon { longer } else { 2.0 * longer }
 }

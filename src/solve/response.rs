@@ -37,7 +37,7 @@ pub struct UnitResponse {
     /// Records of R and of -R, spring by spring.
     records: Vec<[Vec<Record>; 2]>,
     /// The horizon and the mark that were asked for last, and the largest R and -R up to them.
-    latest: Mutex<Option<([f64; 2], Arc<[[Top; 2]]>)>>,
+    latest: Mutex<Option<([f64; 2], Tops)>>,
 }
 
 /// A step, and the places of the forces at its ends.
@@ -56,6 +56,9 @@ struct Row {
 
 /// The largest value of a side up to the horizon, and up to the mark: 0 at t = 0 before the first record.
 type Top = [Point; 2];
+
+/// Those of R and of -R, spring by spring.
+type Tops = Arc<[[Top; 2]]>;
 
 /// A new largest value, and the number of its step among those that are kept.
 #[derive(Clone, Copy, Debug)]
@@ -200,7 +203,7 @@ impl UnitResponse {
     }
 
     /// The largest R and -R up to a horizon and up to a mark.
-    fn tops(&self, until: [f64; 2]) -> Arc<[[Top; 2]]> {
+    fn tops(&self, until: [f64; 2]) -> Tops {
         let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, tops)) = latest.as_ref().filter(|(known, _)| *known == until) {
             return tops.clone();
@@ -213,7 +216,7 @@ impl UnitResponse {
             let top = |s: usize, negative: bool| self.top(s, negative, ended, until);
             springs.clone().map(|s| [top(s, false), top(s, true)]).collect::<Vec<_>>()
         });
-        let tops: Arc<[[Top; 2]]> = springs.map(|s| [0, 1].map(|side| [horizon[s][side], mark[s][side]])).collect();
+        let tops: Tops = springs.map(|s| [0, 1].map(|side| [horizon[s][side], mark[s][side]])).collect();
         *latest = Some((until, tops.clone()));
         tops
     }

@@ -177,7 +177,7 @@ pub struct Analyze {
     /// Print result.json to standard output; write no files
     #[arg(long, conflicts_with_all = ["out", "units"])]
     pub json: bool,
-    /// Exit with status 1 if some coupler exceeds, or if this is not decided for some coupler
+    /// Exit with status 1 if some coupler exceeds, or if this is not decided for some coupler up to the horizon
     #[arg(long)]
     pub fail_on_exceed: bool,
     /// Leave out couplers that cannot exceed their rating at any time
@@ -226,7 +226,7 @@ pub struct Fleet {
     /// Print the number of cases and about how long they will take, and stop
     #[arg(long, conflicts_with_all = ["json", "merge"])]
     pub dry_run: bool,
-    /// Exit with status 1 if some coupler exceeds, or if this is not decided for some coupler
+    /// Exit with status 1 if some coupler exceeds, or if this is not decided for some coupler up to the horizon
     #[arg(long, conflicts_with = "work")]
     pub fail_on_exceed: bool,
     #[command(flatten)]

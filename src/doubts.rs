@@ -5,7 +5,7 @@ mod events;
 mod laws;
 mod plausible;
 
-use crate::train::{Coupler, Doubt, Limits, SENSES, Train, count};
+use crate::train::{Coupler, Doubt, Limits, SENSES, Train, count, more};
 
 pub(crate) use plausible::STEEP;
 
@@ -55,11 +55,12 @@ fn limit_order(train: &Train) -> Option<Doubt> {
 }
 
 fn lengths(train: &Train) -> Option<Doubt> {
-    let live = train.vehicles().iter().filter(|v| !v.held);
-    let (with, without) = live.partition::<Vec<_>, _>(|v| v.length_m.is_some());
-    let what = count(without.len(), "vehicle");
+    let (with, without) = train.vehicles().iter().partition::<Vec<_>, _>(|v| v.length_m.is_some());
+    let without: Vec<_> = without.into_iter().filter(|v| !v.held).collect();
     let text = format!(
-        "no length is given for {what}, so there are no wave speeds over the ground and no places along the train"
+        "no length is given for {}{}, so the train's length and the wave's speed over the ground are left out",
+        without.first()?.label,
+        more(without.len() - 1, "vehicle")
     );
-    (!with.is_empty() && !without.is_empty()).then(|| Doubt::of_train("some-lengths", text))
+    (!with.is_empty()).then(|| Doubt::of_train("some-lengths", text))
 }

@@ -172,7 +172,7 @@ impl InputError {
     }
 
     /// A problem with the file as a whole.
-    pub(crate) fn of_file(path: &Path, title: impl Into<String>, help: impl Into<String>) -> Self {
+    pub fn of_file(path: &Path, title: impl Into<String>, help: impl Into<String>) -> Self {
         InputError::one(path, "", Problem::of_file(title, help))
     }
 

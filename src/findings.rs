@@ -403,9 +403,7 @@ pub enum AnalyzeError {
 pub fn analyze(train: &Train, options: &Options) -> Result<Analysis, AnalyzeError> {
     let date = date::today().map_err(AnalyzeError::Date)?;
     let chosen = chosen(train, options)?;
-    if chosen.iter().all(|s| cases(&s.event).is_empty()) {
-        return Err(AnalyzeError::NoCase);
-    }
+    require_case(chosen.iter().copied())?;
     let about = |d: &Doubt| d.scenario.as_ref().is_none_or(|name| chosen.iter().any(|s| s.name == *name));
     let mut doubts: Vec<Doubt> = doubts::doubts(train).into_iter().filter(about).collect();
     let file = |source: &Source| InputFile {
@@ -430,6 +428,15 @@ pub fn analyze(train: &Train, options: &Options) -> Result<Analysis, AnalyzeErro
         couplers,
         scenarios,
     })
+}
+
+/// That there is something to run.
+///
+/// # Errors
+/// [`AnalyzeError::NoCase`].
+pub fn require_case<'s>(scenarios: impl IntoIterator<Item = &'s Scenario>) -> Result<(), AnalyzeError> {
+    let has_case = scenarios.into_iter().any(|s| !cases(&s.event).is_empty());
+    has_case.then_some(()).ok_or(AnalyzeError::NoCase)
 }
 
 /// The scenarios to run.
@@ -519,6 +526,9 @@ fn worst(
     of.into_iter().find(|&i| alike(&couplers[i]))
 }
 
+/// A force within its error and under this share of a rating is none.
+const NOTHING: f64 = 1e-9;
+
 /// What was seen of a coupler's force, in draft and in buff.
 struct Seen {
     /// The largest F and the largest -F, N, of either sign, and when, s.
@@ -527,24 +537,30 @@ struct Seen {
     exceeds: [Option<bool>; 2],
     /// When it is first over it, s.
     first_over_s: [Option<f64>; 2],
+    /// What each of the largest is within, N.
+    error_n: [f64; 2],
 }
 
 impl Seen {
-    fn new(peaks: &SpringPeaks, scales: &Scales) -> Seen {
+    fn new(peaks: &SpringPeaks, scales: &Scales, error_n: f64) -> Seen {
         let sides = [&peaks.draft, &peaks.buff];
         Seen {
             largest: sides.map(|side| (side.best.value * scales.force_n, side.best.at * scales.time_s)),
             exceeds: sides.map(Side::exceeds),
             first_over_s: sides.map(|side| side.first_over.map(|t| t * scales.time_s)),
+            error_n: [error_n; 2],
         }
     }
 }
 
 fn coupler_findings(train: &Train, index: usize, seen: &Seen, all_time_bound_n: Option<f64>) -> CouplerFindings {
     let coupler = &train.couplers()[index];
+    let ratings = [coupler.rated_draft_n, coupler.rated_buff_n];
     let extreme = |side: usize, sign: f64| {
         let (value, at) = seen.largest[side];
-        (value > 0.0).then_some((sign * value, at))
+        // What the event brings may be nothing but error; a large error hides no force.
+        let least_n = if at > 0.0 { seen.error_n[side].min(NOTHING * ratings[side]) } else { 0.0 };
+        (value > least_n).then_some((sign * value, at))
     };
     let (draft, buff) = (extreme(0, 1.0), extreme(1, -1.0));
     let use_of = |peak: Option<(f64, f64)>, rating: f64| peak.map_or(0.0, |(f, _)| f.abs() / rating);

@@ -20,6 +20,7 @@ use clap::Parser;
 use trainsafe::accuracy::{self, AccuracyError};
 use trainsafe::doubts::doubts;
 use trainsafe::error::{InputError, printable_path};
+use trainsafe::findings::CaseFindings;
 use trainsafe::report::Format;
 use trainsafe::solve::Method;
 use trainsafe::{Analysis, Options, Train, consist, findings, report, schema};
@@ -209,7 +210,8 @@ fn options(solver: &cli::Solver) -> Options {
 
 /// Some coupler exceeds, or lies so near its rating that it cannot be told.
 fn exceeds(analysis: &Analysis) -> bool {
-    analysis.scenarios.iter().flat_map(|s| &s.cases).any(|c| c.exceeding + c.undecided > 0)
+    let open = |c: &CaseFindings| c.exceeding + c.undecided > 0 || c.predictable_until_s.is_some();
+    analysis.scenarios.iter().flat_map(|s| &s.cases).any(open)
 }
 
 /// The folder of a train's results within another, named after the train file.

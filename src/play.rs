@@ -155,6 +155,14 @@ impl Drive {
         }
     }
 
+    /// The force to which it jumps from 0 at its start, at t = 0.
+    pub(crate) fn starts_at(&self) -> f64 {
+        match self {
+            Drive::HalfSine { .. } => 0.0,
+            Drive::Lines(points) => points.first().filter(|p| p[0] == 0.0).map_or(0.0, |p| p[1]),
+        }
+    }
+
     /// The force from which it drops to 0 at its end.
     pub(crate) fn ends_at(&self) -> f64 {
         match self {

@@ -5,7 +5,9 @@ use std::path::Path;
 use serde_json::{Value, json};
 use trainsafe::consist;
 use trainsafe::doubts::doubts;
-use trainsafe::error::printable_path;
+use trainsafe::error::{InputError, printable_path};
+use trainsafe::findings::require_case;
+use trainsafe::train::Train;
 
 use super::{Failure, cli, print, quiet, read_train, say};
 
@@ -16,7 +18,7 @@ pub fn run(args: &cli::Check) -> Result<(), Failure> {
     let mut wrong = false;
     let mut described = Vec::new();
     for path in &args.trains {
-        match read_train(path) {
+        match read_runnable(path) {
             Ok(train) => {
                 let heading = if args.trains.len() > 1 { format!("{}:\n", shown(path)) } else { String::new() };
                 described.push(heading + &consist::describe(&args.units.of(train)));
@@ -42,7 +44,7 @@ fn as_json(args: &cli::Check) -> Result<(), Failure> {
 
 fn file(path: &Path) -> Value {
     let path_shown = shown(path);
-    match read_train(path) {
+    match read_runnable(path) {
         Ok(train) => {
             let scenarios: Vec<&str> = train.scenarios().iter().map(|s| s.name.as_str()).collect();
             json!({
@@ -56,6 +58,14 @@ fn file(path: &Path) -> Value {
             json!({ "path": path_shown, "ok": false, "problems": problems, "more_problems": more, "doubts": [] })
         }
     }
+}
+
+/// A train with a case to run.
+fn read_runnable(path: &Path) -> Result<Train, InputError> {
+    let train = read_train(path)?;
+    let help = "check the sign of the load: draft is positive";
+    require_case(train.scenarios()).map_err(|error| InputError::of_file(path, error.to_string(), help))?;
+    Ok(train)
 }
 
 fn shown(path: &Path) -> String {

@@ -6,7 +6,7 @@ mod motion;
 mod plays;
 
 use crate::chain::{Chain, Scene};
-use crate::train::{Event, Scenario, Train};
+use crate::train::{Event, Scenario, Train, Vehicle};
 
 pub use marches::march;
 pub(crate) use motion::Motion;
@@ -171,8 +171,11 @@ pub fn wave(train: &Train) -> Wave {
     let couplers = train.couplers().len() as f64;
     let transit_s = scales.time_s * chain_of(train, 0, train.vehicles().len() - 1, &scales).transit();
     let time_unit_s = transit_s / couplers;
-    let lengths: Option<Vec<f64>> = train.vehicles().iter().map(|v| v.length_m).collect();
-    // A wave runs from the middle of one vehicle to the middle of the next.
-    let metres = lengths.map(|l| l.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).sum::<f64>());
+    // A wave runs from the middle of one vehicle to the middle of the next; held vehicles play no part, as in the transit.
+    let spacing = |pair: &[Vehicle]| {
+        let live: Option<Vec<f64>> = pair.iter().filter(|v| !v.held).map(|v| v.length_m).collect();
+        live.map(|l| l.iter().sum::<f64>() / l.len().max(1) as f64)
+    };
+    let metres: Option<f64> = train.vehicles().windows(2).map(spacing).sum();
     Wave { time_unit_s, vehicles_per_s: 1.0 / time_unit_s, metres_per_s: metres.map(|m| m / transit_s), transit_s }
 }

@@ -87,7 +87,7 @@ impl Findings {
 
     fn light_page(&self, py: Python<'_>) -> PyResult<String> {
         let (train, analysis) = (self.train.clone(), self.analysis.clone());
-        work(py, &Stop::default(), move || report::light_page(&train, &analysis))?.map_err(|e| errors::os(&e))
+        work(py, &Stop::default(), move || report::light_page(&train, &analysis))
     }
 
     /// The report's files: names and contents.

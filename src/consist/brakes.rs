@@ -105,6 +105,9 @@ fn cut_power(table: &Table) -> Read<[f64; 2]> {
 /// A schedule that starts later than this after the event, s, is probably on another clock.
 const LATE_S: f64 = 60.0;
 
+/// The largest share of a schedule that was probably written as shares of 1.
+const FAINT: f64 = 0.01 + 1e-9;
+
 /// The columns of a throttle schedule.
 const COLUMNS: [&str; 4] = ["time", "share", "force", "vehicle"];
 
@@ -161,6 +164,12 @@ fn schedule(
              event, not from a logger's clock"
         );
         doubts.push(Doubt::of_train("throttle-starts-late", text));
+    }
+    let left = courses.iter().flat_map(|c| c.points.iter().map(|p| 1.0 + p[1] / traction_n[c.vehicle]));
+    if sheet.columns[1].is_some() && (0.0..=FAINT).contains(&left.fold(f64::MIN_POSITIVE, f64::max)) {
+        let text =
+            format!("no share of the schedule {name} is over 1 %: were shares of 1 meant, such as 0.5 for 50 %?");
+        doubts.push(Doubt::of_train("faint-throttle", text));
     }
     Ok((courses, doubts))
 }

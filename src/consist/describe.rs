@@ -40,8 +40,10 @@ fn size(train: &Train) -> String {
     let free = train.vehicles().iter().filter(|v| !v.held);
     let mass = shown(units, free.map(|v| v.mass_kg).sum(), Dimension::Mass);
     let held = if train.vehicles().iter().any(|v| v.held) { ", not counting held vehicles" } else { "" };
-    let length: Option<f64> = train.vehicles().iter().map(|v| v.length_m).sum();
-    let length = length.map_or(String::new(), |l| format!(", {} long", shown(units, l, Dimension::Length)));
+    let length = train.length_m().map_or(String::new(), |(m, without_held)| {
+        let without = if without_held { " without held vehicles" } else { "" };
+        format!(", {} long{without}", shown(units, m, Dimension::Length))
+    });
     let [vehicles, couplers] = [count(train.vehicles().len(), "vehicle"), count(train.couplers().len(), "coupler")];
     format!("{vehicles}, {couplers}, {mass}{held}{length}")
 }

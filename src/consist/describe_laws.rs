@@ -78,18 +78,24 @@ fn at_the_load(train: &Train, couplers: &[usize], law: &Law) -> String {
         .extras()
         .pulled_to_n
         .get(most)
+        .filter(|_| force_n > 0.0)
         .map_or(String::new(), |n| format!(", let down from {}", shown(units, *n, Dimension::Force)));
     let sense = if force_n < 0.0 { "buff" } else { "draft" };
     let [travel, force] = [shown(units, travel_m, Dimension::Length), shown(units, force_n.abs(), Dimension::Force)];
-    format!("; at {force} in {sense}{from}, it has travelled {travel} beyond the slack")
+    format!("; at {force} in {sense}{from}, it and what is in series have moved {travel} beyond the slack")
 }
+
+/// Points of a build-up told one by one.
+const POINTS: usize = 8;
 
 /// An application in words: `an AAR application` or its numbers.
 pub(crate) fn application(of: &Application, units: UnitSystem) -> String {
     let named = of.name.map_or(String::new(), |name| format!("{name}: "));
-    let most = of.build_up.last().map_or(0.0, |last| 100.0 * last[1]);
-    let [wave, full] = [units.wave_speed(of.wave_m_per_s), shown_time(of.full_after_s())];
-    format!("{named}wave {wave}, {most:.0} % of emergency_brake after {full}")
+    let point = |p: &[f64; 2]| format!("{} after {}", shown(units, p[1], Dimension::Share), shown_time(p[0]));
+    // The points of a named application are in its source.
+    let told = if of.name.is_some() || of.build_up.len() > POINTS { of.build_up.len().saturating_sub(1) } else { 1 };
+    let course: Vec<String> = of.build_up.iter().skip(told).map(point).collect();
+    format!("{named}wave {}, {} of emergency_brake", units.wave_speed(of.wave_m_per_s), course.join(", "))
 }
 
 /// What a scenario's brakes and drives do beside its event: a clause that starts with `; `, or nothing.
@@ -99,9 +105,18 @@ pub(super) fn response(train: &Train, scenario: &Scenario) -> String {
         text += &format!("; each parting sets off emergency brakes both ways ({})", application(emergency, units));
     }
     let efforts = &scenario.response.efforts;
-    if let Some(last_s) = efforts.iter().filter_map(|f| f.points.last()).map(|p| p[0]).reduce(f64::max) {
-        let vehicles = count(efforts.len(), "vehicle");
-        text += &format!("; the tractive effort of {vehicles} changes until {}", shown_time(last_s));
+    let ends = |of: fn(&[[f64; 2]]) -> Option<&[f64; 2]>| efforts.iter().filter_map(move |f| of(&f.points));
+    let [first_s, last_s] =
+        [ends(<[_]>::first).map(|p| p[0]).reduce(f64::min), ends(<[_]>::last).map(|p| p[0]).reduce(f64::max)];
+    if let (Some(first_s), Some(last_s)) = (first_s, last_s) {
+        let by_n: f64 = ends(<[_]>::last).map(|p| p[1]).sum();
+        text += &format!(
+            "; the tractive effort of {} changes from {} to {}, by {} in all",
+            count(efforts.len(), "vehicle"),
+            shown_time(first_s),
+            shown_time(last_s),
+            shown(units, by_n, Dimension::Force)
+        );
     }
     if let Some(speed) = train.extras().speed_m_per_s.filter(|_| scenario.applies_brakes()) {
         text += &format!("; the train runs at {}", shown(units, speed, Dimension::Speed));

@@ -55,7 +55,7 @@ pub(super) fn train(
     let mut ratings = bases.clone();
     rate_by_table(root, &mut ratings, &bases, &groups, &behind)?;
     let vehicles: Vec<VehicleSpec> = groups.into_iter().map(|group| group.vehicle).collect();
-    let labels = Labels::new(own.len(), || numbered(&vehicles));
+    let labels = Labels::new(own.len(), || numbered(&vehicles).0);
     let overridden = override_couplers(root, &bases, &mut ratings, &labels, path, files);
     let weakest_n = ratings.iter().map(|r| r.draft_n).fold(f64::INFINITY, f64::min);
     let load = loads::read(root, &vehicles, &own, &labels, weakest_n);
@@ -95,7 +95,8 @@ pub(super) fn train(
     let units = asked.unwrap_or_else(|| found.units());
     name?;
     load?;
-    Ok(train.with_origin(Origin { by_label, units, ..Origin::default() }))
+    let origin = Origin { by_label, units, ..train.origin().clone() };
+    Ok(train.with_origin(origin))
 }
 
 /// Where the file says what is wrong with the train.

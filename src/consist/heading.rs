@@ -106,8 +106,9 @@ fn bracketed(text: &str) -> Option<(&str, &str)> {
 /// Whether a word is a unit of some quantity, or one that is refused because it has several meanings.
 fn is_some_unit(written: &str, of: Dimension) -> bool {
     let known = |u: &str| u.eq_ignore_ascii_case(written);
-    let refused =
-        units::parse(&format!("1 {written}"), of, false).is_err_and(|bad| !bad.found.contains("unknown unit"));
+    // The 1 of `force_1_kn` belongs to the name.
+    let refused = !written.starts_with(|c: char| c.is_ascii_digit())
+        && units::parse(&format!("1 {written}"), of, false).is_err_and(|bad| !bad.found.contains("unknown unit"));
     refused || Dimension::ALL.into_iter().any(|d| d.units().any(known))
 }
 

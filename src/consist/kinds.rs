@@ -60,5 +60,16 @@ pub(super) fn of_text(text: &str) -> Option<&'static str> {
     if gears::is_gear(text) {
         return Some("a gear's table of force over travel");
     }
-    record::is_record(text).then_some("a record of force over time")
+    if record::is_record(text) {
+        return Some("a record of force over time");
+    }
+    let blanks = text.lines().take(100).filter(|line| is_row_of_numbers(line)).count() > 1;
+    blanks.then_some("a table with blanks between its cells, where commas, semicolons or tabs are needed")
+}
+
+/// Whether a line is several numbers with nothing but blanks between them.
+fn is_row_of_numbers(line: &str) -> bool {
+    let mut words = line.split(' ').filter(|word| !word.is_empty());
+    let number = |word: &str| word.trim_end().parse::<f64>().is_ok();
+    words.next().is_some_and(number) && words.clone().next().is_some() && words.all(number)
 }

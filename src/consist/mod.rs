@@ -136,6 +136,7 @@ pub(crate) fn read_tree(
     let (problems, doubts) = found.into_parts();
     match train {
         Ok(train) if problems.is_empty() => {
+            let doubts = [doubts, train.origin().doubts.clone()].concat();
             let origin = Origin { sources: files.list(), doubts, text: text.into(), ..train.origin().clone() };
             Ok(train.with_origin(origin))
         }

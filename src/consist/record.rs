@@ -23,7 +23,7 @@ const COLUMNS: [(&str, Dimension); 2] = [("time", Dimension::Time), ("force", Di
 
 fn wanted() -> Vec<Wanted> {
     let one = |(name, of): (&str, Dimension)| Wanted {
-        names: vec![name.to_owned()],
+        names: vec![name.to_owned(), name[..1].to_owned()],
         content: Content::Quantity { of, share: false },
         by_unit: true,
     };

@@ -24,8 +24,9 @@ fn closed(train: &Train) -> Option<Doubt> {
     };
     let mut over = (0..train.extras().laws.len()).filter(over);
     let first = over.next()?;
+    let what = if force_n(first) == train.initial_force_n()[first] { "load" } else { "earlier pull" };
     let text = format!(
-        "the load closes the gear of coupler {}{}: {} is over the last row of its table",
+        "the {what} closes the gear of coupler {}{}: {} is over the last row of its table",
         first + 1,
         more(over.count(), "coupler"),
         shown(train.origin().units, force_n(first).abs(), Dimension::Force)
@@ -56,8 +57,10 @@ fn elastic(train: &Train) -> Option<Doubt> {
 
 /// A pull before that no coupler remembers.
 fn no_memory(train: &Train) -> Option<Doubt> {
-    let depends = train.extras().laws.iter().any(Law::has_friction);
-    let text = "pulled_to changes nothing: only the force in a gear with friction depends on an earlier pull";
+    let remembers = |(law, load_n): (&Law, &f64)| law.has_friction() && *load_n >= 0.0;
+    let depends = train.extras().laws.iter().zip(train.initial_force_n()).any(remembers);
+    let text =
+        "pulled_to changes nothing: only the force in a gear with friction that is in draft depends on an earlier pull";
     (!train.extras().pulled_to_n.is_empty() && !depends).then(|| Doubt::of_train("pulled-to-unused", text))
 }
 

@@ -20,6 +20,8 @@ const UNIT_KG: f64 = 10.0;
 const UNIT_N_PER_M: f64 = 100.0;
 /// Acceleration of a train, m/s2.
 const ACCELERATION_M_PER_S2: f64 = 0.3;
+/// Speed, m/s: 200 km/h.
+const FAST_M_PER_S: f64 = 200.0 / 3.6;
 /// Grade of a track, as a share.
 pub(crate) const STEEP: f64 = 0.1;
 
@@ -27,7 +29,19 @@ pub(crate) const STEEP: f64 = 0.1;
 pub(super) fn of_train(train: &Train) -> Vec<Doubt> {
     let sizes = || [masses(train), soft(train), ratings(train), faint_load(train), stretch(train)];
     let sizes = if in_own_units(train) { Default::default() } else { sizes() };
-    sizes.into_iter().chain([counted_in_label(train), acceleration(train), modal_damping(train)]).flatten().collect()
+    let speed = train.extras().speed_m_per_s.and_then(|speed| fast(train, "the train runs at", speed));
+    let speed = speed.map(|(code, text)| Doubt::of_train(code, text));
+    let others = [counted_in_label(train), acceleration(train), modal_damping(train), speed];
+    sizes.into_iter().chain(others).flatten().collect()
+}
+
+/// A speed, m/s, that no train with such couplers has.
+pub(super) fn fast(train: &Train, what: &str, speed_m_per_s: f64) -> Option<(&'static str, String)> {
+    let units = train.origin().units;
+    let speed = shown(units, speed_m_per_s, Dimension::Speed);
+    let most = rounded(units, FAST_M_PER_S, Dimension::Speed);
+    let text = format!("{what} {speed}, over {most}; check the number and its unit");
+    (speed_m_per_s > FAST_M_PER_S).then_some(("speed", text))
 }
 
 /// A load under 1 kN: newtons or millinewtons where kilonewtons or meganewtons were probably meant.

@@ -189,7 +189,8 @@ fn solved_by_parts(
             method = if train.extras().damping_ratio > 0.0 { "damped-modes" } else { solution.method.name() };
             reason = solution.reason.clone();
         }
-        error_bound_n = error_bound_n.max(solution.error_bound * scales.force_n);
+        let error_n = solution.error_bound * scales.force_n;
+        error_bound_n = error_bound_n.max(error_n);
         let bound = |i: usize| solution.all_time_bounds.as_ref().map(|b| b[i] * scales.force_n);
         let left = solution.springs.iter().enumerate().filter(|(_, spring)| spring.is_none());
         left_out.extend(left.filter_map(|(i, _)| Some((part.first_coupler + i, bound(i)?))));
@@ -199,10 +200,10 @@ fn solved_by_parts(
             for (i, spring) in springs.iter().enumerate() {
                 let bound = bound(i).filter(|_| options.all_time_bound);
                 let findings =
-                    |peaks| coupler_findings(train, part.first_coupler + i, &Seen::new(peaks, &scales), bound);
+                    |peaks| coupler_findings(train, part.first_coupler + i, &Seen::new(peaks, &scales, error_n), bound);
                 couplers.extend(spring.as_ref().filter(|peaks| matters.has(i, peaks)).map(findings));
             }
-            worst_of_parts.extend(worst(couplers, first..couplers.len(), solution.error_bound * scales.force_n));
+            worst_of_parts.extend(worst(couplers, first..couplers.len(), error_n));
         }
     }
     let [to_horizon, to_mark] = within.map(|(couplers, worst_of_parts)| {

@@ -72,11 +72,27 @@ pub(super) fn note(
         told(couplers);
         return passage(end_s, couplers, worst);
     };
+    for c in &mut within.couplers {
+        if let Some(whole) = of_number(couplers, c.coupler) {
+            no_larger(c, whole);
+        }
+    }
     told(&mut within.couplers);
     for c in couplers {
         c.first_passage = of_number(&within.couplers, c.coupler).and_then(|c| c.first_passage.clone());
     }
     passage(end_s, &within.couplers, within.worst)
+}
+
+/// A peak of the first passage that is also the largest of all was found twice, and the two may differ by rounding: the smaller counts.
+fn no_larger(c: &mut CouplerFindings, whole: &CouplerFindings) {
+    let least =
+        |own: Option<f64>, whole: Option<f64>| own.zip(whole).map(|(a, b)| if a.abs() > b.abs() { b } else { a });
+    let own_n = c.peak_force_n;
+    c.peak_draft_n = least(c.peak_draft_n, whole.peak_draft_n);
+    c.peak_buff_n = least(c.peak_buff_n, whole.peak_buff_n);
+    c.peak_force_n = if own_n < 0.0 { c.peak_buff_n } else { c.peak_draft_n }.unwrap_or(own_n);
+    c.utilisation = c.utilisation.min(whole.utilisation);
 }
 
 fn passage(end_s: f64, within: &[CouplerFindings], worst: Option<usize>) -> Passage {

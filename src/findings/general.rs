@@ -59,7 +59,7 @@ pub(super) fn solved(
         let others = springs.iter().enumerate().filter(|(i, _)| Some(*i) != broken);
         let couplers = others.map(|(i, peaks)| CouplerFindings {
             initial_force_n: before_n[i],
-            ..coupler_findings(train, i, &Seen::new(peaks, &scales), None)
+            ..coupler_findings(train, i, &Seen::new(peaks, &scales, error_bound_n), None)
         });
         let couplers: Vec<CouplerFindings> = couplers.collect();
         Within { worst: worst(&couplers, 0..couplers.len(), error_bound_n), couplers }

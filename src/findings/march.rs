@@ -114,7 +114,7 @@ fn seen(train: &Train, outcome: &MarchOutcome, i: usize, extremes: Extremes, err
     let first = outcome.first_over_s.get(i).copied().unwrap_or_default();
     let last_s = largest.map(|(_, at)| at);
     let over = |side: usize| first[side].filter(|at| exceeds[side] == Some(true) && *at <= last_s[side]);
-    Seen { largest, exceeds, first_over_s: [over(0), over(1)] }
+    Seen { largest, exceeds, first_over_s: [over(0), over(1)], error_n: margins }
 }
 
 /// The proven bound, infinite without one, and the largest estimate.

@@ -1,36 +1,28 @@
 //! `fleet.md`: the sections of a run's report as Markdown.
 
-use minijinja::Error;
-use serde::Serialize;
-
 use super::parts::Run;
-use super::sections::{self, Section};
+use super::sections;
 use super::summary::Summary;
-use crate::report::markdown::render;
+use crate::report::block::{Block, Span, lines};
+use crate::report::markdown;
 use crate::report::words::count;
 
-const TEMPLATE: &str = include_str!("fleet.md.jinja");
-
-#[derive(Serialize)]
-struct Report<'a> {
-    title: String,
-    verdict: Vec<String>,
-    notes: &'a [String],
-    sections: Vec<&'a Section>,
-}
-
 /// The report; its figures are files beside it.
-///
-/// # Errors
-/// None are known: the template and the facts are this crate's own.
-pub fn markdown(run: &Run, summary: &Summary, before: &[Section]) -> Result<String, Error> {
-    let after = sections::after(summary);
-    let trains = sections::trains(summary);
-    let report = Report {
-        title: format!("Fleet of {}", count(run.trains, "train")),
-        verdict: sections::verdict(run, summary),
-        notes: &run.notes,
-        sections: before.iter().chain(&trains).chain(&after).collect(),
-    };
-    Ok(render(TEMPLATE, report)?.trim_end().to_owned() + "\n")
+pub fn fleet_md(run: &Run, summary: &Summary, before: &[Block]) -> String {
+    let title = Block::Title(format!("Fleet of {}", count(run.trains, "train")));
+    let verdict = Block::Paragraph("", lines(&sections::verdict(run, summary).join("\n")));
+    let notes = run.notes.iter().map(|note| Block::plain(format!("Note: {note}.")));
+    let first: Vec<Block> = [title, verdict].into_iter().chain(notes).collect();
+    let (trains, after) = (sections::trains(summary), sections::after(summary));
+    let files = Block::Paragraph(
+        "",
+        vec![
+            Span::Plain("Every case is in ".to_owned()),
+            Span::Link("fleet.csv"),
+            Span::Plain(", one row each; what could not be computed is in ".to_owned()),
+            Span::Link("errors.csv"),
+            Span::Plain(".".to_owned()),
+        ],
+    );
+    markdown::markdown(first.iter().chain(before).chain(&trains).chain(&after).chain([&files]))
 }

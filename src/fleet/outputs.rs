@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 use super::parts::Run;
 use super::summary::Summary;
 use super::{FleetError, Request, fleet_md, page, probability, sections};
-use crate::report::files::{self, WriteError};
+use crate::report::block::Block;
+use crate::report::files;
 
 const MARKDOWN: &str = "fleet.md";
 const PARQUET: &str = "fleet.parquet";
@@ -87,31 +88,23 @@ pub fn write(
     let before = sections::before(run, summary);
     let mut report = None;
     if formats.contains(&FleetFormat::Md) {
-        let text = fleet_md::markdown(run, summary, &before);
-        let figures = before.iter().filter_map(|s| s.figure.as_ref()).map(|f| Ok((f.file, f.svg.clone())));
-        report = Some(put(dir, figures.chain([text.map(|text| (MARKDOWN, text))]))?);
+        let figures = before.iter().filter_map(|block| match block {
+            Block::Figure(_, picture) => Some((picture.file.as_str(), picture.svg.clone())),
+            _ => None,
+        });
+        report = Some(put(dir, figures.chain([(MARKDOWN, fleet_md::fleet_md(run, summary, &before))]))?);
     }
     if formats.contains(&FleetFormat::Html) {
-        let text = page::page(run, summary, &before, links);
-        report = Some(put(dir, [text.map(|text| (HTML, text))].into_iter())?);
+        report = Some(put(dir, [(HTML, page::page(run, summary, &before, links))].into_iter())?);
     }
     Ok(report)
 }
 
 /// Writes files; the path of the last.
-fn put(
-    dir: &Path,
-    files: impl Iterator<Item = Result<(&'static str, String), minijinja::Error>>,
-) -> Result<PathBuf, FleetError> {
-    let mut last = dir.to_owned();
-    let mut all = Vec::new();
-    for file in files {
-        let (name, text) = file.map_err(|e| WriteError::new(dir, std::io::Error::other(e)))?;
-        last = dir.join(name);
-        all.push((name.to_owned(), text.into_bytes()));
-    }
-    files::write_into(dir, &all)?;
-    Ok(last)
+fn put<'a>(dir: &Path, files: impl Iterator<Item = (&'a str, String)>) -> Result<PathBuf, FleetError> {
+    let all: Vec<_> = files.map(|(name, text)| (name.to_owned(), text.into_bytes())).collect();
+    let written = files::write_into(dir, &all)?;
+    Ok(written.into_iter().next_back().unwrap_or_else(|| dir.to_owned()))
 }
 
 /// Removes files of an earlier run that this one does not write anew.

@@ -11,7 +11,7 @@ use super::rows::{self, Chunk};
 use super::variation::Varied;
 use super::{FleetError, REMEMBERED, Request};
 use crate::doubts::doubts;
-use crate::findings::{self, AnalyzeError, Options, cases};
+use crate::findings::{self, Options, cases, require_case};
 use crate::solve::Wanted;
 use crate::solve::responses::{Responses, Shared};
 use crate::train::{Doubt, Train};
@@ -189,8 +189,8 @@ impl<'a> Plan<'a> {
                 return Ok(());
             }
         };
-        if all_cases(&train).next().is_none() {
-            rows.fail(&place, None, &AnalyzeError::NoCase.to_string());
+        if let Err(error) = require_case(train.scenarios()) {
+            rows.fail(&place, None, &error.to_string());
             return Ok(());
         }
         place.doubts = doubts(&train);

@@ -1,9 +1,10 @@
 //! What a study says: how often a coupler exceeds, how well that is known, and which inputs it depends on.
 
 use super::parts::Run;
-use super::sections::{LISTED, Picture, Section, more};
+use super::sections::{LISTED, more, section};
 use super::statistics::{clopper_pearson, rank_correlation};
 use super::summary::{Summary, TrainSummary};
+use crate::report::block::{Block, Picture};
 use crate::report::figures;
 use crate::report::numbers::digits;
 use crate::report::words::count;
@@ -71,7 +72,7 @@ pub fn sentence(run: &Run, summary: &Summary) -> Option<String> {
 }
 
 /// The share of each train's variations with an exceedance, for draws with its confidence interval.
-pub fn shares(run: &Run, summary: &Summary) -> Section {
+pub fn shares(run: &Run, summary: &Summary) -> Vec<Block> {
     let row = |train: &TrainSummary| {
         let shares = Shares::of(run, summary, train);
         let (n, computed) = (shares.draws, shares.computed);
@@ -99,20 +100,19 @@ pub fn shares(run: &Run, summary: &Summary) -> Section {
     let share = |t: &TrainSummary| t.unsafe_variations as f64 / t.variations as f64;
     trains.sort_by(|a, b| share(b).total_cmp(&share(a)));
     more(&mut text, trains.len(), LISTED, "trains");
-    let (title, named): (_, &[&str]) = match run.drawn {
+    let (title, head): (_, &[&str]) = match run.drawn {
         true => (
             "Probability of an exceedance",
             &["train", "probability", "95 % confidence", "draws with an exceedance", "draws"],
         ),
         false => ("Variations", &["train", "share", "variations with an exceedance", "variations"]),
     };
-    let head = named.iter().map(|h| (*h).to_owned()).collect();
-    Section { title, text, figure: None, head, rows: trains.into_iter().take(LISTED).map(row).collect() }
+    section(title, text, None, head, trains.into_iter().take(LISTED).map(row).collect())
 }
 
 /// How each input goes together with the largest utilisation, strongest first.
-pub fn influences(run: &Run, summary: &Summary) -> Option<Section> {
-    let (utilisation, inputs) = summary.columns.split_last()?;
+pub fn influences(run: &Run, summary: &Summary) -> Vec<Block> {
+    let Some((utilisation, inputs)) = summary.columns.split_last() else { return Vec::new() };
     let mut found: Vec<(String, f64)> = run
         .inputs
         .iter()
@@ -132,12 +132,12 @@ pub fn influences(run: &Run, summary: &Summary) -> Option<Section> {
         found.truncate(SHOWN);
     }
     if found.is_empty() {
-        return None;
+        return Vec::new();
     }
     let rows = found.iter().map(|(name, r)| vec![name.clone(), format!("{r:.3}")]).collect();
     let caption = "Rank correlation with the largest utilisation: to the right, the larger the input, the larger the utilisation.";
     let svg = figures::influences(&found, INFLUENCES.trim_end_matches(".svg"));
-    let figure = Picture { file: INFLUENCES, alt: "Influence of each input", caption: caption.to_owned(), svg };
-    let head = ["input", "rank correlation"].map(str::to_owned).to_vec();
-    Some(Section { title: "Which inputs matter most", text, figure: Some(figure), head, rows })
+    let alt = "Influence of each input".to_owned();
+    let figure = Picture { file: INFLUENCES.to_owned(), alt, caption: caption.to_owned(), svg };
+    section("Which inputs matter most", text, Some(figure), &["input", "rank correlation"], rows)
 }

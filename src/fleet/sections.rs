@@ -1,12 +1,11 @@
-//! What the reports of a run say: the verdict, then sections with texts, figures and tables as data. Markdown and HTML are written
-//! from them.
-
-use serde::Serialize;
+//! What the reports of a run say: the verdict, then sections, each a heading with texts, a figure and a table. Markdown and HTML are
+//! written from them.
 
 use super::doubts;
 use super::parts::Run;
 use super::probability;
 use super::summary::{CAUSES, Case, Factors, Places, Summary, TrainSummary};
+use crate::report::block::{Block, Picture, Side};
 use crate::report::figures;
 use crate::report::numbers::{digits, down, percent, without_zeros};
 use crate::report::words::count;
@@ -22,52 +21,35 @@ const LATER: &str = "Only later: the forces that exceed come from reflections af
 /// The file of the figure of safe factors.
 pub const SAFE_FACTORS: &str = "figure-safe-factors.svg";
 
-/// A section of a report.
-#[derive(Serialize)]
-pub struct Section {
-    /// Its heading.
-    pub title: &'static str,
-    /// Sentences before the figure.
-    pub text: Vec<String>,
-    /// Between text and table.
-    pub figure: Option<Picture>,
-    /// Heads of the table's columns.
-    pub head: Vec<String>,
-    /// The table; without rows there is none.
-    pub rows: Vec<Vec<String>>,
+/// A section.
+pub fn section(
+    title: &str,
+    text: Vec<String>,
+    figure: Option<Picture>,
+    head: &[&str],
+    rows: Vec<Vec<String>>,
+) -> Vec<Block> {
+    let head: Vec<_> = head.iter().map(|name| (*name, Side::Left)).collect();
+    let mut all = vec![Block::Heading(title.to_owned(), None)];
+    all.extend(text.into_iter().map(Block::plain));
+    all.extend(figure.map(|figure| Block::Figure(None, figure)));
+    all.extend((!rows.is_empty()).then(|| Block::table("", &head, rows)));
+    all
 }
 
-/// A figure of a section.
-#[derive(Serialize)]
-pub struct Picture {
-    /// The file of a report in Markdown.
-    pub file: &'static str,
-    /// What it is, for who cannot see it.
-    pub alt: &'static str,
-    /// What it shows.
-    pub caption: String,
-    /// The SVG.
-    #[serde(skip)]
-    pub svg: String,
-}
-
-impl Section {
-    /// A section with a table, if it has rows.
-    fn table(title: &'static str, text: Vec<String>, head: &[&str], rows: Vec<Vec<String>>) -> Option<Section> {
-        let head = head.iter().map(|h| (*h).to_owned()).collect();
-        (!rows.is_empty()).then_some(Section { title, text, figure: None, head, rows })
-    }
+/// A section with a table, if that has rows.
+fn listed(title: &str, text: Vec<String>, head: &[&str], rows: Vec<Vec<String>>) -> Vec<Block> {
+    if rows.is_empty() { Vec::new() } else { section(title, text, None, head, rows) }
 }
 
 /// What stands before the trains: of a study the probabilities and what they depend on, then the safe factors.
-pub fn before(run: &Run, summary: &Summary) -> Vec<Section> {
-    let studied =
-        run.variations.map(|_| [Some(probability::shares(run, summary)), probability::influences(run, summary)]);
+pub fn before(run: &Run, summary: &Summary) -> Vec<Block> {
+    let studied = run.variations.map(|_| [probability::shares(run, summary), probability::influences(run, summary)]);
     studied.into_iter().flatten().chain([safe_factors(summary)]).flatten().collect()
 }
 
 /// What stands after the trains.
-pub fn after(summary: &Summary) -> Vec<Section> {
+pub fn after(summary: &Summary) -> Vec<Block> {
     [breaks(summary), overloaded(summary), doubtful(summary), errors(summary)].into_iter().flatten().collect()
 }
 
@@ -83,7 +65,7 @@ pub fn verdict(run: &Run, summary: &Summary) -> Vec<String> {
         passages(harmful, summary.unsafe_later()),
         summary.harmful,
         count(summary.cases, "case"),
-        if summary.harmful == 1 { "does" } else { "do" },
+        if summary.harmful == 1 || summary.cases == 1 { "does" } else { "do" },
         passages(summary.harmful, summary.harmful_later),
     ));
     if let Some(doubts) = doubts::sentence(summary) {
@@ -106,7 +88,7 @@ pub fn verdict(run: &Run, summary: &Summary) -> Vec<String> {
     }
     match summary.undecided_trains() {
         0 => {}
-        n => text.push(format!("For {n} more it is not decided: a rating lies within the error bound of a peak.")),
+        n => text.push(format!("For {n} more it is not decided: a rating lies within the error of a peak, or forces cannot be told up to the horizon.")),
     }
     match summary.failed {
         0 => {}
@@ -122,19 +104,22 @@ fn passages(all: usize, later: usize) -> String {
 }
 
 /// The distributions of the safe factors, one for each of their causes, if any of them is bounded.
-fn safe_factors(summary: &Summary) -> Option<Section> {
+fn safe_factors(summary: &Summary) -> Vec<Block> {
     let units = if summary.safe.len() > summary.trains.len() { "variations" } else { "trains" };
     let of = |i: usize| summary.safe.iter().filter_map(|f| f[i]).collect::<Vec<f64>>();
     let found: Vec<_> = (0..CAUSES.len()).map(|i| (CAUSES[i].1, of(i))).collect();
     let found: Vec<_> = found.into_iter().filter(|(_, f)| f.iter().any(|x| x.is_finite())).collect();
-    let svg =
-        (!found.is_empty()).then(|| figures::safe_factors(&found, units, SAFE_FACTORS.trim_end_matches(".svg")))?;
+    if found.is_empty() {
+        return Vec::new();
+    }
     let caption = format!(
         "Share of the {units} whose smallest safe factor is below x. Left of 1 a coupler is overloaded by the cause as it is given."
     );
     let text = "The safe factor is the largest factor on the cause at which no coupler exceeds its rating.".to_owned();
-    let figure = Some(Picture { file: SAFE_FACTORS, alt: "Distribution of safe factors", caption, svg });
-    Some(Section { title: "Safe factors", text: vec![text], figure, head: vec![], rows: vec![] })
+    let svg = figures::safe_factors(&found, units, SAFE_FACTORS.trim_end_matches(".svg"));
+    let figure =
+        Picture { file: SAFE_FACTORS.to_owned(), alt: "Distribution of safe factors".to_owned(), caption, svg };
+    section("Safe factors", vec![text], Some(figure), &[], vec![])
 }
 
 /// The causes of which some train has a safe factor.
@@ -148,7 +133,7 @@ pub fn factor(safe: &Factors, cause: usize) -> String {
 }
 
 /// The trains, the worst first, safe ones with what is left of the rating.
-pub fn trains(summary: &Summary) -> Option<Section> {
+pub fn trains(summary: &Summary) -> Vec<Block> {
     let causes = causes(summary);
     let row = |t: &&TrainSummary| {
         let w = &t.worst[0];
@@ -165,7 +150,7 @@ pub fn trains(summary: &Summary) -> Option<Section> {
     let mut head = vec!["train", "file", "largest utilisation, %", "margin, %", "coupler", "case"];
     head.extend(factors.iter().map(String::as_str));
     head.extend(["cases with an exceedance", "only after the first passage"]);
-    Section::table("Trains, worst first", text, &head, trains.iter().take(LISTED).map(row).collect())
+    listed("Trains, worst first", text, &head, trains.iter().take(LISTED).map(row).collect())
 }
 
 /// "coupler 12 breaks, variation 7".
@@ -177,7 +162,7 @@ pub fn case_words(case: &Case) -> String {
     if case.variation.is_empty() { event } else { format!("{event}, variation {}", case.variation) }
 }
 
-fn breaks(summary: &Summary) -> Option<Section> {
+fn breaks(summary: &Summary) -> Vec<Block> {
     let share = |[all, harmful]: [usize; 2]| match all {
         0 => String::new(),
         _ => without_zeros(&digits(100.0 * harmful as f64 / all as f64, 0.0, 3)),
@@ -187,17 +172,17 @@ fn breaks(summary: &Summary) -> Option<Section> {
     let rows: Vec<_> =
         places(summary, &summary.breaks, &mut text).into_iter().map(|(place, counts)| row(place, counts)).collect();
     let head = [place_head(summary), "breaks that overload another", "breaks examined", "share, %"];
-    Section::table("Where a break overloads another coupler", text, &head, rows)
+    listed("Where a break overloads another coupler", text, &head, rows)
 }
 
-fn overloaded(summary: &Summary) -> Option<Section> {
+fn overloaded(summary: &Summary) -> Vec<Block> {
     let mut text = Vec::new();
     let rows: Vec<_> = places(summary, &summary.overloaded, &mut text)
         .into_iter()
         .map(|(place, [cases, _])| vec![place, cases.to_string()])
         .collect();
     let head = [place_head(summary), "cases in which the worst coupler is there"];
-    Section::table("Where couplers are overloaded most", text, &head, rows)
+    listed("Where couplers are overloaded most", text, &head, rows)
 }
 
 fn place_head(summary: &Summary) -> &'static str {
@@ -220,7 +205,7 @@ fn places(summary: &Summary, counts: &Places, text: &mut Vec<String>) -> Vec<(St
 }
 
 /// The doubts about each train: a row for each train and kind of doubt.
-fn doubtful(summary: &Summary) -> Option<Section> {
+fn doubtful(summary: &Summary) -> Vec<Block> {
     let row = |train: &TrainSummary, code: &String, cases: usize| {
         vec![train.name.clone(), train.file.clone(), code.clone(), format!("{cases} of {}", train.cases[0])]
     };
@@ -230,16 +215,16 @@ fn doubtful(summary: &Summary) -> Option<Section> {
         vec!["What is probably not meant; trainsafe check and trainsafe analyze explain it for each train.".to_owned()];
     more(&mut text, rows.len(), LISTED, "doubts");
     rows.truncate(LISTED);
-    Section::table("Doubts", text, &["train", "file", "doubt", "cases with it"], rows)
+    listed("Doubts", text, &["train", "file", "doubt", "cases with it"], rows)
 }
 
-fn errors(summary: &Summary) -> Option<Section> {
+fn errors(summary: &Summary) -> Vec<Block> {
     let mut text = Vec::new();
     if summary.failed > summary.errors.len() {
         text.push(format!("The first {} of {}; errors.csv has all.", summary.errors.len(), summary.failed));
     }
     let rows: Vec<_> = summary.errors.iter().map(|e| e.to_vec()).collect();
-    Section::table("Not computed", text, &["file", "what", "error"], rows)
+    listed("Not computed", text, &["file", "what", "error"], rows)
 }
 
 /// Says that a table is cut short.

@@ -194,7 +194,8 @@ impl Summary {
         let exceeds = back("exceeding") != "0";
         let later = exceeds && back("exceeding_first_passage") == "0";
         let doubts = back("doubts");
-        let undecided = back("undecided") != "0";
+        // Where forces can be told only for a part of the time, nothing is decided for the rest.
+        let undecided = back("undecided") != "0" || !back("predictable_until_s").is_empty();
         let utilisation: f64 = back("utilisation").parse().unwrap_or(0.0);
         // A march has no such factor, and says nothing of what bounds it.
         let factor = match back("safe_load_factor").parse() {

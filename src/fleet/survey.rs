@@ -14,7 +14,7 @@ use crate::consist;
 use crate::doubts::doubts;
 use crate::error::printable_path;
 use crate::findings::{Options, cases, idle_options};
-use crate::train::{CouplerSpec, Doubt, Load, Origin, PulledTo, Scenario, Source, Train, TrainSpec};
+use crate::train::{CouplerSpec, Doubt, Load, Origin, PulledTo, Scenario, Source, Train, TrainSpec, VehicleSpec};
 
 /// What is known of a train file before the run.
 #[derive(Serialize, Deserialize)]
@@ -135,9 +135,12 @@ pub fn reach(study: &Study, variation: usize, base: &Base) -> Reach {
         let mut trains = probes.iter().filter_map(|value| probe(study, variation, base, k, value).ok().map(effective));
         let Some(first) = trains.next() else { continue };
         let mut alike = 1;
-        let Some(other) = trains.by_ref().inspect(|_| alike += 1).find(|other| *other != first) else {
+        let mut uniform = false;
+        let seen = |other: &TrainSpec| (alike, uniform) = (alike + 1, uniform || *other != first);
+        let differs = |other: &TrainSpec| *other != first && !moves_alike(&first, other);
+        let Some(other) = trains.by_ref().inspect(seen).find(differs) else {
             if alike > 1 {
-                let why = why_none(&input.key);
+                let why = if uniform { UNIFORM } else { why_none(&input.key) };
                 reach.without_effect.get_or_insert(format!("{} reaches {} {file}: {}", input.key, why.0, why.1));
             }
             continue;
@@ -174,6 +177,26 @@ fn effective(train: Train) -> TrainSpec {
     }
     spec
 }
+
+/// Whether two trains differ in their forces from outside alone, and these only in what gives all vehicles one acceleration, while none
+/// is held and no brakes are applied: forces in couplers depend on nothing else.
+fn moves_alike(a: &TrainSpec, b: &TrainSpec) -> bool {
+    let is_free = a.vehicles.iter().all(|v| !v.held) && !a.scenarios.iter().any(Scenario::applies_brakes);
+    let (Load::OnVehicles(x), Load::OnVehicles(y), true) = (&a.load, &b.load, is_free) else { return false };
+    let mass_kg: f64 = a.vehicles.iter().map(|v| v.mass_kg).sum();
+    let acceleration = |outside_n: &[f64]| outside_n.iter().sum::<f64>() / mass_kg;
+    let (ax, ay) = (acceleration(x), acceleration(y));
+    // Rounding is no difference.
+    let room_n = 1e-12 * x.iter().chain(y).fold(0.0f64, |most, p| most.max(p.abs()));
+    let alike = |((x, y), v): ((&f64, &f64), &VehicleSpec)| ((x - y) - (ax - ay) * v.mass_kg).abs() <= room_n;
+    x.iter().zip(y).zip(&a.vehicles).all(alike) && TrainSpec { load: a.load.clone(), ..b.clone() } == *a
+}
+
+/// Why a key that only accelerates the train has no effect.
+const UNIFORM: (&str, &str) = (
+    "nothing in",
+    "it accelerates all vehicles alike, and no force in a coupler depends on that; hold an end to keep its speed",
+);
 
 /// Whether each coupler differs.
 fn changed_couplers(a: &TrainSpec, b: &TrainSpec) -> Vec<bool> {

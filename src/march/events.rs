@@ -98,7 +98,7 @@ impl March<'_> {
     /// Braked vehicles that come to a stand.
     fn stops(&self, first: &mut Earliest) {
         let Some(common) = self.problem.common_speed_m_s else { return };
-        let sign = if common < 0.0 { -1.0 } else { 1.0 };
+        let sign = self.problem.direction();
         let [from, to] = self.state.moving;
         for v in (from..to).filter(|&v| self.forces.brakes(v, self.t)) {
             let n = self.series.terms;

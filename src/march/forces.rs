@@ -1,6 +1,6 @@
 //! Forces from outside that change over time, each on one vehicle, and the brakes that a parting sets off.
 
-use super::Emergency;
+use super::{Brakes, Problem};
 use crate::play::Drive;
 
 /// A force over time on one vehicle.
@@ -87,7 +87,18 @@ impl Source {
 }
 
 impl Forces {
-    pub fn new(forcing: &[(usize, Drive)], vehicles: usize) -> Forces {
+    /// Those of a problem before anything parts.
+    pub fn of(problem: &Problem) -> Forces {
+        let mut forces = Forces::new(&problem.forcing, problem.mass_kg.len());
+        if let Some((brakes, places_m)) = &problem.application {
+            for &place_m in places_m {
+                forces.apply(brakes, problem.direction(), place_m, 0.0);
+            }
+        }
+        forces
+    }
+
+    fn new(forcing: &[(usize, Drive)], vehicles: usize) -> Forces {
         let source = |(vehicle, drive): &(usize, Drive)| {
             let course = match drive {
                 Drive::Lines(points) => Course::Lines { points: points.clone(), holds: false, next: 0 },
@@ -105,24 +116,22 @@ impl Forces {
 
     /// The pipe opens at coupler `c` at `t`: the wave runs both ways, and each vehicle brakes
     /// from its first arrival on, against the `direction` of the motion (1 or -1).
-    pub fn vent(&mut self, emergency: &Emergency, direction: f64, c: usize, t: f64) {
+    pub fn vent(&mut self, emergency: &Brakes, direction: f64, c: usize, t: f64) {
+        self.apply(emergency, direction, emergency.length_m[..=c].iter().sum(), t);
+    }
+
+    /// Brakes are applied at a place, m from the front of the train, at `t`.
+    fn apply(&mut self, brakes: &Brakes, direction: f64, place_m: f64, t: f64) {
         let mut end = 0.0;
-        let ends: Vec<f64> = emergency
-            .length_m
-            .iter()
-            .map(|l| {
-                end += l;
-                end
-            })
-            .collect();
-        for (v, (full, length)) in emergency.full_n.iter().zip(&emergency.length_m).enumerate() {
-            let from = t + (ends[v] - 0.5 * length - ends[c]).abs() / emergency.wave_m_s;
+        for (v, (full, length)) in brakes.full_n.iter().zip(&brakes.length_m).enumerate() {
+            end += length;
+            let from = t + (end - 0.5 * length - place_m).abs() / brakes.wave_m_s;
             if *full == 0.0 || from >= self.braked_from[v] {
                 continue;
             }
             self.braked_from[v] = from;
             let force = -direction * full;
-            let points = emergency.build_up.iter().map(|p| [from + p[0], force * p[1]]).collect();
+            let points = brakes.build_up.iter().map(|p| [from + p[0], force * p[1]]).collect();
             self.sources.retain(|s| s.vehicle != v || !matches!(s.course, Course::Lines { holds: true, .. }));
             self.sources.push(Source { vehicle: v, course: Course::Lines { points, holds: true, next: 0 } });
         }
@@ -177,7 +186,7 @@ mod tests {
     fn brake_wave_on_a_rigid_train() {
         let build_up = vec![[0.0, 0.0], [1.5, 0.3], [8.0, 1.0]];
         let full_n = [0.0].into_iter().chain([45e3; 30]).collect();
-        let emergency = Emergency { wave_m_s: 290.0, build_up, full_n, length_m: vec![16.2; 31] };
+        let emergency = Brakes { wave_m_s: 290.0, build_up, full_n, length_m: vec![16.2; 31] };
         let mass: Vec<f64> = [392e3].into_iter().chain([130e3; 30]).collect();
         let want = [
             (1.0, 7357.1333997493331619, 40609.045859176655847),
@@ -208,7 +217,7 @@ mod tests {
     #[test]
     fn two_partings() {
         let (build_up, length_m) = (vec![[0.0, 0.0], [1.0, 1.0]], vec![16.0; 31]);
-        let emergency = Emergency { wave_m_s: 320.0, build_up, full_n: vec![1.0; 31], length_m };
+        let emergency = Brakes { wave_m_s: 320.0, build_up, full_n: vec![1.0; 31], length_m };
         let mut forces = Forces::new(&[], 31);
         forces.vent(&emergency, 1.0, 3, 0.0);
         let first: Vec<f64> = (0..31).map(|v: i32| (f64::from(v) - 3.5).abs() / 20.0).collect();

@@ -47,6 +47,8 @@ pub struct Problem {
     /// Speed of the common motion at t = 0 against the track, where brakes act: they act against it, and the march ends when a
     /// braked vehicle would stop. `None`: forward, and no vehicle stops.
     pub common_speed_m_s: Option<f64>,
+    /// Acceleration of the common motion against the track, beside what `steady_n` gives.
+    pub common_m_s2: f64,
     /// Steady outside force on each vehicle. Of a train without a held vehicle the common acceleration that they give is taken
     /// off, so that they may be given with it or without. What is under 1e-12 of the largest force counts as balance.
     pub steady_n: Vec<f64>,
@@ -57,7 +59,9 @@ pub struct Problem {
     /// Force in draft and in buff, both positive, above which each coupler parts; infinite for never. Empty for none.
     pub break_at_n: Vec<[f64; 2]>,
     /// Emergency brakes that every parting sets off.
-    pub emergency: Option<Emergency>,
+    pub emergency: Option<Brakes>,
+    /// Brakes that are applied at t = 0, and the places from which, m from the front of the train.
+    pub application: Option<(Brakes, Vec<f64>)>,
     /// The motion is followed up to here.
     pub horizon_s: f64,
     /// Extremes are given up to here as well.
@@ -77,20 +81,33 @@ impl Problem {
             dashpot_n_s_per_m: Vec::new(),
             speed_m_s: vec![0.0; vehicles],
             common_speed_m_s: None,
+            common_m_s2: 0.0,
             steady_n: vec![0.0; vehicles],
             forcing: Vec::new(),
             gone: Vec::new(),
             break_at_n: Vec::new(),
             emergency: None,
+            application: None,
             horizon_s,
             mark_s: horizon_s,
         }
     }
+
+    /// The full brake forces of all vehicles that may brake, N.
+    pub(crate) fn brakes_n(&self) -> impl Iterator<Item = f64> {
+        let applied = self.application.iter().map(|(brakes, _)| brakes);
+        self.emergency.iter().chain(applied).flat_map(|brakes| brakes.full_n.iter().copied())
+    }
+
+    /// The direction in which the train runs, 1 or -1: brakes act against it.
+    pub(crate) fn direction(&self) -> f64 {
+        if self.common_speed_m_s.is_some_and(|speed| speed < 0.0) { -1.0 } else { 1.0 }
+    }
 }
 
-/// Emergency brakes: the pipe opens where a coupler parts, and a wave runs both ways from there.
+/// Brakes along a train: a wave runs both ways from where they are applied, as where a coupler parts and the pipe opens.
 #[derive(Clone, Debug)]
-pub struct Emergency {
+pub struct Brakes {
     /// Speed of the wave.
     pub wave_m_s: f64,
     /// Share of the full force against the time since the wave came to the middle of the vehicle, straight between points; the

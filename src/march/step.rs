@@ -101,7 +101,7 @@ impl<'a> March<'a> {
             start,
             state,
             series: Series::new(n),
-            forces: Forces::new(&problem.forcing, n),
+            forces: Forces::of(problem),
             record: Record::new(&problem.start.iter().map(|r| r.force_n).collect::<Vec<f64>>(), ask),
             partings: Vec::new(),
             closures: Vec::new(),
@@ -111,7 +111,7 @@ impl<'a> March<'a> {
             t: 0.0,
             events: 0,
             steps: 0,
-            common_m_s2,
+            common_m_s2: common_m_s2 + problem.common_m_s2,
             past: 0.0,
             nothing: [0.0; 2],
             mean_width: f64::INFINITY,
@@ -143,8 +143,7 @@ impl<'a> March<'a> {
         if softest > 0.0 && softest.is_finite() {
             let drive = |d: &(usize, crate::play::Drive)| d.1.measures()[0];
             let force = self.problem.forcing.iter().map(drive).chain(self.state.unbalanced.iter().map(|f| f.abs()));
-            let brakes = self.problem.emergency.iter().flat_map(|e| e.full_n.iter().copied());
-            scale = scale.max(force.chain(brakes).fold(0.0, f64::max) / softest);
+            scale = scale.max(force.chain(self.problem.brakes_n()).fold(0.0, f64::max) / softest);
         }
         self.past = self.manner.margin * PAST * scale;
         self.nothing = [NOTHING * scale, NOTHING * scale * rate];
@@ -185,8 +184,7 @@ impl<'a> March<'a> {
         self.set_line(i);
         self.partings.push(Parting { coupler: i, time_s: self.t, force_n, energy_j, uncertainty_s: f64::INFINITY });
         if let Some(emergency) = &self.problem.emergency {
-            let direction = if self.problem.common_speed_m_s.unwrap_or(1.0) < 0.0 { -1.0 } else { 1.0 };
-            self.forces.vent(emergency, direction, i, self.t);
+            self.forces.vent(emergency, self.problem.direction(), i, self.t);
         }
     }
 

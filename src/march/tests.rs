@@ -24,11 +24,13 @@ fn train(laws: Vec<Law>, start: Vec<Rest>, speed_m_s: Vec<f64>) -> Problem {
         start,
         speed_m_s,
         common_speed_m_s: None,
+        common_m_s2: 0.0,
         steady_n: vec![0.0; n],
         forcing: vec![(n - 1, crate::play::Drive::HalfSine { peak: 7e5, duration: 0.8 })],
         gone: Vec::new(),
         break_at_n: Vec::new(),
         emergency: None,
+        application: None,
         horizon_s: 9.0,
         mark_s: 9.0,
     }

@@ -20,6 +20,7 @@ const REFLECTIONS: &str = "a real train loses force at every reflection; the tab
 const MODES: &str = "no device in a train does this; dashpots of the same ratio reduce the force less";
 const CONTACT: &str = "at the instant of contact the force of a draft gear begins at 0";
 const FRICTION: &str = "a friction gear absorbs up to 87 % of the work; but a train that was let down from a larger pull can reach more than this report says";
+const CLOSING: &str = "a friction gear absorbs up to 87 % of the work; but one that closes in a collision is stiffer than a spring: the table of other couplers shows what generic gears do here";
 const TABLES: &str = "friction gears of one type differ from test to test, and friction falls with speed; results for two tables bracket this";
 const SLACK: &str = "free play lets vehicles run together: for 105 cars of 130 t with springs, 25 mm raised the largest force from 1.53 to 1.88 of the pull; with friction gears it did not";
 const BRAKES: &str = "the brake pipe vents where the train parts, and both parts brake from there: the largest force is then often in buff, behind the gap, seconds later";
@@ -56,7 +57,8 @@ pub fn rows(train: &Train, scenarios: &[&Scenario]) -> Vec<Row> {
         when(!damped && !gears && impact, ["no losses in the couplers", MOSTLY_LESS, MOSTLY_LESS, REFLECTIONS]),
         when(train.extras().damping_ratio > 0.0, ["the same damping ratio in every mode", EITHER, EITHER, MODES]),
         when(dashpots && impact, ["a dashpot's force follows the speed at once", UNKNOWN, LESS, CONTACT]),
-        when(!gears, ["no friction in the draft gears", MOSTLY_LESS, MOSTLY_LESS, FRICTION]),
+        when(!gears && !impact, ["no friction in the draft gears", MOSTLY_LESS, MOSTLY_LESS, FRICTION]),
+        when(!gears && impact, ["no friction in the draft gears", MOSTLY_LESS, EITHER, CLOSING]),
         when(!slack && springs, ["no slack", EITHER, MORE, SLACK]),
         when(gears, ["a gear's force follows its table at any speed", EITHER, EITHER, TABLES]),
         when(breaks && !braked, [emergency, MORE, MORE, BRAKES]),

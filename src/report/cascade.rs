@@ -6,6 +6,8 @@ use crate::findings::{CascadeBreak, CascadeFindings, CaseFindings, ScenarioFindi
 use crate::train::LIMITS;
 use crate::units::UnitSystem;
 
+/// An uncertainty of a time that its digits show, as a share of it.
+const SEEN: f64 = 1e-4;
 /// Pieces told one by one; more are counted.
 const TOLD: usize = 8;
 
@@ -21,25 +23,29 @@ pub fn sentence(scenario: &ScenarioFindings) -> String {
 }
 
 fn of_one(case: &CaseFindings, cascade: &CascadeFindings) -> String {
-    let breaks = match &cascade.breaks[..] {
+    let decided: Vec<&CascadeBreak> = cascade.breaks.iter().filter(|b| is_decided(b, cascade)).collect();
+    let breaks = match &decided[..] {
         [] => "No further coupler breaks".to_owned(),
         [first, ..] => {
             let which = format!("coupler {} (between {} and {})", first.coupler, first.between[0], first.between[1]);
-            let head = match cascade.breaks.len() {
+            let head = match decided.len() {
                 1 => format!("One more coupler breaks: {which}"),
                 n => format!("{n} more couplers break, the first of them {which}"),
             };
             format!("{head}, in {}, {}", sense(first.force_n), moment(first.time_s, case))
         }
     };
-    format!(
-        "{breaks}; {}.{}{}{} {}",
-        pieces(cascade),
-        kept(cascade),
-        open(cascade),
-        closed(cascade),
-        breaks_at(cascade)
-    )
+    let [kept, closed, breaks_at] = [kept(cascade), closed(cascade), breaks_at(cascade)];
+    let pieces = pieces(cascade);
+    match open(cascade, cascade.breaks.len() - decided.len()) {
+        None => format!("{breaks}; {pieces}.{kept}{closed} {breaks_at}"),
+        Some(open) => format!("{breaks}.{kept} {open}{pieces}.{closed} {breaks_at}"),
+    }
+}
+
+/// Whether a break comes before the sequence is in doubt.
+fn is_decided(b: &CascadeBreak, cascade: &CascadeFindings) -> bool {
+    cascade.undecided_from_s.is_none_or(|from| b.time_s < from)
 }
 
 /// Which load breaks a coupler.
@@ -89,16 +95,26 @@ fn kept(cascade: &CascadeFindings) -> String {
     }
 }
 
-fn open(cascade: &CascadeFindings) -> String {
-    let (Some(from), Some(coupler)) = (cascade.undecided_from_s, cascade.undecided_coupler) else {
-        return String::new();
+/// From when on the sequence is not decided, and the beginning of a sentence about what is left if it is supposed to hold.
+fn open(cascade: &CascadeFindings, later: usize) -> Option<String> {
+    let from = cascade.undecided_from_s?;
+    let Some(coupler) = cascade.undecided_coupler else {
+        return Some(format!(
+            "The motion is followed to {} only, and what breaks later is not known. Until then ",
+            time(from)
+        ));
     };
-    format!(
-        " Not decided from {} on: coupler {coupler} comes within the error bound of its {}, and whether it breaks then \
-         cannot be told. What is said of later times supposes that it holds.",
+    let later = match later {
+        0 => String::new(),
+        1 => "one more breaks later, and ".to_owned(),
+        n => format!("{n} more break later, and "),
+    };
+    Some(format!(
+        "Not decided from {} on: coupler {coupler} comes within the error bound of its {}, and whether it breaks then \
+         cannot be told. If it holds, {later}",
         time(from),
         breaking_load(cascade)
-    )
+    ))
 }
 
 fn closed(cascade: &CascadeFindings) -> String {
@@ -137,11 +153,18 @@ fn of_many(cascades: &[(&CaseFindings, &CascadeFindings)]) -> String {
 
 /// A row of the sequence.
 pub fn row(b: &CascadeBreak, cascade: &CascadeFindings, units: UnitSystem) -> Vec<String> {
+    let apart = if b.time_uncertainty_s > SEEN * b.time_s {
+        format!(" ± {}", time(b.time_uncertainty_s))
+    } else {
+        String::new()
+    };
+    let supposed = if is_decided(b, cascade) { "" } else { " (not decided)" };
     vec![
-        time(b.time_s),
-        format!("{}{}", b.coupler, if b.together { " (with others)" } else { "" }),
+        time(b.time_s) + &apart,
+        format!("{}{}{supposed}", b.coupler, if b.together { " (with others)" } else { "" }),
         b.between.join(", "),
-        format!("{} in {}", force(units, b.force_n, cascade.error_n()), sense(b.force_n)),
+        // It breaks at this load, however well the instant is known.
+        format!("{} in {}", force(units, b.force_n, 0.0), sense(b.force_n)),
         (if b.breaks_at == LIMITS[2] { "ultimate load" } else { "rating" }).to_owned(),
         units.energy(b.energy_j),
     ]

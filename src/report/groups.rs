@@ -9,7 +9,6 @@ use crate::units::{Dimension, UnitSystem, shown};
 const ROWS: usize = 40;
 
 /// Headings of those columns in which any group has something, and the groups' rows.
-#[derive(Debug, serde::Serialize)]
 pub struct Groups {
     /// What the table is of.
     pub of: &'static str,
@@ -23,10 +22,19 @@ pub struct Groups {
 pub fn vehicles(train: &Train) -> Groups {
     let units = train.origin().units;
     let outside = |i: usize| train.extras().steady.as_ref().map_or(0.0, |s| s.outside_n[i]);
-    let head = ["vehicles", "label", "mass of each", "length of each", "held", "steady force of each"];
+    let head = [
+        "vehicles",
+        "label",
+        "mass of each",
+        "length of each",
+        "held",
+        "steady force of each",
+        "emergency brake of each",
+    ];
     let cells = |i: usize| {
         let v = &train.vehicles()[i];
         let force = outside(i);
+        let brake = train.extras().emergency_brake_n.get(i).filter(|n| **n > 0.0);
         let way = if force < 0.0 { "backward" } else { "forward" };
         vec![
             stem(&v.label).to_owned(),
@@ -34,6 +42,7 @@ pub fn vehicles(train: &Train) -> Groups {
             v.length_m.map_or(String::new(), |l| shown(units, l, Dimension::Length)),
             if v.held { "yes".to_owned() } else { String::new() },
             if force == 0.0 { String::new() } else { format!("{} {way}", given_force(units, force)) },
+            brake.map_or(String::new(), |n| given_force(units, *n)),
         ]
     };
     grouped("Vehicles, alike neighbours together", &head, train.vehicles().len(), cells)

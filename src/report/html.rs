@@ -1,7 +1,7 @@
 //! `report.html`: the words of `report.md` with the figures in them, one file that asks for nothing from outside.
 //!
-//! The Markdown is the source, read by `pulldown-cmark` with HTML in it taken for text, so that both reports say the same. The
-//! static figures stand inline as SVG; where scripts run, interactive ones take their place on the screen.
+//! Both are written from the same blocks. The static figures stand inline as SVG; where scripts run, interactive ones take their
+//! place on the screen.
 //!
 //! Those are drawn by Plotly.js, which every report carries (0.7 MB of base64; the page unpacks it): it has lines, pictures by
 //! place and time and hover labels in one schema. Where its text is from is in `assets/README.md`.
@@ -13,10 +13,9 @@ use std::sync::LazyLock;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use pulldown_cmark::{Alignment, Event, Options, Parser, Tag, TagEnd};
 use sha2::{Digest, Sha256};
 
-use super::markdown::{Picture, Pictures};
+use super::block::{Block, Picture, Side, Span, Table};
 use super::words;
 use crate::error::harmless;
 use crate::figures::{css, escaped};
@@ -76,33 +75,28 @@ pub(crate) fn in_script(json: &str) -> String {
     json.replace('<', "\\u003c")
 }
 
-/// The report as a page: its Markdown, its figures, and what the script draws from.
-pub fn html(train: &Train, analysis: &Analysis, markdown: &str, pictures: &Pictures, data: &str) -> String {
+/// The report as a page: its blocks, and what the script draws from.
+pub fn html(train: &Train, analysis: &Analysis, blocks: &[Block], data: &str) -> String {
     let body = format!(
         "<main id=\"main\">\n{body}{file}</main>\n\
          <footer><p>Written by trainsafe {version}. Interactive figures: Plotly.js, MIT licence, within this file.</p></footer>\n",
-        body = body(analysis, markdown, pictures),
+        body = body(analysis, blocks),
         file = train_file(&train.origin().text),
         version = env!("CARGO_PKG_VERSION"),
     );
     Frame { title: &analysis.train, style: "", body: &body, data, script: None }.page()
 }
 
-/// What a report says, as HTML.
-pub(crate) fn body(analysis: &Analysis, markdown: &str, pictures: &Pictures) -> String {
-    Page { analysis, pictures, out: String::new(), heading: String::new() }.body(markdown)
-}
-
 /// The same without scripts and what they draw from.
-pub fn light(analysis: &Analysis, markdown: &str, pictures: &Pictures) -> String {
-    let title = escaped(&analysis.train);
-    let body = body(analysis, markdown, pictures);
+pub fn light(analysis: &Analysis, blocks: &[Block]) -> String {
     format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data:\">\n\
          <title>{title}</title>\n<style>\n{colors}{STYLE}</style>\n</head>\n<body>\n<main id=\"main\">\n{body}</main>\n</body>\n\
          </html>\n",
+        title = escaped(&analysis.train),
         colors = css(),
+        body = body(analysis, blocks),
     )
 }
 
@@ -115,207 +109,98 @@ fn train_file(text: &str) -> String {
     format!("<details>\n<summary>The train file</summary>\n<pre>{}</pre>\n</details>\n", lines.join("\n"))
 }
 
-/// A page under way.
-struct Page<'a> {
-    analysis: &'a Analysis,
-    pictures: &'a Pictures,
-    out: String,
-    /// The last heading: what a table without a lead of its own is of.
-    heading: String,
+/// What a report says, as HTML.
+pub(crate) fn body(analysis: &Analysis, blocks: &[Block]) -> String {
+    let scenarios = &analysis.scenarios;
+    let (mut out, mut heading, mut drawn) = (String::new(), "", None);
+    for block in blocks {
+        if let Block::Title(text) | Block::Heading(text, _) = block {
+            heading = text;
+        }
+        out += &match block {
+            Block::Title(text) => format!("<h1>{}</h1>\n", escaped(text)),
+            Block::Heading(text, None) => format!("<h2>{}</h2>\n", escaped(text)),
+            Block::Heading(text, Some(i)) => {
+                let contents = if *i == 0 { contents(scenarios) } else { String::new() };
+                format!("{contents}<h2 id=\"scenario-{}\">{}</h2>\n", i + 1, escaped(text))
+            }
+            Block::Verdict(i, verdict, more) => {
+                let class = state(&scenarios[*i]).0;
+                format!("<p class=\"verdict {class}\"><strong>{}</strong>{}</p>\n", escaped(verdict), escaped(more))
+            }
+            Block::Note(text) => format!("<p><em>Note: {}.</em></p>\n", escaped(text)),
+            Block::Paragraph("", text) => format!("<p>{}</p>\n", spans(text)),
+            Block::Paragraph(title, text) => {
+                format!("<p><strong>{}.</strong> {}</p>\n", escaped(title), spans(text))
+            }
+            Block::List(points) => {
+                let points: String = points.iter().map(|text| format!("<li>{}</li>\n", spans(text))).collect();
+                format!("<ul>\n{points}</ul>\n")
+            }
+            Block::Table(of) => table(of, heading),
+            Block::Figure(of, picture) => {
+                // Interactive figures take the place of all of a scenario.
+                let live = of
+                    .filter(|_| drawn != *of)
+                    .map_or_else(String::new, |i| format!("<div class=\"live\" data-scenario=\"{i}\" hidden></div>\n"));
+                drawn = *of;
+                live + &figure(*of, picture)
+            }
+        };
+    }
+    out
 }
 
-type Events<'a> = Vec<Event<'a>>;
-
-impl Page<'_> {
-    fn body(mut self, markdown: &str) -> String {
-        let events = Parser::new_ext(markdown, Options::ENABLE_TABLES).map(|event| match event {
-            Event::Html(html) | Event::InlineHtml(html) => Event::Text(html),
-            other => other,
-        });
-        let mut blocks = blocks(events).into_iter().peekable();
-        let mut lead = None;
-        while let Some(block) = blocks.next() {
-            match &block[0] {
-                Event::Start(Tag::Heading { .. }) => self.heading(block),
-                Event::Start(Tag::Table(alignments)) => {
-                    let alignments = alignments.clone();
-                    self.table(block, &alignments, lead.take());
-                }
-                Event::Start(Tag::Paragraph) if matches!(block[1], Event::Start(Tag::Image { .. })) => {
-                    self.figure(&block);
-                    // Its caption follows again in words.
-                    blocks.next_if(|b| matches!(b[1], Event::Start(Tag::Emphasis)));
-                }
-                // A paragraph that leads to a table is its caption.
-                Event::Start(Tag::Paragraph)
-                    if blocks.peek().is_some_and(|b| matches!(b[0], Event::Start(Tag::Table(_))))
-                        && plain(&block).ends_with(':') =>
-                {
-                    lead = Some(plain(&block));
-                }
-                Event::Start(Tag::Paragraph) => self.paragraph(block),
-                _ => self.push(block),
-            }
-        }
-        self.out
-    }
-
-    fn push(&mut self, events: Events) {
-        pulldown_cmark::html::push_html(&mut self.out, events.into_iter());
-    }
-
-    fn heading(&mut self, block: Events) {
-        self.heading = plain(&block);
-        let Event::Start(Tag::Heading { level, .. }) = block[0] else { return };
-        let several = self.analysis.scenarios.len() > 1;
-        let of = self
-            .analysis
-            .scenarios
-            .iter()
-            .position(|s| several && level as usize == 2 && spaced(&s.name) == self.heading);
-        match of {
-            Some(i) if i == 0 && !self.out.contains("<nav ") => {
-                self.out += &contents(&self.analysis.scenarios);
-                self.out += &format!("<h2 id=\"scenario-1\">{}</h2>\n", escaped(&self.heading));
-            }
-            Some(i) => self.out += &format!("<h2 id=\"scenario-{}\">{}</h2>\n", i + 1, escaped(&self.heading)),
-            None => self.push(block),
-        }
-    }
-
-    /// A paragraph; one that opens with a scenario's verdict is marked as such.
-    fn paragraph(&mut self, block: Events) {
-        let strong = block.iter().position(|e| matches!(e, Event::End(TagEnd::Strong)));
-        let opening = match (&block[1], strong) {
-            (Event::Start(Tag::Strong), Some(end)) => plain(&block[1..end]),
-            _ => String::new(),
-        };
-        let verdict_of = |s: &&ScenarioFindings| spaced(&words::verdict_of(s, self.analysis.units)) == opening;
-        let found = self.analysis.scenarios.iter().find(verdict_of);
-        let from = self.out.len();
-        self.push(block);
-        if let Some(scenario) = found {
-            let class = format!("<p class=\"verdict {}\">", state(scenario).0);
-            self.out.replace_range(from..from + "<p>".len(), &class);
-        }
-    }
-
-    /// A figure: its SVG inline, or nothing where there is no such picture.
-    fn figure(&mut self, block: &[Event]) {
-        let Event::Start(Tag::Image { dest_url, .. }) = &block[1] else { return };
-        let found = self
-            .pictures
-            .iter()
-            .enumerate()
-            .find_map(|(i, of)| Some((i, of.iter().position(|p| p.file == **dest_url)?)));
-        let Some((scenario, n)) = found else { return };
-        let Picture { file, caption, svg } = &self.pictures[scenario][n];
-        if n == 0 {
-            self.out += &format!("<div class=\"live\" data-scenario=\"{scenario}\" hidden></div>\n");
-        }
-        let kind = file.trim_end_matches(".svg").rsplit('-').next().unwrap_or_default();
-        let caption = escaped(caption);
-        let svg = inline(svg, &caption);
-        self.out += &format!(
-            "<figure data-scenario=\"{scenario}\" data-kind=\"{kind}\" tabindex=\"0\">\n{svg}\n<figcaption>{caption}</figcaption>\n</figure>\n"
-        );
-    }
-
-    /// A table with a caption, in a frame that scrolls where it is wider than the page; a long one is folded.
-    fn table(&mut self, block: Events, alignments: &[Alignment], lead: Option<String>) {
-        let heading = escaped(&self.heading);
-        // The label is apart from that of the same table of another scenario.
-        let (caption, label) = match lead {
-            Some(lead) => {
-                let caption = escaped(lead.trim_end_matches(':'));
-                let label = format!("{heading}: {caption}");
-                (caption, label)
-            }
-            None => (heading.clone(), heading),
-        };
-        let long = block.iter().filter(|e| matches!(e, Event::Start(Tag::TableRow))).count() > LONG;
-        if long {
-            self.out += &format!("<details>\n<summary>{caption}</summary>\n");
-        }
-        self.out += &format!(
-            "<div class=\"table\" role=\"region\" aria-label=\"{label}\" tabindex=\"0\">\n<table>\n<caption><span>{caption}</span></caption>\n"
-        );
-        let named = block
-            .iter()
-            .take_while(|e| !matches!(e, Event::End(TagEnd::TableHead)))
-            .any(|e| matches!(e, Event::Text(_)));
-        let (mut column, mut head) = (0, false);
-        let mut cell: Events = Vec::new();
-        for event in block {
-            match event {
-                Event::Start(Tag::TableHead) => {
-                    head = true;
-                    column = 0;
-                    self.out += if named { "<thead><tr>" } else { "" };
-                }
-                Event::End(TagEnd::TableHead) => {
-                    head = false;
-                    self.out += if named { "</tr></thead>\n<tbody>\n" } else { "<tbody>\n" };
-                }
-                Event::Start(Tag::TableRow) => {
-                    column = 0;
-                    self.out += "<tr>";
-                }
-                Event::End(TagEnd::TableRow) => self.out += "</tr>\n",
-                Event::Start(Tag::TableCell) => cell.clear(),
-                Event::End(TagEnd::TableCell) => {
-                    let right = if alignments.get(column) == Some(&Alignment::Right) { " class=\"right\"" } else { "" };
-                    let (open, close) = match (head, column) {
-                        (true, _) => (format!("<th scope=\"col\"{right}>"), "</th>"),
-                        (false, 0) => (format!("<th scope=\"row\"{right}>"), "</th>"),
-                        (false, _) => (format!("<td{right}>"), "</td>"),
-                    };
-                    column += 1;
-                    if named || !head {
-                        self.out += &open;
-                        self.push(std::mem::take(&mut cell));
-                        self.out += close;
-                    }
-                }
-                Event::Start(Tag::Table(_)) | Event::End(TagEnd::Table) => {}
-                other => cell.push(other),
-            }
-        }
-        self.out += "</tbody>\n</table>\n</div>\n";
-        self.out += if long { "</details>\n" } else { "" };
-    }
-}
-
-/// The document cut into its outermost blocks.
-fn blocks<'a>(events: impl Iterator<Item = Event<'a>>) -> Vec<Events<'a>> {
-    let (mut depth, mut all, mut block) = (0, Vec::new(), Vec::new());
-    for event in events {
-        depth += match event {
-            Event::Start(_) => 1,
-            Event::End(_) => -1,
-            _ => 0,
-        };
-        block.push(event);
-        if depth == 0 {
-            all.push(std::mem::take(&mut block));
-        }
-    }
-    all
-}
-
-/// The words of a block.
-fn plain(block: &[Event]) -> String {
-    let word = |e: &Event| match e {
-        Event::Text(t) | Event::Code(t) => t.clone().into_string(),
-        Event::SoftBreak | Event::HardBreak => " ".to_owned(),
-        _ => String::new(),
+/// Sentences as HTML.
+pub(crate) fn spans(text: &[Span]) -> String {
+    let one = |span: &Span| match span {
+        Span::Plain(text) => escaped(text),
+        Span::Link(file) => format!("<a href=\"{file}\">{file}</a>"),
+        Span::LineEnd => "\n".to_owned(),
     };
-    block.iter().map(word).collect()
+    text.iter().map(one).collect()
 }
 
-/// The text as Markdown has it.
-fn spaced(plain: &str) -> String {
-    harmless(plain).trim().to_owned()
+fn figure(scenario: Option<usize>, picture: &Picture) -> String {
+    let kind = picture.file.trim_end_matches(".svg").rsplit('-').next().unwrap_or_default();
+    let of = scenario.map_or_else(String::new, |i| format!("data-scenario=\"{i}\" "));
+    let svg = inline(&picture.svg, &escaped(&picture.alt));
+    let caption = escaped(&picture.caption);
+    format!("<figure {of}data-kind=\"{kind}\" tabindex=\"0\">\n{svg}\n<figcaption>{caption}</figcaption>\n</figure>\n")
+}
+
+/// A table with a caption, in a frame that scrolls where it is wider than the page; a long one is folded.
+fn table(table: &Table, heading: &str) -> String {
+    let heading = escaped(heading);
+    let caption = match (table.title, table.caption.as_str()) {
+        (_, "") => heading.clone(),
+        ("", caption) => escaped(caption),
+        (title, caption) => escaped(&format!("{title}. {caption}")),
+    };
+    // Apart from that of the same table of another scenario.
+    let label = if table.caption.is_empty() { heading } else { format!("{heading}: {caption}") };
+    let class = |column: usize| match table.head.get(column) {
+        Some((_, Side::Right)) => " class=\"right\"",
+        _ => "",
+    };
+    let name =
+        |(i, (name, _)): (usize, &(String, Side))| format!("<th scope=\"col\"{}>{}</th>", class(i), escaped(name));
+    let names: String = table.head.iter().enumerate().map(name).collect();
+    let head = if names.is_empty() { names } else { format!("<thead><tr>{names}</tr></thead>\n") };
+    let cell = |(i, text): (usize, &String)| match i {
+        0 => format!("<th scope=\"row\"{}>{}</th>", class(i), escaped(text)),
+        _ => format!("<td{}>{}</td>", class(i), escaped(text)),
+    };
+    let row = |cells: &Vec<String>| format!("<tr>{}</tr>\n", cells.iter().enumerate().map(cell).collect::<String>());
+    let rows: String = table.rows.iter().map(row).collect();
+    let framed = format!(
+        "<div class=\"table\" role=\"region\" aria-label=\"{label}\" tabindex=\"0\">\n<table>\n<caption><span>{caption}</span></caption>\n\
+         {head}<tbody>\n{rows}</tbody>\n</table>\n</div>\n"
+    );
+    match table.rows.len() > LONG {
+        true => format!("<details>\n<summary>{caption}</summary>\n{framed}</details>\n"),
+        false => framed,
+    }
 }
 
 /// A scenario's state, as a class and in words.
@@ -337,7 +222,7 @@ fn contents(scenarios: &[ScenarioFindings]) -> String {
         format!(
             "<li><a href=\"#scenario-{}\">{}</a>: <strong class=\"{class}\">{words}</strong></li>\n",
             i + 1,
-            escaped(&spaced(&s.name))
+            escaped(&s.name)
         )
     };
     let entries: String = scenarios.iter().enumerate().map(entry).collect();

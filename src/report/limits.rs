@@ -6,6 +6,9 @@ use crate::findings::{CaseFindings, CouplerFindings, LimitInSense, ScenarioFindi
 use crate::train::{LIMITS, SENSES};
 use crate::units::{UnitSystem, one_of};
 
+/// The sign of a force in draft and in buff.
+const SENSES_OF_FORCE: [f64; 2] = [1.0, -1.0];
+
 /// A capacity of a coupler in one case.
 type Entry<'a> = (&'a CaseFindings, &'a CouplerFindings, &'a LimitInSense);
 
@@ -48,9 +51,18 @@ fn passed(limit: &str, entries: &[Entry], several: bool) -> String {
         let certainly = if entries.iter().any(|(.., l)| l.passed.is_none()) { "certainly " } else { "" };
         format!("No coupler {certainly}passes its {limit} load{after}{comma} in {}.", one_of(&senses))
     } else {
-        let each = senses.iter().zip(&over).map(|(sense, n)| match n {
-            0 => format!("none in {sense}"),
-            n => format!("{} in {sense}", count(*n, "coupler")),
+        let by_load = |sense: &str| {
+            let before = |(_, c, l): &Entry| {
+                l.sense == sense && SENSES_OF_FORCE[usize::from(sense == SENSES[1])] * c.initial_force_n > l.limit_n
+            };
+            couplers(&entries.iter().filter(|e| before(e)).copied().collect::<Vec<_>>(), |_| true)
+        };
+        let each = senses.iter().zip(&over).map(|(sense, n)| match (n, by_load(sense)) {
+            (0, _) => format!("none in {sense}"),
+            (n, 0) => format!("{} in {sense}", count(*n, "coupler")),
+            (n, load) => {
+                format!("{} in {sense} ({load} of them under the load before the event)", count(*n, "coupler"))
+            }
         });
         format!("The {limit} load is passed{in_some} by {}.", each.collect::<Vec<_>>().join(" and "))
     };

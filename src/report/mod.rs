@@ -15,8 +15,10 @@
 //! | `figure-N-breaks.svg` | the worst utilisation by broken coupler, where several breaks were examined |
 
 mod assumptions;
+pub(crate) mod block;
 mod cascade;
 pub(crate) mod cells;
+mod content;
 pub(crate) mod couplers_csv;
 pub(crate) mod figures;
 pub(crate) mod files;
@@ -47,7 +49,7 @@ pub use terminal_table::terminal;
 
 use crate::findings::Analysis;
 use crate::train::Train;
-use markdown::Pictures;
+use block::Block;
 use pictures::Shown;
 
 /// A form of the report.
@@ -92,20 +94,22 @@ pub fn write(train: &Train, analysis: &Analysis, dir: &Path, formats: &[Format])
 /// # Errors
 /// None are known: what is written here into memory is this crate's own.
 pub fn documents(train: &Train, analysis: &Analysis, formats: &[Format]) -> io::Result<Vec<(String, Vec<u8>)>> {
-    let (shown, pictures) = drawn(train, analysis);
+    let (shown, blocks) = told(train, analysis);
     let wanted = |format: Format| formats.contains(&format).then(|| format.file().to_owned());
     let mut rows = Vec::new();
     csv(analysis, &mut rows).map_err(io::Error::other)?;
     let json = json(analysis).map_err(io::Error::other)?;
-    let report = markdown::markdown(train, analysis, &pictures).map_err(io::Error::other)?;
     let page = wanted(Format::Html).map(|name| {
         let data = interactive::data(&shown).map_err(io::Error::other)?;
-        Ok::<_, io::Error>((name, html::html(train, analysis, &report, &pictures, &data).into_bytes()))
+        Ok::<_, io::Error>((name, html::html(train, analysis, &blocks, &data).into_bytes()))
     });
-    let markdown = wanted(Format::Markdown).map(|name| (name, report.into_bytes()));
+    let markdown = wanted(Format::Markdown).map(|name| (name, markdown::markdown(&blocks).into_bytes()));
     let mut all: Vec<(String, Vec<u8>)> = Vec::new();
     if markdown.is_some() {
-        all.extend(pictures.into_iter().flatten().map(|p| (p.file, p.svg.into_bytes())));
+        all.extend(blocks.into_iter().filter_map(|block| match block {
+            Block::Figure(_, picture) => Some((picture.file, picture.svg.into_bytes())),
+            _ => None,
+        }));
     }
     for scenario in &analysis.scenarios {
         if let (Some(map), Some((index, _))) = (&scenario.map, words::source(train, scenario)) {
@@ -119,30 +123,24 @@ pub fn documents(train: &Train, analysis: &Analysis, formats: &[Format]) -> io::
     Ok(all)
 }
 
-/// What is drawn of each scenario, and its static figures.
-fn drawn<'a>(train: &'a Train, analysis: &'a Analysis) -> (Vec<Option<Shown<'a>>>, Pictures) {
+/// What is drawn of each scenario, and the report.
+fn told<'a>(train: &'a Train, analysis: &'a Analysis) -> (Vec<Option<Shown<'a>>>, Vec<Block>) {
     let shown: Vec<Option<Shown>> = analysis.scenarios.iter().map(|s| Shown::new(train, s)).collect();
-    let pictures = shown.iter().map(|s| s.as_ref().map_or_else(Vec::new, Shown::pictures)).collect();
-    (shown, pictures)
+    let blocks = content::content(train, analysis, &shown);
+    (shown, blocks)
 }
 
 /// What a page shows of an analysis, as HTML, and what its figures are drawn from, as JSON.
 #[cfg(feature = "serve")]
 pub(crate) fn shown_live(train: &Train, analysis: &Analysis) -> io::Result<(String, String)> {
-    let (shown, pictures) = drawn(train, analysis);
-    let report = markdown::markdown(train, analysis, &pictures).map_err(io::Error::other)?;
+    let (shown, blocks) = told(train, analysis);
     let data = interactive::data(&shown).map_err(io::Error::other)?;
-    Ok((html::body(analysis, &report, &pictures), data))
+    Ok((html::body(analysis, &blocks), data))
 }
 
 /// The report as a page for a notebook: what `report.html` says, with its static figures and without scripts.
-///
-/// # Errors
-/// As for [`documents`].
-pub fn light_page(train: &Train, analysis: &Analysis) -> io::Result<String> {
-    let (_, pictures) = drawn(train, analysis);
-    let report = markdown::markdown(train, analysis, &pictures).map_err(io::Error::other)?;
-    Ok(html::light(analysis, &report, &pictures))
+pub fn light_page(train: &Train, analysis: &Analysis) -> String {
+    html::light(analysis, &told(train, analysis).1)
 }
 
 /// Whether a file's name is one that only a report, its figures and its maps have.

@@ -1,7 +1,7 @@
 //! What is drawn of a scenario, and its static figures.
 
+use super::block::Picture;
 use super::figures::{self, Marks};
-use super::markdown::Picture;
 use super::numbers::brief_time;
 use super::words;
 use crate::findings::{CascadeFindings, CaseFindings, CouplerFindings, Evidence, Field, ScenarioFindings};
@@ -39,7 +39,7 @@ impl<'a> Shown<'a> {
         let number = index + 1;
         let picture = |kind: &'static str, caption: String, draw: &dyn Fn(&str) -> String| {
             let name = format!("figure-{number}-{kind}");
-            Picture { svg: draw(&name), file: format!("{name}.svg"), caption }
+            Picture { svg: draw(&name), file: format!("{name}.svg"), alt: caption.clone(), caption }
         };
         let several = findings.cases.len() > 1;
         let mut all = Vec::new();
@@ -92,7 +92,7 @@ impl<'a> Shown<'a> {
         if let Some(svg) = figures::hysteresis(train, worst, &evidence.way, &name) {
             let caption =
                 format!("Force against elongation of {}{when}, with the curves of its law.", words::place(worst));
-            all.push(Picture { svg, file: format!("{name}.svg"), caption });
+            all.push(Picture { svg, file: format!("{name}.svg"), alt: caption.clone(), caption });
         }
         all
     }

@@ -1,14 +1,12 @@
-//! The facts of one scenario, ready for the template: every value is text.
+//! What the report says of the scenarios.
 
 use std::collections::BTreeMap;
 
-use serde::Serialize;
-
-use super::cascade;
-use super::limits;
-use super::markdown::Picture;
+use super::block::Side::{Left, Right};
+use super::block::{Block, Side, Span, Table, lines};
 use super::numbers::{brief_time, down, force, force_unit, given_force_in, percent, small_force, time};
-use super::{variants, words};
+use super::pictures::Shown;
+use super::{cascade, limits, variants, words};
 use crate::findings::{CaseFindings, CouplerFindings, ScenarioFindings};
 use crate::train::Train;
 use crate::units::UnitSystem;
@@ -19,105 +17,177 @@ const ROWS: usize = 20;
 /// Rows of the table of all breaks.
 const BREAKS: usize = 400;
 
-/// What the report says of one scenario; what a scene does not need is empty.
-#[derive(Serialize)]
-pub struct Section {
-    heading: String,
-    event: String,
-    verdict: String,
-    passage: String,
-    safe_load: String,
-    /// What rating would be enough, where one is exceeded.
-    needed: String,
-    cascade: String,
-    sequence: Option<Table>,
-    exceeding: Option<Table>,
-    undecided: Option<Table>,
-    /// Errors are estimated, not proven.
-    estimated: bool,
-    breaks: Option<Table>,
-    often: Option<Table>,
-    /// Each of several breaks, from the head.
-    every: Option<Table>,
-    limits: String,
-    limited: Option<Table>,
-    figures: Vec<Figure>,
-    rod: String,
-    losses_lead: String,
-    losses: Vec<Vec<String>>,
-    /// The worst case with other couplers, without brakes, or let down from a larger pull.
-    variants_lead: String,
-    variants: Vec<Vec<String>>,
-    /// Couplers left out of all cases because they cannot exceed at any time.
-    left_out: usize,
-    methods: Vec<String>,
-    accuracy: String,
-    /// What was computed after each of several breaks: "28 s to 31.2 s".
-    horizons: String,
-    map: String,
-    run_time: String,
-}
+/// Files that have all rows of a table.
+const CSV: Option<&str> = Some("couplers.csv");
+const JSON: Option<&str> = Some("result.json");
 
-#[derive(Serialize)]
-struct Table {
-    rows: Vec<Vec<String>>,
-    more: usize,
-}
+type Head<'a> = &'a [(&'a str, Side)];
 
-#[derive(Serialize)]
-struct Figure {
-    file: String,
-    caption: String,
-}
-
-/// The facts of a scenario.
-pub fn section(train: &Train, scenario: &ScenarioFindings, pictures: &[Picture]) -> Section {
-    let units = train.origin().units;
-    let source = words::source(train, scenario).map(|(_, s)| s);
-    let event = source.map(|s| &s.event);
+/// What the report says of the scenario of an index, which can be one of several.
+pub fn section(
+    train: &Train,
+    scenario: &ScenarioFindings,
+    index: usize,
+    several: bool,
+    shown: Option<&Shown>,
+) -> Vec<Block> {
     let cases = &scenario.cases;
-    let single = if let [case] = &cases[..] { Some(case) } else { None };
+    let mut all = verdict(train, scenario, index, several);
+    match &cases[..] {
+        [case] => all.extend(of_case(case, train.origin().units)),
+        _ => all.extend(of_breaks(scenario, train.origin().units)),
+    }
+    all.extend(over_limits(scenario, train.origin().units));
+    let left_out: usize = cases.iter().map(|c| c.left_out).sum();
+    all.extend((left_out > 0).then(|| Block::Paragraph("Left out", lines(&format!(
+        "Couplers that cannot exceed at any time, because their all-time bounds lie under their ratings, are not listed: {left_out} in\n\
+         all cases together. The safe factor counts them by those bounds and may be larger."
+    )))));
+    let pictures = shown.map_or_else(Vec::new, Shown::pictures);
+    all.extend(pictures.into_iter().map(|picture| Block::Figure(Some(index), picture)));
+    all.extend(titled("Continuum model", words::rod(scenario)));
+    all.extend(changed(scenario, train.origin().units));
+    if cases.len() != 1 {
+        all.extend(every(train, cases));
+    }
+    all.extend(methods(cases).into_iter().map(|method| Block::titled("Method", method)));
+    let accuracy = accuracy(cases, train.origin().units);
+    all.push(Block::titled("Accuracy", format!("{accuracy} Run time {}.", run_time(cases))));
+    all
+}
+
+/// A paragraph, unless there is nothing to say.
+fn titled(title: &'static str, text: String) -> Option<Block> {
+    (!text.is_empty()).then(|| Block::titled(title, text))
+}
+
+/// The verdict, what breaks next, and the event with the safe load.
+fn verdict(train: &Train, scenario: &ScenarioFindings, index: usize, several: bool) -> Vec<Block> {
+    let (units, extras, cases) = (train.origin().units, train.extras(), &scenario.cases);
+    let source = words::source(train, scenario).map(|(_, s)| s);
     let factor = cases.iter().filter_map(|c| c.safe_load_factor).reduce(f64::min);
     let no_factor = cases.iter().find_map(|c| c.no_safe_load_factor);
-    let search = single.and_then(|c| c.load_factor_search);
-    let watched = cases.iter().any(|c| c.worst.is_some());
-    Section {
-        heading: scenario.name.clone(),
-        event: source.map(|s| words::event(train, s)).unwrap_or_default(),
-        verdict: words::verdict_of(scenario, units),
-        passage: words::passage(scenario, units),
-        safe_load: event
-            .filter(|_| watched)
-            .map(|e| words::safe_load(train, e, factor, no_factor, search))
-            .unwrap_or_default(),
-        needed: words::needed(scenario, units),
-        cascade: cascade::sentence(scenario),
-        sequence: single.and_then(|case| sequence(case, units)),
-        exceeding: single.and_then(|case| table(words::exceeding(case), |c| exceeding_row(c, case, units))),
-        undecided: single.and_then(|case| table(words::undecided(case), |c| undecided_row(c, case, units))),
-        estimated: cases.iter().any(|c| c.error_estimate_n.is_some()),
-        breaks: if single.is_none() { table(harmful(scenario), |of| break_row(of, units)) } else { None },
-        often: if single.is_none() { often(scenario) } else { None },
-        every: if single.is_none() { every(train, cases) } else { None },
-        limits: limits::sentences(scenario, units),
-        limited: single.and_then(|case| table(limits::passing(case), |of| limits::row(of, case, units))),
-        figures: pictures.iter().map(|p| Figure { file: p.file.clone(), caption: p.caption.clone() }).collect(),
-        rod: words::rod(scenario),
-        losses_lead: variants::losses_lead(scenario),
-        losses: variants::losses(scenario, units),
-        variants_lead: variants::sentences(scenario),
-        variants: variants::rows(scenario, units),
-        left_out: cases.iter().map(|c| c.left_out).sum(),
-        methods: methods(cases),
-        accuracy: accuracy(cases, units),
-        horizons: if cases.len() > 1 { horizon(cases) } else { String::new() },
-        map: words::map_of_breaks(scenario),
-        run_time: run_time(cases),
+    let search = if let [case] = &cases[..] { case.load_factor_search } else { None };
+    let watched = source.filter(|_| cases.iter().any(|c| c.worst.is_some()));
+    let safe = watched.map_or_else(String::new, |s| words::safe_load(train, &s.event, factor, no_factor, search));
+    let mut more = String::new();
+    if !safe.is_empty() && cases.len() > 1 {
+        more += &format!(" After each break {} were computed.", horizon(cases));
     }
+    if !safe.is_empty() && extras.dashpot_n_s_per_m.is_empty() && extras.damping_ratio <= 0.0 && extras.laws.is_empty()
+    {
+        more += " Without damping a later peak can be larger.";
+    }
+    let next = match cascade::sentence(scenario) {
+        next if next.is_empty() => next,
+        next => next + " The rest of this section covers the event alone and ignores the later breaks.",
+    };
+    let name = if several { String::new() } else { format!("Scenario \"{}\". ", scenario.name) };
+    let event = source.map(|s| words::event(train, s)).unwrap_or_default();
+    let map = match words::map_of_breaks(scenario) {
+        map if map.is_empty() => map,
+        map => format!(" {map}"),
+    };
+    let mut all = vec![Block::Verdict(index, words::verdict_of(scenario, units), more)];
+    all.extend(titled("Largest forces", words::passage(scenario, units)));
+    all.extend(titled("What breaks next", next));
+    if let [case] = &cases[..] {
+        all.extend(sequence(case, units));
+    }
+    all.push(Block::plain(format!("{name}{event} {safe}{}{map}", words::needed(scenario, units))));
+    all
+}
+
+/// The couplers that exceed or are not decided in the one case of a scenario.
+fn of_case(case: &CaseFindings, units: UnitSystem) -> Vec<Block> {
+    let head: Head = &[
+        ("coupler", Right),
+        ("between", Left),
+        ("demand", Right),
+        ("capacity", Right),
+        ("utilisation", Right),
+        ("peak at", Right),
+        ("over its rating from", Right),
+    ];
+    let row = |c| exceeding_row(c, case, units);
+    let mut all = table("Couplers over their rating, worst first", head, words::exceeding(case), ROWS, CSV, row);
+    let within = if case.error_estimate_n.is_some() { "ten estimates of the error" } else { "the error bound" };
+    let caption = format!("Not decided, because the rating lies within {within} of the peak");
+    let head: Head = &[("coupler", Right), ("between", Left), ("peak", Left), ("rating", Left)];
+    all.extend(table(&caption, head, words::undecided(case), ROWS, CSV, |c| undecided_row(c, case, units)));
+    all
+}
+
+/// The breaks that overload a coupler, and the couplers that they overload most often.
+fn of_breaks(scenario: &ScenarioFindings, units: UnitSystem) -> Vec<Block> {
+    let head: Head = &[
+        ("coupler that breaks", Right),
+        ("exceeding", Right),
+        ("worst coupler", Left),
+        ("demand", Right),
+        ("utilisation", Right),
+        ("peak at", Right),
+        ("safe share of the load", Right),
+    ];
+    let caption = "Breaks that overload another coupler, worst first";
+    let mut all = table(caption, head, harmful(scenario), ROWS, JSON, |of| break_row(of, units));
+    all.extend(often(scenario));
+    all
+}
+
+fn over_limits(scenario: &ScenarioFindings, units: UnitSystem) -> Vec<Block> {
+    let mut all: Vec<Block> = titled("Other limits", limits::sentences(scenario, units)).into_iter().collect();
+    if let [case] = &scenario.cases[..] {
+        let head: Head =
+            &[("coupler", Right), ("between", Left), ("largest force", Right), ("limits in that sense", Left)];
+        let caption = "Couplers that pass a limit, the largest excess over one first";
+        all.extend(table(caption, head, limits::passing(case), ROWS, CSV, |of| limits::row(of, case, units)));
+    }
+    all
+}
+
+/// The worst case with losses, with other couplers, without brakes, or let down from a larger pull.
+fn changed(scenario: &ScenarioFindings, units: UnitSystem) -> Vec<Block> {
+    let head = |first| {
+        let names = ["exceeding", "worst coupler", "largest force", "share of its rating", "at"];
+        std::iter::once(first).chain(names.map(|name| (name, Right))).collect::<Vec<_>>()
+    };
+    let mut all = Vec::new();
+    let rows = variants::losses(scenario, units);
+    if !rows.is_empty() {
+        let head = head(("dashpots c / 2√(km)", Right)).into_iter().map(|(name, side)| (name.to_owned(), side));
+        let caption = variants::losses_lead(scenario);
+        all.push(Block::Table(Table { title: "Losses", caption, head: head.collect(), rows }));
+    }
+    let rows = variants::rows(scenario, units);
+    if !rows.is_empty() {
+        all.push(Block::titled("Other couplers, brakes and loads", variants::sentences(scenario)));
+        all.push(Block::table("The worst coupler of each train", &head(("train", Left)), rows));
+    }
+    all
+}
+
+/// The verdicts on all scenarios in figures.
+pub fn overview(train: &Train, scenarios: &[ScenarioFindings]) -> Block {
+    let head = [
+        ("scenario", Left),
+        ("exceeding", Left),
+        ("in the first passage", Left),
+        ("worst coupler", Left),
+        ("its largest force", Left),
+        ("at", Right),
+        ("safe factor", Left),
+        ("computed", Left),
+    ];
+    Block::table(
+        "The verdict on each scenario",
+        &head,
+        scenarios.iter().map(|scenario| overview_row(train, scenario)).collect(),
+    )
 }
 
 /// A row of the table of all scenarios: the verdict in figures.
-pub fn overview_row(train: &Train, scenario: &ScenarioFindings) -> Vec<String> {
+fn overview_row(train: &Train, scenario: &ScenarioFindings) -> Vec<String> {
     let exceeding = |of: fn(&CaseFindings) -> usize| match &scenario.cases[..] {
         [case] => of(case).to_string(),
         cases => format!("{} of {}", cases.iter().filter(|c| of(c) > 0).count(), words::count(cases.len(), "break")),
@@ -139,19 +209,48 @@ pub fn overview_row(train: &Train, scenario: &ScenarioFindings) -> Vec<String> {
 }
 
 /// The couplers that break after the event, in order.
-fn sequence(case: &CaseFindings, units: UnitSystem) -> Option<Table> {
-    let found = case.cascade.as_ref()?;
-    table(found.breaks.iter().collect(), |b| cascade::row(b, found, units))
+fn sequence(case: &CaseFindings, units: UnitSystem) -> Vec<Block> {
+    let Some(found) = &case.cascade else { return Vec::new() };
+    let head: Head = &[
+        ("time", Right),
+        ("coupler that breaks", Right),
+        ("between", Left),
+        ("force", Right),
+        ("breaks at its", Left),
+        ("energy set free", Right),
+    ];
+    let breaks = found.breaks.iter().collect();
+    table("Couplers that break, in order", head, breaks, ROWS, JSON, |b| cascade::row(b, found, units))
 }
 
-fn table<T>(items: Vec<T>, row: impl Fn(T) -> Vec<String>) -> Option<Table> {
-    table_of(items, ROWS, row)
-}
-
-fn table_of<T>(items: Vec<T>, most: usize, row: impl Fn(T) -> Vec<String>) -> Option<Table> {
+/// A table of the first of some items, if there are any, and how many more there are; a file may have all.
+fn table<T>(
+    caption: &str,
+    head: Head,
+    items: Vec<T>,
+    most: usize,
+    file: Option<&'static str>,
+    row: impl Fn(T) -> Vec<String>,
+) -> Vec<Block> {
+    if items.is_empty() {
+        return Vec::new();
+    }
     let more = items.len().saturating_sub(most);
-    let rows: Vec<_> = items.into_iter().take(most).map(row).collect();
-    (!rows.is_empty()).then_some(Table { rows, more })
+    let mut all = vec![Block::table(caption, head, items.into_iter().take(most).map(row).collect())];
+    if more > 0 {
+        all.push(match file {
+            Some(file) => Block::Paragraph(
+                "",
+                vec![
+                    Span::Plain(format!("{more} more not shown; ")),
+                    Span::Link(file),
+                    Span::Plain(" has all.".to_owned()),
+                ],
+            ),
+            None => Block::plain(format!("{more} more not shown.")),
+        });
+    }
+    all
 }
 
 fn exceeding_row(c: &CouplerFindings, case: &CaseFindings, units: UnitSystem) -> Vec<String> {
@@ -199,11 +298,22 @@ fn break_row((case, worst): (&CaseFindings, &CouplerFindings), units: UnitSystem
     ]
 }
 
-/// What each break does, whether or not a coupler exceeds.
-fn every(train: &Train, cases: &[CaseFindings]) -> Option<Table> {
+/// What each break does, whether or not a coupler exceeds, from the head.
+fn every(train: &Train, cases: &[CaseFindings]) -> Vec<Block> {
+    let head: Head = &[
+        ("coupler that breaks", Right),
+        ("between", Left),
+        ("exceeding", Right),
+        ("worst coupler", Right),
+        ("demand", Right),
+        ("utilisation", Right),
+        ("peak at", Right),
+        ("largest utilisation in the first passage", Right),
+    ];
+    let caption = "Every break, from the head, with the worst coupler after it";
     let units = train.origin().units;
     let of: Vec<_> = cases.iter().filter_map(|c| Some((c, c.broken_coupler?, c.worst.as_ref()?))).collect();
-    table_of(of, BREAKS, |(case, broken, worst)| {
+    table(caption, head, of, BREAKS, JSON, |(case, broken, worst)| {
         let [ahead, behind] = [broken - 1, broken].map(|v| train.vehicles()[v].label.as_str());
         let early = case.worst_first_passage.as_ref();
         vec![
@@ -220,18 +330,17 @@ fn every(train: &Train, cases: &[CaseFindings]) -> Option<Table> {
 }
 
 /// Couplers by how many breaks overload them, most first.
-fn often(scenario: &ScenarioFindings) -> Option<Table> {
+fn often(scenario: &ScenarioFindings) -> Vec<Block> {
     let mut breaks: BTreeMap<usize, (usize, &CouplerFindings)> = BTreeMap::new();
     for c in scenario.cases.iter().flat_map(|case| &case.couplers).filter(|c| c.exceeds == Some(true)) {
         breaks.entry(c.coupler).or_insert((0, c)).0 += 1;
     }
     let mut found: Vec<_> = breaks.into_values().collect();
     found.sort_by_key(|&(n, c)| (std::cmp::Reverse(n), c.coupler));
-    let mut table = table(found, |(n, c)| vec![c.coupler.to_string(), c.between.join(", "), n.to_string()])?;
-    let surplus = table.rows.len().saturating_sub(ROWS / 2);
-    table.rows.truncate(ROWS / 2);
-    table.more += surplus;
-    Some(table)
+    let head: Head = &[("coupler", Right), ("between", Left), ("breaks that overload it", Right)];
+    let caption = "Couplers overloaded by the most breaks";
+    let row = |(n, c): (usize, &CouplerFindings)| vec![c.coupler.to_string(), c.between.join(", "), n.to_string()];
+    table(caption, head, found, ROWS / 2, None, row)
 }
 
 /// Each method with its reason, once; of many cases without the counts, which differ from case to case.

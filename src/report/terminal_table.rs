@@ -34,6 +34,10 @@ pub fn terminal(analysis: &Analysis, reports: &[PathBuf]) -> String {
         if !next.is_empty() {
             let _ = writeln!(out, "What breaks next: {}", harmless(&next));
         }
+        let limits = super::limits::sentences(scenario, analysis.units);
+        if !limits.is_empty() {
+            let _ = writeln!(out, "{limits}");
+        }
         if let Some(table) = table(scenario, analysis.units) {
             let _ = writeln!(out, "{table}");
         }

@@ -31,11 +31,10 @@ pub fn train_facts(train: &Train) -> Vec<[String; 2]> {
             span(train.vehicles().iter().map(|v| v.mass_kg), |m| shown(units, m, Dimension::Mass)),
         ],
     ];
-    rows.extend(length(train).map(|l| {
-        ["length over couplers".to_owned(), {
-            let Unit { name, size } = units.long();
-            format!("{} {name}", four(l / size))
-        }]
+    rows.extend(train.length_m().map(|(m, without_held)| {
+        let Unit { name, size } = units.long();
+        let without = if without_held { ", without held vehicles" } else { "" };
+        [format!("length over couplers{without}"), format!("{} {name}", four(m / size))]
     }));
     rows.extend(held(train).map(|h| ["held at their speed".to_owned(), h]));
     let stiffness = span(couplers.iter().map(|c| c.stiffness_n_per_m), |k| shown(units, k, Dimension::Stiffness));
@@ -79,10 +78,6 @@ fn ratios(train: &Train) -> String {
 
 fn equal<T>(items: &[T], value: impl Fn(&T) -> f64) -> bool {
     items.windows(2).all(|w| value(&w[0]) == value(&w[1]))
-}
-
-fn length(train: &Train) -> Option<f64> {
-    train.vehicles().iter().map(|v| v.length_m).sum()
 }
 
 fn held(train: &Train) -> Option<String> {

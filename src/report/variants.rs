@@ -66,6 +66,30 @@ pub fn sentences(scenario: &ScenarioFindings) -> String {
             (false, false) => ".".to_owned(),
         };
     }
+    let largest = scenario
+        .variants
+        .iter()
+        .filter(|v| generic(v))
+        .reduce(|a, b| if b.found.utilisation > a.found.utilisation { b } else { a });
+    if let Some(of) = largest.map(|v| &v.found) {
+        let in_sense = |c: &CouplerFindings| {
+            if of.peak_force_n < 0.0 {
+                -c.peak_buff_n.unwrap_or(0.0) / c.rated_buff_n
+            } else {
+                c.peak_draft_n.unwrap_or(0.0) / c.rated_draft_n
+            }
+        };
+        let given =
+            words::worst_case(scenario).map_or(0.0, |(case, _)| case.couplers.iter().map(in_sense).fold(0.0, f64::max));
+        if of.utilisation > given {
+            text += &format!(
+                " With generic friction gears the largest share of a rating in {} is {} %, more than the {} % of this train.",
+                words::sense(of.peak_force_n),
+                percent(of.utilisation),
+                percent(given)
+            );
+        }
+    }
     if scenario.variants.iter().any(generic) {
         text += " The gears of this table are generic, a pair of North American friction gears in every coupler and no maker's curve: \
                  they show in which direction gears change the result, not by how much in this train.";

@@ -4,7 +4,7 @@ use super::numbers::{brief_time, digits, down, down_to, given_force, percent, ti
 use crate::consist;
 use crate::findings::{self, CaseFindings, CouplerFindings, LoadSearch, ScenarioFindings};
 pub(crate) use crate::train::count;
-use crate::train::{Application, Event, Scenario, Train};
+use crate::train::{Application, Event, Scenario, Train, more};
 use crate::units::{Dimension, UnitSystem, shown, shown_time};
 
 /// The scenario of the train that a scenario of findings was made from, with its index.
@@ -276,14 +276,30 @@ pub fn interval(c: &CouplerFindings, error_n: f64, units: UnitSystem) -> String 
 /// The verdict on a scenario: over the horizon, over the first passage where that differs, and both senses of an impact.
 pub fn verdict_of(scenario: &ScenarioFindings, units: UnitSystem) -> String {
     let [case] = &scenario.cases[..] else { return verdict_each(scenario, units) + &first_passages(scenario) };
-    verdict(case, units) + &first_passage(case) + &impact(case, units)
+    verdict(case, units) + &first_passage(case) + &impact(case, units) + &meetings(case)
 }
 
-const LOSSES: &str = "come after reflections from the ends, which the losses of a real train reduce";
+/// Where parted vehicles meet again and push each other; empty where none do, or where that is not computed.
+fn meetings(case: &CaseFindings) -> String {
+    let mut couplers: Vec<usize> = case.gap_closures.iter().map(|closure| closure.coupler).collect();
+    couplers.sort_unstable();
+    couplers.dedup();
+    let Some(first) = case.gap_closures.iter().min_by(|a, b| a.time_s.total_cmp(&b.time_s)) else {
+        return String::new();
+    };
+    format!(
+        " The vehicles that part at coupler {}{} meet again at {} and push each other, which is computed.",
+        first.coupler,
+        more(couplers.len() - 1, "coupler"),
+        time(first.time_s)
+    )
+}
+
+const LOSSES: &str = "after reflections from the ends, which the losses of a real train reduce";
 
 /// What is to be said of exceedances after the first passage: a march has what losses and brakes the file gives.
 fn later_ones(case: &CaseFindings) -> &'static str {
-    if case.method == "march" { "come after it" } else { LOSSES }
+    if case.method == "march" { "after it" } else { LOSSES }
 }
 
 /// What differs in the first passage; empty where nothing does.
@@ -299,9 +315,15 @@ fn first_passage(case: &CaseFindings) -> String {
         moment(worst.peak_time_s, case)
     );
     match case.exceeding_first_passage {
-        0 => format!(" In the first passage, to {end}, none exceeds: {largest}. The exceedances {}.", later_ones(case)),
+        0 => format!(
+            " In the first passage, to {end}, none exceeds: {largest}. The exceedances come {}.",
+            later_ones(case)
+        ),
         n => {
-            format!(" In the first passage, to {end}, {n} of them exceed; {largest}. The others {}.", later_ones(case))
+            let exceed = if n == 1 { "exceeds" } else { "exceed" };
+            let others = if later == 1 { "other comes" } else { "others come" };
+            let later = later_ones(case);
+            format!(" In the first passage, to {end}, {n} of them {exceed}; {largest}. The {others} {later}.")
         }
     }
 }
@@ -314,8 +336,8 @@ fn first_passages(scenario: &ScenarioFindings) -> String {
         0 => String::new(),
         later => {
             let other = count(later, "other break");
-            let come = scenario.cases.first().map_or(LOSSES, later_ones);
-            format!(" In the first passage, {early} would; the exceedances after the {other} {come}.")
+            let later = scenario.cases.first().map_or(LOSSES, later_ones);
+            format!(" In the first passage, {early} would; the exceedances after the {other} come {later}.")
         }
     }
 }
@@ -327,8 +349,6 @@ pub fn passage(scenario: &ScenarioFindings, units: UnitSystem) -> String {
     let [case] = &scenario.cases[..] else { return String::new() };
     let largest = |peak: &dyn Fn(&CouplerFindings) -> Option<(f64, f64)>| -> Option<Peak> {
         let all = case.couplers.iter().filter_map(|c| peak(c).map(|(f, t)| (c.coupler, f, t)));
-        // A force within its error may be none.
-        let all = all.filter(|(_, f, _)| f.abs() > case.error_n());
         all.reduce(|a, b| if b.1.abs() > a.1.abs() { b } else { a })
     };
     let early = |c: &CouplerFindings| c.first_passage.clone();
@@ -349,10 +369,15 @@ pub fn passage(scenario: &ScenarioFindings, units: UnitSystem) -> String {
     if first == [None, None] && all == [None, None] {
         return String::new();
     }
-    let (end, whole) = (time(case.first_passage_s.min(case.horizon_s)), brief_time(case.horizon_s));
+    let (end, whole) = (time(case.first_passage_s), brief_time(case.horizon_s));
+    if case.first_passage_s >= case.horizon_s {
+        return format!("Over all {whole}, which end before the wave has come back from the far end: {}.", both(all));
+    }
+    let passage =
+        format!("In the first passage, until the wave has come back from the far end at {end}: {}.", both(first));
     match first == all {
-        true => format!("In the first passage, to {end}: {}. No later force is larger.", both(first)),
-        false => format!("In the first passage, to {end}: {}. Over all {whole}: {}.", both(first), both(all)),
+        true => passage + " No later force is larger.",
+        false => format!("{passage} Over all {whole}: {}.", both(all)),
     }
 }
 

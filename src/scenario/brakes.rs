@@ -4,7 +4,8 @@
 //! B_v(t) = -full_v share(t - |x_v - x| / wave)          x: where the application starts, x_v: the middle of vehicle v
 //! ```
 
-use crate::train::{Application, Event, Forcing, Scenario, Train};
+use crate::march::Brakes;
+use crate::train::{Application, Event, Scenario, Train};
 
 /// Distance of each vehicle's middle from the front of the train, m; `None` where a vehicle has no length.
 pub(crate) fn middles_m(train: &Train) -> Option<Vec<f64>> {
@@ -31,21 +32,30 @@ pub(crate) fn couplers_m(train: &Train) -> Option<Vec<f64>> {
     lengths.map(ends)
 }
 
-/// Changes of the outside forces on the vehicles that a scenario brings by itself: tractive efforts, and the brakes of a brake
-/// application. Those of an emergency application that a parting sets off are not among them.
-pub(crate) fn forcings(train: &Train, scenario: &Scenario) -> Vec<Forcing> {
-    let mut all = scenario.response.efforts.clone();
-    if let (Event::Brake { from, application, .. }, Some(middles)) = (&scenario.event, middles_m(train)) {
-        let full_n = &train.extras().emergency_brake_n;
-        let braked = (0..train.vehicles().len()).filter(|&v| full_n.get(v).is_some_and(|n| *n > 0.0));
-        all.extend(braked.map(|v| {
-            let distance_m = from.iter().map(|&s| (middles[v] - middles[s]).abs()).fold(f64::INFINITY, f64::min);
-            let reached_s = distance_m / application.wave_m_per_s;
-            let point = |p: &[f64; 2]| [reached_s + p[0], -full_n[v] * p[1]];
-            Forcing { vehicle: v, points: application.build_up.iter().map(point).collect() }
-        }));
+/// The brakes of every vehicle, applied so.
+fn brakes(train: &Train, application: &Application) -> Brakes {
+    Brakes {
+        wave_m_s: application.wave_m_per_s,
+        build_up: application.build_up.clone(),
+        full_n: train.extras().emergency_brake_n.clone(),
+        length_m: train.vehicles().iter().map(|v| v.length_m.unwrap_or(0.0)).collect(),
     }
-    all
+}
+
+/// The brakes that each parting sets off: those of a break, or of an emergency application.
+pub(super) fn of_partings(train: &Train, scenario: &Scenario) -> Option<Brakes> {
+    let applied = match &scenario.event {
+        Event::Brake { emergency: true, application, .. } => Some(application),
+        _ => scenario.response.emergency.as_ref(),
+    };
+    applied.map(|application| brakes(train, application))
+}
+
+/// The brakes of a brake application, and the places from which they are applied, m.
+pub(super) fn of_event(train: &Train, scenario: &Scenario) -> Option<(Brakes, Vec<f64>)> {
+    let Event::Brake { from, application, .. } = &scenario.event else { return None };
+    let middles = middles_m(train)?;
+    Some((brakes(train, application), from.iter().map(|&v| middles[v]).collect()))
 }
 
 /// When an application that starts at places, m, has built up in every vehicle, s; 0 where there are no places.

@@ -3,7 +3,7 @@
 use super::plays::speed_m_per_s;
 use super::{brakes, break_loads, initial_force_n};
 use crate::law::{Law, Rest};
-use crate::march::{Emergency, Problem};
+use crate::march::Problem;
 use crate::play::{Drive, Rule};
 use crate::train::{Event, Forcing, Scenario, Train};
 
@@ -25,16 +25,13 @@ pub fn march(train: &Train, scenario: &Scenario, broken: Option<usize>, until_s:
         start: start(train, event),
         speed_m_s: (0..=last).map(|v| speed_m_per_s(event, v, last)).collect(),
         common_speed_m_s: train.extras().speed_m_per_s.filter(|_| scenario.applies_brakes()),
+        common_m_s2: train.extras().steady.as_ref().map_or(0.0, |steady| steady.acceleration_m_per_s2),
         steady_n: steady_n(train, event),
-        forcing: forcing(train, scenario, horizon_s),
+        forcing: forcing(scenario, horizon_s),
         gone: broken.into_iter().collect(),
         break_at_n: if rule == Rule::Keep { vec![] } else { (0..last).map(breaks).collect() },
-        emergency: scenario.response.emergency.as_ref().map(|application| Emergency {
-            wave_m_s: application.wave_m_per_s,
-            build_up: application.build_up.clone(),
-            full_n: train.extras().emergency_brake_n.clone(),
-            length_m: train.vehicles().iter().map(|v| v.length_m.unwrap_or(0.0)).collect(),
-        }),
+        emergency: brakes::of_partings(train, scenario),
+        application: brakes::of_event(train, scenario),
         horizon_s,
         mark_s: mark_s.min(horizon_s),
     }
@@ -80,8 +77,8 @@ fn steady_n(train: &Train, event: &Event) -> Vec<f64> {
     (0..train.vehicles().len()).map(|v| force(Some(v)) - force(v.checked_sub(1))).collect()
 }
 
-/// Forces from outside that change: of a pulse, of tractive efforts, of a brake application.
-fn forcing(train: &Train, scenario: &Scenario, horizon_s: f64) -> Vec<(usize, Drive)> {
+/// Forces from outside that change: of a pulse, of tractive efforts.
+fn forcing(scenario: &Scenario, horizon_s: f64) -> Vec<(usize, Drive)> {
     let pulse = match &scenario.event {
         Event::Pulse { vehicle, force_n, duration_s } => Some((*vehicle, Drive::rectangle(*force_n, *duration_s))),
         Event::Shaped { vehicle, drive, .. } => Some((*vehicle, drive.clone())),
@@ -93,5 +90,5 @@ fn forcing(train: &Train, scenario: &Scenario, horizon_s: f64) -> Vec<(usize, Dr
         points.extend(points.last().map(|last| [last[0].max(horizon_s) + 1.0, last[1]]));
         (f.vehicle, Drive::Lines(points))
     };
-    pulse.into_iter().chain(brakes::forcings(train, scenario).into_iter().map(held)).collect()
+    pulse.into_iter().chain(scenario.response.efforts.iter().cloned().map(held)).collect()
 }

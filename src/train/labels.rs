@@ -2,11 +2,11 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::{Vehicle, VehicleSpec};
+use super::{Doubt, Vehicle, VehicleSpec};
 
 /// The groups spelt out, with numbers after a label that more than one vehicle has. No two vehicles have the same name: numbers are left
-/// out that would make the label of another.
-pub(crate) fn numbered(groups: &[VehicleSpec]) -> Vec<Vehicle> {
+/// out that would make the label of another, and the first of them is a doubt.
+pub(crate) fn numbered(groups: &[VehicleSpec]) -> (Vec<Vehicle>, Option<Doubt>) {
     let mut totals: HashMap<&str, usize> = HashMap::new();
     for group in groups {
         *totals.entry(group.label.as_deref().unwrap_or_default()).or_default() += group.count;
@@ -21,7 +21,7 @@ pub(crate) fn numbered(groups: &[VehicleSpec]) -> Vec<Vehicle> {
     let taken: HashSet<String> = nameless.into_iter().map(by_place).collect();
     let free = |name: &str| !totals.contains_key(name) && !taken.contains(name);
     let mut used: HashMap<&str, usize> = HashMap::new();
-    let mut vehicles = Vec::new();
+    let (mut vehicles, mut left_out) = (Vec::new(), None);
     for group in groups {
         for _ in 0..group.count {
             let label = match group.label.as_deref() {
@@ -40,11 +40,19 @@ pub(crate) fn numbered(groups: &[VehicleSpec]) -> Vec<Vehicle> {
                         if free(&name) {
                             break name;
                         }
+                        left_out.get_or_insert((label, *number));
                     }
                 }
             };
             vehicles.push(Vehicle { label, mass_kg: group.mass_kg, held: group.held, length_m: group.length_m });
         }
     }
-    vehicles
+    let text = |(label, number)| {
+        format!(
+            "vehicles with the label {label:?} are numbered without {number}, because another vehicle is called {:?}; check which \
+             is meant where it is named",
+            format!("{label} {number}")
+        )
+    };
+    (vehicles, left_out.map(|skipped| Doubt::of_train("label-numbers", text(skipped))))
 }

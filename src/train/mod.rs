@@ -107,6 +107,13 @@ impl Train {
         &self.vehicles
     }
 
+    /// Length over couplers, m, and whether held vehicles without a length are left out of it; `None` where one that is not held has none.
+    pub(crate) fn length_m(&self) -> Option<(f64, bool)> {
+        let counted = |v: &&Vehicle| !v.held || v.length_m.is_some();
+        let length: Option<f64> = self.vehicles.iter().filter(counted).map(|v| v.length_m).sum();
+        length.filter(|m| *m > 0.0).map(|m| (m, !self.vehicles.iter().all(|v| counted(&v))))
+    }
+
     /// The couplers from the head, one fewer than vehicles.
     pub fn couplers(&self) -> &[Coupler] {
         &self.couplers

@@ -166,7 +166,7 @@ impl TrainSpec {
     fn derived(self, sound: bool) -> Train {
         let brakes: Vec<f64> =
             self.vehicles.iter().flat_map(|v| std::iter::repeat_n(v.emergency_brake_n, v.count)).collect();
-        let vehicles = numbered(&self.vehicles);
+        let (vehicles, renumbered) = numbered(&self.vehicles);
         let mut couplers: Vec<Coupler> = self.couplers.iter().map(CouplerSpec::as_linear).collect();
         let (initial_force_n, steady) = self.load.forces(&vehicles, &couplers, sound);
         let specs = self.couplers;
@@ -193,7 +193,8 @@ impl TrainSpec {
             emergency_brake_n: if brakes.iter().any(|n| *n > 0.0) { brakes } else { vec![] },
             speed_m_per_s: self.speed_m_per_s,
         };
-        let (name, scenarios, origin) = (self.name, vec![], self.origin);
+        let (name, scenarios, mut origin) = (self.name, vec![], self.origin);
+        origin.doubts.extend(renumbered);
         Train { name, vehicles, couplers, initial_force_n, scenarios, extras, origin }
     }
 }

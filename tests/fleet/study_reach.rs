@@ -61,6 +61,8 @@ fn inputs_without_effect_are_refused_with_the_reason() {
     let own_grade =
         format!("{COUPLER}{}{BREAK_5}[load]\ngrade = \"0.5 %\"\n", VEHICLES.to_owned() + "grade = \"1 %\"\n");
     let plain = format!("{COUPLER}{VEHICLES}{LOAD}{BREAK_5}");
+    let free = VEHICLES.replace("held = true", "tractive_effort = \"300 kN\"");
+    let free = format!("{COUPLER}{free}{BREAK_5}[load]\ngrade = \"0.5 %\"\n");
     let buff = format!("vehicles = \"consist.csv\"\n{COUPLER}{LOAD}{BREAK_5}");
     let range = |from: &str, to: &str| format!("distribution = \"uniform\"\nlow = \"{from}\"\nhigh = \"{to}\"\n");
     let cases = [
@@ -69,6 +71,13 @@ fn inputs_without_effect_are_refused_with_the_reason() {
             &own_grade,
             vary("load.grade", &range("0.5 %", "1 %")),
             "error: load.grade reaches no vehicle of train.toml: each has a value of its own, and keeps it\n".to_owned(),
+        ),
+        (
+            &free,
+            vary("load.grade", &range("0.5 %", "1 %")),
+            "error: load.grade reaches nothing in train.toml: it accelerates all vehicles alike, and no force in a coupler depends on \
+             that; hold an end to keep its speed\n"
+                .to_owned(),
         ),
         (
             &plain,

@@ -2,7 +2,7 @@
 
 use crate::gears::{gear, gear_a_dash, let_go, train};
 use trainsafe::law::{Law, Rest};
-use trainsafe::march::{Bound, Emergency, MarchOptions, Problem, solve};
+use trainsafe::march::{Bound, Brakes, MarchOptions, Problem, solve};
 use trainsafe::play::Drive;
 
 const M: f64 = 130e3;
@@ -87,7 +87,7 @@ fn breaks_in_buff() {
 #[test]
 fn brakes_to_a_stand() {
     for sign in [1.0, -1.0] {
-        let brakes = Emergency {
+        let brakes = Brakes {
             wave_m_s: 250.0,
             build_up: vec![[0.0, 1.0], [1.0, 1.0]],
             full_n: vec![30e3, 45e3],

@@ -147,7 +147,7 @@ fn check_tells_slack_travel_and_losses() {
     for part in [
         "every coupler: a gear, which closes after 149 mm at 2.52 MN; a full stroke takes 157.7 kJ and loses 79 % of it, in series with \
          200 MN/m, slack 25 mm",
-        "at 600 kN in draft, let down from 800 kN, it has travelled 54.6119 mm beyond the slack",
+        "at 600 kN in draft, let down from 800 kN, it and what is in series have moved 54.6119 mm beyond the slack",
     ] {
         assert!(told.contains(part), "{told}");
     }
@@ -205,6 +205,8 @@ fn parted_pieces_meet_again() {
     let closure = &json["scenarios"][0]["cases"][0]["gap_closures"][0];
     assert_eq!(closure["coupler"], 31, "{json}");
     assert!(closure["time_s"].as_f64().is_some_and(|t| t > 0.0 && t < 40.0));
+    let told = text(folder.path(), &["analyze", "train.toml", "--out", "out"]);
+    assert!(told.replace('\n', " ").contains("The vehicles that part at coupler 31 meet again at"), "{told}");
 }
 
 /// A throttle schedule on a logger's clock changes nothing for a long time, and is told.
@@ -239,6 +241,28 @@ fn a_vehicle_that_stops_ends_the_report() {
     );
 }
 
+/// Brakes that are applied everywhere at once stop every vehicle, of equal mass and brake force, after v m / B.
+#[test]
+fn a_brake_application_stops_the_train() {
+    let train = "speed = \"5 km/h\"\n[coupler]\nstiffness = \"30 MN/m\"\nslack = \"10 mm\"\nrated_load = \"1 MN\"\n[[vehicle]]\ncount = 20\n\
+                 mass = \"80 t\"\nlength = \"15 m\"\nemergency_brake = \"60 kN\"\n[[scenario]]\nkind = \"brake\"\nat = \"head\"\n\
+                 horizon = \"60 s\"\nemergency = { wave = \"300 km/s\", build_up = [[\"0 s\", \"0 %\"], [\"1 us\", \"100 %\"]] }\n";
+    let stops = |train: &str| {
+        let folder = folder(&[("train.toml", train)]);
+        let json: Value =
+            serde_json::from_str(&text(folder.path(), &["analyze", "train.toml", "--json"])).expect("JSON");
+        json["scenarios"][0]["cases"][0]["stopped_at_s"].as_f64().expect("it stops")
+    };
+    let due_s = 5.0 / 3.6 * 80e3 / 60e3;
+    assert!((stops(train) - due_s).abs() < 1e-5, "{} {due_s}", stops(train));
+    // Forces that slow or drive the train before the application take part: a = -0.2 m/s2 and 0.5 m/s2 beside the brakes' -0.75.
+    for (key, a) in [("rolling_resistance = \"200 N/t\"", -0.2), ("tractive_effort = \"40 kN\"", 0.5)] {
+        let train = train.replace("emergency_brake = \"60 kN\"", &format!("emergency_brake = \"60 kN\"\n{key}"));
+        let due_s = 5.0 / 3.6 / (60e3 / 80e3 - a);
+        assert!((stops(&train) - due_s).abs() < 1e-4, "{key}: {} {due_s}", stops(&train));
+    }
+}
+
 #[test]
 fn sample_gears_are_read() {
     let files = fs::read_dir("trains/gears").expect("the folder of gears").map(|f| f.expect("an entry").path());
@@ -255,6 +279,27 @@ fn sample_gears_are_read() {
         count += 1;
     }
     assert_eq!(count, 5);
+}
+
+/// Shares of 1 in a column of per cent, and springs without loss in an impact.
+#[test]
+fn shares_of_one_and_springs_that_rebound_are_told() {
+    let train = hauled(GEARS, "throttle = \"throttle.csv\"\n");
+    for (rows, told) in [("0,1\n2.5,0.5\n", true), ("0,100\n2.5,50\n", false), ("0,100\n2.5,0\n", false)] {
+        let throttle = format!("time [s],share [%]\n{rows}");
+        let folder = folder(&[("train.toml", &train), ("throttle.csv", &throttle)]);
+        let said = text(folder.path(), &["check", "train.toml"]);
+        assert_eq!(said.contains("were shares of 1 meant"), told, "{said}");
+    }
+    let impact = "[[vehicle]]\nmass = \"80 t\"\ncount = 6\n[[scenario]]\nkind = \"impact\"\nat = \"tail\"\nvehicles = 2\nspeed = \"5 km/h\"\n";
+    for (coupler, told) in
+        [("stiffness = \"30 MN/m\"\nslack = \"16 mm\"", true), (GEARS, false), ("stiffness = \"30 MN/m\"", false)]
+    {
+        let train = format!("[coupler]\n{coupler}\nrated_load = \"2 MN\"\n{impact}");
+        let folder = folder(&[("train.toml", &train)]);
+        let said = text(folder.path(), &["check", "train.toml"]);
+        assert_eq!(said.contains("the whole rebound of the springs"), told, "{coupler}: {said}");
+    }
 }
 
 /// A warning names a gear that closes in an impact, and none that does not.

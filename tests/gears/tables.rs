@@ -5,7 +5,7 @@
 
 use crate::gears::{gear, gear_a, gear_a_dash, let_go, train, verlet, wedge};
 use trainsafe::law::{Curve, GearRow, Law};
-use trainsafe::march::{Bound, Emergency, MarchOptions, MarchOutcome, Problem, solve};
+use trainsafe::march::{Bound, Brakes, MarchOptions, MarchOutcome, Problem, solve};
 use trainsafe::play::Drive;
 
 /// The largest force after the break in shares of the pull, negative in buff.
@@ -163,7 +163,7 @@ fn history() {
 fn hauled(law: &Law, dashpot: f64, emergency: bool) -> Problem {
     let mass: Vec<f64> = [392e3].into_iter().chain([130e3; 105]).collect();
     let pull = |i: usize| 6e5 * (105 - i) as f64 / 105.0;
-    let brakes = Emergency {
+    let brakes = Brakes {
         wave_m_s: 290.0,
         build_up: vec![[0.0, 0.0], [1.5, 0.3], [8.0, 1.0]],
         full_n: [0.0].into_iter().chain([45e3; 105]).collect(),
@@ -214,7 +214,7 @@ fn variants_of_the_brake_wave() {
     let rear = |wave_m_s: f64, third_s: f64, full_s: f64| {
         let problem = hauled(&law, 0.0, true);
         let build_up = vec![[0.0, 0.0], [third_s, 0.3], [full_s, 1.0]];
-        let emergency = problem.emergency.clone().map(|e| Emergency { wave_m_s, build_up, ..e });
+        let emergency = problem.emergency.clone().map(|e| Brakes { wave_m_s, build_up, ..e });
         parts(&solve(&Problem { emergency, ..problem }, &MarchOptions::default()))[1]
     };
     assert!((rear(250.0, 1.5, 8.0) - 1.432).abs() < 0.51e-3);

@@ -89,7 +89,7 @@ fn an_ore_train() {
 #[test]
 fn an_ore_train_in_words() {
     let expected = "Ore train
-105 vehicles, 104 couplers, 16640 t, not counting held vehicles
+105 vehicles, 104 couplers, 16640 t, not counting held vehicles, 1133.6 m long without held vehicles
   1 x locomotive (held) of 195 t
   104 x ore car of 160 t, 10.9 m
 couplers: stiffness 30 MN/m; rated 900 kN to 1.5 MN in draft, 2 MN in buff
@@ -232,7 +232,7 @@ fn warnings_say_what_is_likely_not_meant() {
     let breaks = "[[scenario]]\nname = \"b\"\nkind = \"break\"\ncoupler = 5\n";
     assert_eq!(
         warned(breaks),
-        ["b: the coupler that breaks carries no load, so its break changes nothing; give [load] a uniform force"]
+        ["b: coupler 5 carries no load, so its break changes nothing; give [load] a uniform force"]
     );
     let over = "the load is over the rating of 9 of 9 couplers before anything happens";
     assert_eq!(warned("[load]\nuniform = \"1.6 MN\""), [over]);
@@ -250,13 +250,12 @@ fn warnings_say_what_is_likely_not_meant() {
         warned(long),
         [
             "p: the pulse lasts longer than the horizon of 2 s, so the effect of its end is not computed; a horizon of 5.62907 s covers it",
-            "p: the force does not end within the horizon and no vehicle is held, so the train is accelerated without end; hold an \
+            "p: the force does not end within the horizon and no vehicle is held, so the whole train is accelerated all that time; hold an \
              end, or let the force end"
         ]
     );
     let length = "[[vehicle]]\nmass = \"10 t\"\nlength = \"9 m\"\n[load]\nuniform = \"2 kN\"";
-    let expected =
-        "no length is given for 10 vehicles, so there are no wave speeds over the ground and no places along the train";
+    let expected = "no length is given for vehicle 1 (and 9 more vehicles), so the train's length and the wave's speed over the ground are left out";
     assert_eq!(warned(length), [expected]);
     let two = format!("[coupler]\n{COUPLER}\n[[vehicle]]\ncount = 2\nmass = \"10 t\"\n[load]\nuniform = \"2 kN\"");
     let expected = "break of coupler 1: the train has one coupler only: after its break there is none left to examine";

@@ -318,6 +318,12 @@ fn a_record_on_another_clock_is_shifted_and_says_so() {
         let (drawn, _, duration_s, doubts) = course(csv);
         assert_eq!((&drawn, duration_s, doubts), (&plain, 0.5, vec!["record-shifted"]), "{csv}");
     }
+    let codes = |csv: &str| {
+        let train = record(csv).unwrap_or_else(|e| panic!("{csv}\n{e}"));
+        trainsafe::doubts::doubts(&train).iter().map(|d| d.code).filter(|c| c.starts_with("record")).collect::<Vec<_>>()
+    };
+    assert_eq!(codes("time_s,force_kn\n0,500\n0.05,1500\n0.1,0\n"), ["record-starts-at-a-force"]);
+    assert!(codes("t,F\ns,kN\n0,0\n0.05,1500\n0.1,0\n").is_empty());
     let train = record("time_s,force_kn\n5000,800\n5000.5,0\n").expect("a force at once");
     let text = "the record p.csv starts at 5000 s: its clock at 5000 s, where it has a force at once, is taken as t = 0 of the event";
     assert_eq!(train.origin().doubts, [Doubt::of_train("record-shifted", text)]);
@@ -334,6 +340,16 @@ fn a_record_s_obstacle_is_named_once() {
         ("time_s,force_kn\n0,0\n1,\n2,3\n", "row 3: force is empty"),
         ("a,b\n0,0\n1,1\n", "the record has no columns of time and force with units"),
         ("label,mass [t]\na,80\n", "it is a table of vehicles"),
+        (
+            "time_s force_kn\n0 0\n1 5\n2 0\n",
+            "the record has no columns of time and force with units: it is a table with blanks between its cells, where commas, \
+             semicolons or tabs are needed",
+        ),
+        (
+            "time_s,force_1_kn,force_2_kn\n0,0,0\n1,5,6\n",
+            "the record has no columns of time and force with units: columns 2 and 3 of row 1 could each be the force; head one of \
+             them so",
+        ),
         ("time_s,force_kn\n1,0\n1,2\n", "the record holds no stretch of time"),
         ("time_s,force_kn\n0,0\n1,0\n", "the record holds no force other than zero"),
     ] {

@@ -29,6 +29,15 @@ fn labels(groups: &[(&str, usize)]) -> Vec<String> {
 fn no_two_vehicles_have_the_same_name() {
     assert_eq!(labels(&[("car 1", 1), ("car", 2), ("car 2", 1)]), ["car 1", "car 3", "car 4", "car 2"]);
     assert_eq!(labels(&[("loco", 1), ("car", 1), ("car", 2)]), ["loco", "car 1", "car 2", "car 3"]);
+    // What is numbered round another label is told.
+    let told = |groups: &[(&str, usize)]| {
+        let doubts = read(&vehicles(groups)).expect("a train").origin().doubts.clone();
+        doubts.into_iter().filter(|d| d.code == "label-numbers").map(|d| d.text).collect::<Vec<_>>()
+    };
+    let text = "vehicles with the label \"w\" are numbered without 2, because another vehicle is called \"w 2\"; check which is meant \
+                where it is named";
+    assert_eq!(told(&[("w", 3), ("w 2", 1)]), [text]);
+    assert!(told(&[("w", 3), ("w 4", 1)]).is_empty());
     for groups in [
         &[("vehicle 2", 1), ("", 3)][..],
         &[("", 2), ("vehicle", 3), ("", 1)],

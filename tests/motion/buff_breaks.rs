@@ -84,6 +84,7 @@ fn a_train_all_in_buff_has_no_breaks() {
     let why = "no case is left: every coupler that would break carries buff, so that nothing parts; buff_breaks = true computes a break \
                of one that is named";
     assert_eq!(analyze(&train, &Options::default()).expect_err("no case").to_string(), why);
+    assert_eq!(trainsafe::findings::require_case(train.scenarios()).expect_err("no case").to_string(), why);
     let pulse = "[[scenario]]\nkind = \"break\"\ncoupler = \"each\"\n\
                  [[scenario]]\nkind = \"pulse\"\nat = \"tail\"\nforce = \"1 MN\"\nduration = \"1 s\"";
     let train = parse(&self::train(BUNCHED, pulse));

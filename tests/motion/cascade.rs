@@ -71,6 +71,33 @@ fn what_is_kept_in_buff_is_said() {
     );
 }
 
+/// What the load alone breaks, and what the event breaks, leaves no doubt about the sequence; nor does a load that is a rating.
+#[test]
+fn what_is_gone_at_once_is_decided() {
+    let train = |rated: &str, load: &str, event: &str| {
+        let text = format!(
+            "[coupler]\nstiffness = \"15 MN/m\"\nrated_load = \"700 kN\"\n[[vehicle]]\nmass = \"120 t\"\n[[vehicle]]\ncount = 8\n\
+             mass = \"80 t\"\n[load]\nuniform = \"{load}\"\n[[coupler_override]]\nat = 4\nrated_load = \"{rated}\"\n[[scenario]]\n\
+             {event}\ncascade = true\n"
+        );
+        let case = run(&text).1.scenarios.remove(0).cases.remove(0);
+        let cascade = case.cascade.expect("a cascade");
+        let breaks: Vec<(usize, f64)> = cascade.breaks.iter().map(|b| (b.coupler, b.time_s)).collect();
+        (breaks, cascade.undecided_from_s)
+    };
+    let pulse = "kind = \"pulse\"\nat = \"tail\"\nforce = \"-1 kN\"\nduration = \"1 s\"";
+    let impact = "kind = \"impact\"\nat = \"tail\"\nvehicles = 2\nspeed = \"1 km/h\"";
+    let of = |coupler: usize| format!("kind = \"break\"\ncoupler = {coupler}");
+    assert_eq!(train("300 kN", "400 kN", &of(4)), (vec![], None));
+    for event in [&of(2), pulse, impact] {
+        assert_eq!(train("300 kN", "400 kN", event), (vec![(4, 0.0)], None), "{event}");
+    }
+    // All stand at their rating; only those beside the break, or at the ends of the parts, are pushed on later.
+    let (breaks, undecided_s) = train("700 kN", "700 kN", &of(4));
+    assert_eq!((breaks.iter().map(|b| b.0).collect::<Vec<_>>(), undecided_s), (vec![1, 8], None));
+    assert!((breaks[0].1 - 0.493_411_9).abs() < 1e-6 && (breaks[1].1 - 0.533_862_9).abs() < 1e-6, "{breaks:?}");
+}
+
 /// The sequence stands in the report in its order, with its figure.
 #[test]
 fn the_sequence_is_told() {

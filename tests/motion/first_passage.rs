@@ -59,6 +59,26 @@ fn the_first_passage_is_an_analysis_of_its_own() {
     }
 }
 
+/// A side that a coupler's force never enters has no peak, not one of rounding, and the first passage has no larger one than the whole.
+#[test]
+fn rounding_is_no_peak() {
+    for file in ["trains/european-freight-train.toml", "trains/mixed-manifest-train.toml", "trains/ore-train.toml"] {
+        let train = read(file);
+        for case in analyze(&train, &Options::default()).expect("sound").scenarios.iter().flat_map(|s| &s.cases) {
+            for c in &case.couplers {
+                let first = c.first_passage.as_ref().expect("a first passage");
+                for (all, first) in [(c.peak_draft_n, first.peak_draft_n), (c.peak_buff_n, first.peak_buff_n)] {
+                    assert!(all.is_none_or(|n| n.abs() > 1e-4), "{file}: coupler {}: {all:?}", c.coupler);
+                    assert!(
+                        first.is_none_or(|n| all.is_some_and(|all| n.abs() <= all.abs())),
+                        "{file}: {first:?} {all:?}"
+                    );
+                }
+            }
+        }
+    }
+}
+
 const TWO_CARS: &str = r#"
 [coupler]
 stiffness = "11.1 MN/m"

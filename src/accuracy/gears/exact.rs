@@ -202,9 +202,8 @@ impl<'a> Motion<'a> {
         let long = self.couplers.iter().map(|c| c.start.abs().hi);
         let slack = self.problem.laws.iter().map(|law| 0.5 * law.slack_m());
         let of_forces = self.problem.forcing.iter().map(|f| f.1.measures()[0]);
-        let brakes = self.problem.emergency.iter().flat_map(|e| e.full_n.iter().copied());
         let steady = self.outside.steady.iter().map(|f| f.abs().hi);
-        let forces = of_forces.chain(brakes).chain(steady);
+        let forces = of_forces.chain(self.problem.brakes_n()).chain(steady);
         apart.chain(long).chain(slack).chain(forces.map(|f| f / soft)).fold(0.0, f64::max)
     }
 

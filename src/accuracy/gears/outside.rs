@@ -1,6 +1,6 @@
 //! Forces from outside over time, as the equations of motion of a comparison need them.
 
-use crate::march::Problem;
+use crate::march::{Brakes, Problem};
 use crate::play::Drive;
 use crate::solve::dd::Dd;
 
@@ -75,27 +75,35 @@ impl Outside {
             GearCourse { vehicle: *vehicle, shape, wave_s: None }
         };
         let mut outside = Outside { courses: problem.forcing.iter().map(one).collect(), steady: steady(problem) };
+        if let Some((brakes, places_m)) = &problem.application {
+            places_m.iter().for_each(|&place| outside.apply(problem, brakes, Dd::from(place), Dd::ZERO));
+        }
         problem.gone.iter().for_each(|&i| outside.part(problem, i, Dd::ZERO));
         outside
     }
 
-    /// Coupler `c` parts: each vehicle brakes from when the wave first comes to its middle.
+    /// Coupler `c` parts.
     pub fn part(&mut self, problem: &Problem, c: usize, t: Dd) {
         let Some(emergency) = &problem.emergency else { return };
+        let gap = emergency.length_m[..=c].iter().fold(Dd::ZERO, |sum, &l| sum + Dd::from(l));
+        self.apply(problem, emergency, gap, t);
+    }
+
+    /// Brakes are applied at a place, m from the front of the train: each vehicle brakes from when the wave first comes to its middle.
+    fn apply(&mut self, problem: &Problem, brakes: &Brakes, place: Dd, t: Dd) {
         let sign = if problem.common_speed_m_s.unwrap_or(1.0) < 0.0 { 1.0 } else { -1.0 };
-        let length = |v: usize| Dd::from(emergency.length_m[v]);
+        let length = |v: usize| Dd::from(brakes.length_m[v]);
         let before = |v: usize| (0..v).fold(Dd::ZERO, |sum, v| sum + length(v));
-        let gap = before(c + 1);
-        for (vehicle, full) in emergency.full_n.iter().enumerate().filter(|(_, full)| **full != 0.0) {
-            let way = (before(vehicle) + length(vehicle) * Dd::from(0.5) - gap).abs();
-            let from = t + way / Dd::from(emergency.wave_m_s);
+        for (vehicle, full) in brakes.full_n.iter().enumerate().filter(|(_, full)| **full != 0.0) {
+            let way = (before(vehicle) + length(vehicle) * Dd::from(0.5) - place).abs();
+            let from = t + way / Dd::from(brakes.wave_m_s);
             let of_wave = |course: &GearCourse| course.vehicle == vehicle && course.wave_s.is_some();
             if self.courses.iter().any(|course| of_wave(course) && course.wave_s.is_some_and(|at| at <= from.hi)) {
                 continue;
             }
             self.courses.retain(|course| !of_wave(course));
             let force = Dd::from(sign) * Dd::from(*full);
-            let points = emergency.build_up.iter().map(|p| [from + Dd::from(p[0]), force * Dd::from(p[1])]).collect();
+            let points = brakes.build_up.iter().map(|p| [from + Dd::from(p[0]), force * Dd::from(p[1])]).collect();
             self.courses.push(GearCourse {
                 vehicle,
                 shape: Shape::Lines { points, holds: true },

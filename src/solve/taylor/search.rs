@@ -88,7 +88,7 @@ impl<'a> Breaks<'a> {
         }
         breaks.measure(state, series);
         let bound = breaks.bound();
-        for i in 0..springs {
+        for i in (0..springs).filter(|&i| state.whole(i)) {
             breaks.departed[i] = [0, 1].map(|side| breaks.signed(i, side) < breaks.rating(i, side) - bound);
         }
         breaks

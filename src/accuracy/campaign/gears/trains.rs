@@ -2,7 +2,7 @@
 
 use super::super::draw::Random;
 use crate::law::{Curve, GearRow, Law, Rest};
-use crate::march::{Emergency, Problem};
+use crate::march::{Brakes, Problem};
 use crate::play::Drive;
 
 /// What happens to a train.
@@ -207,17 +207,11 @@ fn brakes(r: &mut Random, problem: &mut Problem, emergency: bool) {
     let build_up = vec![[0.0, 0.0], [0.2 * full_s, 0.3], [full_s, 1.0]];
     problem.horizon_s += n as f64 * 18.0 / wave_m_s;
     problem.mark_s = problem.horizon_s;
+    let brakes = Brakes { wave_m_s, build_up, full_n, length_m };
     if emergency {
         part(r, problem);
-        problem.emergency = Some(Emergency { wave_m_s, build_up, full_n, length_m });
-        return;
-    }
-    let mut way = 0.0;
-    for (v, full) in full_n.iter().enumerate() {
-        let from = (way + 0.5 * length_m[v]) / wave_m_s;
-        let mut points: Vec<[f64; 2]> = build_up.iter().map(|p| [from + p[0], -full * p[1]]).collect();
-        points.push([problem.horizon_s + 30.0, -full]);
-        problem.forcing.push((v, Drive::Lines(points)));
-        way += length_m[v];
+        problem.emergency = Some(brakes);
+    } else {
+        problem.application = Some((brakes, vec![0.0]));
     }
 }

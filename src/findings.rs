@@ -43,14 +43,11 @@ pub use variants::{Changed, DampingFindings, Variant, VariantFindings};
 
 use crate::doubts;
 use crate::scenario::Scales;
-use crate::solve::memo::Memo;
+use crate::solve::responses::Shared;
 use crate::solve::watch::{Side, SpringPeaks};
 use crate::solve::{Ask, Method, SolveError, Wanted};
 use crate::train::{Doubt, Event, Scenario, Source, Train};
 use crate::units::UnitSystem;
-
-/// What one analysis may remember of scenes that it has solved, bytes.
-const REMEMBERED: usize = 32 << 20;
 
 /// How an analysis is to be done.
 #[derive(Clone, Debug)]
@@ -65,7 +62,8 @@ pub struct Options {
     pub verdict_only: bool,
     /// Report the all-time bound of every coupler's force.
     pub all_time_bound: bool,
-    /// Which couplers' forces are to be exact. [`Wanted::Worst`] is less work, where it makes a difference: after breaks.
+    /// Which couplers' forces are to be exact. [`Wanted::Worst`] is less work, where it makes a difference: after breaks. Couplers that
+    /// are neither the worst nor over their ratings may then be left out.
     pub wanted: Wanted,
     /// Add a map to every scenario: overloading force by duration, or safe load by broken coupler.
     pub map: bool,
@@ -404,7 +402,6 @@ pub enum AnalyzeError {
 /// ```
 pub fn analyze(train: &Train, options: &Options) -> Result<Analysis, AnalyzeError> {
     let date = date::today().map_err(AnalyzeError::Date)?;
-    let memo = Memo::new(REMEMBERED);
     let chosen = chosen(train, options)?;
     require_case(chosen.iter().copied())?;
     let about = |d: &Doubt| d.scenario.as_ref().is_none_or(|name| chosen.iter().any(|s| s.name == *name));
@@ -414,7 +411,7 @@ pub fn analyze(train: &Train, options: &Options) -> Result<Analysis, AnalyzeErro
         sha256: source.sha256.iter().map(|byte| format!("{byte:02x}")).collect(),
     };
     let inputs = train.origin().sources.iter().map(file).collect();
-    let scenarios = chosen.iter().map(|s| scenario_findings(train, s, options, &memo));
+    let scenarios = chosen.iter().map(|s| scenario_findings(train, s, options));
     let scenarios: Vec<ScenarioFindings> = scenarios.collect::<Result<_, _>>()?;
     doubts.extend(chosen.iter().zip(&scenarios).flat_map(|(s, found)| doubts_found::found(train, s, &found.cases)));
     let (vehicles, couplers) = (train.vehicles().len(), train.couplers().len());
@@ -488,22 +485,17 @@ fn ask(train: &Train, options: &Options, mark_s: Option<f64>) -> Ask {
     }
 }
 
-fn scenario_findings(
-    train: &Train,
-    scenario: &Scenario,
-    options: &Options,
-    memo: &Memo,
-) -> Result<ScenarioFindings, AnalyzeError> {
+fn scenario_findings(train: &Train, scenario: &Scenario, options: &Options) -> Result<ScenarioFindings, AnalyzeError> {
     let cases = cases(&scenario.event)
         .par_iter()
         .map(|&b| {
             options.stop.check()?;
-            case_findings(train, scenario, b, options, memo)
+            case_findings(train, scenario, b, options, Shared::Nothing)
                 .map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })
         })
         .collect::<Result<Vec<_>, _>>()?;
     options.stop.check()?;
-    let map = if options.map { map::find(train, scenario, options, memo) } else { Ok(None) };
+    let map = if options.map { map::find(train, scenario, options) } else { Ok(None) };
     let map = map.map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
     let solve = |source| AnalyzeError::Solve { scenario: scenario.name.clone(), source };
     let (mut damping, mut variants) = (Vec::new(), Vec::new());

@@ -12,32 +12,45 @@ use rayon::prelude::*;
 
 use super::reference::{Reference, ReferenceError};
 use crate::chain::Scene;
+use crate::solve::responses::{Responses, Shared};
 use crate::solve::watch::SpringPeaks;
-use crate::solve::{Ask, Method, Solution, Wanted, solve};
+use crate::solve::{Ask, Method, Solution, Wanted};
 pub use draw::{scene, with_ratings};
 pub use judge::{Fault, Verdict, judge};
 
-/// Every method, and at last the planner's choice, in the order of the table.
-pub const METHODS: [Option<Method>; 4] = [Some(Method::Fronts), Some(Method::Modal), Some(Method::Propagator), None];
+/// How a scene is solved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum By {
+    /// By a method that is asked for.
+    Method(Method),
+    /// As the planner chooses.
+    Choice,
+    /// From the response to a unit force, where that can tell.
+    Response,
+}
 
-/// One method on one scene.
+/// Every way, in the order of the table.
+pub const WAYS: [By; 5] =
+    [By::Method(Method::Fronts), By::Method(Method::Modal), By::Method(Method::Propagator), By::Choice, By::Response];
+
+/// One way on one scene.
 #[derive(Clone, Debug)]
 pub struct Trial {
     /// The scene's seed.
     pub seed: u64,
-    /// The method; `None`: the planner's choice.
-    pub method: Option<Method>,
+    /// How it is solved.
+    pub by: By,
     /// The bound that the method states.
     pub bound: f64,
     /// What the reference says of its results.
     pub verdict: Verdict,
 }
 
-/// One line of the table: a method over all its scenes.
+/// One line of the table: a way over all its scenes.
 #[derive(Clone, Debug)]
 pub struct CampaignRow {
-    /// The method; `None`: the planner's choice.
-    pub method: Option<Method>,
+    /// How it is solved.
+    pub by: By,
     /// Scenes that it was run on.
     pub scenes: usize,
     /// Largest true error over stated bound: over 1 means that the bound does not hold.
@@ -57,45 +70,52 @@ pub struct CampaignRow {
 }
 
 impl CampaignRow {
-    /// The method's name.
+    /// The way's name.
     pub fn name(&self) -> &'static str {
-        self.method.map_or("(chosen)", Method::name)
+        match self.by {
+            By::Method(method) => method.name(),
+            By::Choice => "(chosen)",
+            By::Response => "(response)",
+        }
     }
 }
 
 /// A campaign's outcome.
 #[derive(Clone, Debug)]
 pub struct Campaign {
-    /// A row per method that was run at all.
+    /// A row per way that was taken at all.
     pub rows: Vec<CampaignRow>,
     /// Scenes without a reference, and why.
     pub refused: Vec<(u64, ReferenceError)>,
 }
 
-/// A scene by one method, or by the planner's choice; `None` where the method does not apply.
-fn solved(scene: &Scene, method: Option<Method>, wanted: Wanted) -> Option<Solution> {
+/// A scene solved in one way; `None` where that does not apply.
+fn solved(scene: &Scene, by: By, wanted: Wanted) -> Option<Solution> {
+    let method = if let By::Method(method) = by { Some(method) } else { None };
     let rating = scene.rated_draft.iter().chain(&scene.rated_buff).fold(0.0f64, |a, &r| a.max(r));
     // A method asked for by name is held to what it can do at best, the planner to its default tolerance.
     let tolerance = if method.is_some() { f64::MIN_POSITIVE } else { 1e-9 * rating };
     let ask = Ask { tolerance, method, verdict_only: false, all_time_bound: false, wanted, mark: None };
-    solve(scene, &ask).ok()
+    let responses = Responses::new(0);
+    let shared = if by == By::Response { Shared::EveryChain(&responses) } else { Shared::Nothing };
+    shared.solve(scene, &ask).ok()
 }
 
-/// Extremes by one method, or by the planner's choice, and the bound stated; `None` where the method does not apply.
-pub fn run_method(scene: &Scene, method: Option<Method>) -> Option<(Vec<SpringPeaks>, f64)> {
-    let solution = solved(scene, method, Wanted::Everything)?;
+/// Extremes found in one way, and the bound stated; `None` where that does not apply.
+pub fn run_way(scene: &Scene, by: By) -> Option<(Vec<SpringPeaks>, f64)> {
+    let solution = solved(scene, by, Wanted::Everything)?;
     Some((solution.springs.into_iter().collect::<Option<_>>()?, solution.error_bound))
 }
 
 /// What a row of a fleet says of a scene, if that is not what comes of asking for everything.
-pub fn wrong_row(scene: &Scene, method: Option<Method>) -> Option<String> {
+pub fn wrong_row(scene: &Scene, by: By) -> Option<String> {
     let [everything, worst] = [Wanted::Everything, Wanted::Worst]
-        .map(|wanted| solved(scene, method, wanted).and_then(|solution| row::WorstRow::of(scene, &solution)));
+        .map(|wanted| solved(scene, by, wanted).and_then(|solution| row::WorstRow::of(scene, &solution)));
     let (everything, worst) = (everything?, worst?);
     (!worst.agrees(&everything, scene)).then(|| format!("{worst:?} instead of {everything:?}"))
 }
 
-/// All methods on the scene of one seed.
+/// All ways on the scene of one seed.
 ///
 /// # Errors
 /// [`ReferenceError`] where there is no reference.
@@ -104,18 +124,18 @@ pub fn trials(seed: u64) -> Result<Vec<Trial>, ReferenceError> {
     let reference = Reference::new(&bare)?;
     let extremes = reference.extremes()?;
     let scene = with_ratings(bare, &extremes, seed);
-    let trial = |&method: &Option<Method>| {
-        let (peaks, bound) = run_method(&scene, method)?;
+    let trial = |&by: &By| {
+        let (peaks, bound) = run_way(&scene, by)?;
         let verdict = judge(&scene, &reference, &extremes, &peaks, bound).map(|mut verdict| {
-            verdict.wrong.extend(wrong_row(&scene, method).map(|row| (Fault::Row, row)));
-            Trial { seed, method, bound, verdict }
+            verdict.wrong.extend(wrong_row(&scene, by).map(|row| (Fault::Row, row)));
+            Trial { seed, by, bound, verdict }
         });
         Some(verdict)
     };
-    METHODS.iter().filter_map(trial).collect()
+    WAYS.iter().filter_map(trial).collect()
 }
 
-/// All methods on the scenes of many seeds, in parallel; the outcome does not depend on how many threads there are.
+/// All ways on the scenes of many seeds, in parallel; the outcome does not depend on how many threads there are.
 pub fn run(seeds: &[u64]) -> Campaign {
     let outcomes: Vec<(u64, Result<Vec<Trial>, ReferenceError>)> =
         seeds.par_iter().map(|&seed| (seed, trials(seed))).collect();
@@ -127,17 +147,17 @@ pub fn run(seeds: &[u64]) -> Campaign {
             Err(e) => refused.push((seed, e)),
         }
     }
-    Campaign { rows: METHODS.iter().filter_map(|&m| row(m, &all)).collect(), refused }
+    Campaign { rows: WAYS.iter().filter_map(|&by| row(by, &all)).collect(), refused }
 }
 
-fn row(method: Option<Method>, all: &[Trial]) -> Option<CampaignRow> {
-    let trials: Vec<&Trial> = all.iter().filter(|t| t.method == method).collect();
+fn row(by: By, all: &[Trial]) -> Option<CampaignRow> {
+    let trials: Vec<&Trial> = all.iter().filter(|t| t.by == by).collect();
     let ratio = |t: &Trial| t.verdict.error / t.bound;
     let worst = trials.iter().copied().reduce(|a, b| if ratio(b) > ratio(a) { b } else { a })?;
     let mut slack: Vec<f64> = trials.iter().filter(|t| t.verdict.error > 0.0).map(|t| 1.0 / ratio(t)).collect();
     slack.sort_by(f64::total_cmp);
     Some(CampaignRow {
-        method,
+        by,
         scenes: trials.len(),
         worst: ratio(worst),
         worst_seed: worst.seed,

@@ -7,11 +7,13 @@ use super::{
     CaseFindings, GapClosure, Options, RodFindings, Seen, ask, cascade, coupler_findings, first_passage,
     largest_rating_n, limits, load_search, march, safe_factor, safe_speed, worst,
 };
+use crate::chain::Scene;
 use crate::play::Rule;
 use crate::rod::Rod;
 use crate::scenario::{self, Motion, Part, Scales};
-use crate::solve::memo::Memo;
-use crate::solve::{Ask, SolveError, Wanted};
+use crate::solve::responses::Shared;
+use crate::solve::watch::{Side, SpringPeaks};
+use crate::solve::{Ask, Solution, SolveError, Wanted};
 use crate::train::{Event, Scenario, Train};
 
 /// Why a march has no safe load factor.
@@ -27,7 +29,7 @@ pub(super) struct Case<'a> {
     /// End of the first passage, s.
     passage_s: f64,
     pub options: Options,
-    memo: &'a Memo,
+    shared: Shared<'a>,
 }
 
 impl<'a> Case<'a> {
@@ -36,13 +38,13 @@ impl<'a> Case<'a> {
         scenario: &'a Scenario,
         broken: Option<usize>,
         options: &Options,
-        memo: &'a Memo,
+        shared: Shared<'a>,
     ) -> Case<'a> {
         // After a break the coupler of the largest utilisation is the one that bounds the load; it need not be under a pulse.
         let wanted = if broken.is_some() { options.wanted } else { Wanted::Everything };
         let horizon_s = scenario::horizon_s(train, scenario, broken);
         let passage_s = first_passage::end_s(train, scenario, broken, horizon_s);
-        Case { train, scenario, broken, horizon_s, passage_s, options: Options { wanted, ..options.clone() }, memo }
+        Case { train, scenario, broken, horizon_s, passage_s, options: Options { wanted, ..options.clone() }, shared }
     }
 
     fn motion(&self) -> Motion {
@@ -66,7 +68,7 @@ impl<'a> Case<'a> {
             Motion::Steps | Motion::DampedModes(_) => {
                 let parts = scenario::parts(train, &self.scenario.event, self.broken, until_s);
                 let ask = ask(train, options, (mark_s < until_s).then_some(mark_s));
-                solved_by_parts(train, &parts, &ask, options, self.memo)
+                solved_by_parts(train, &parts, &ask, options, self.shared)
             }
         }
     }
@@ -101,10 +103,10 @@ pub(crate) fn case_findings(
     scenario: &Scenario,
     broken: Option<usize>,
     options: &Options,
-    memo: &Memo,
+    shared: Shared,
 ) -> Result<CaseFindings, SolveError> {
     let start = Instant::now();
-    let case = Case::new(train, scenario, broken, options, memo);
+    let case = Case::new(train, scenario, broken, options, shared);
     let (horizon_s, passage_s) = (case.horizon_s, case.passage_s);
     let rod = case.rod();
     let solved = case.solve()?;
@@ -170,7 +172,7 @@ fn solved_by_parts(
     parts: &[Part],
     ask: &Ask,
     options: &Options,
-    memo: &Memo,
+    shared: Shared,
 ) -> Result<Solved, SolveError> {
     let scales = Scales::of(train);
     let mut within = [(); 2].map(|()| (Vec::new(), Vec::new()));
@@ -178,7 +180,7 @@ fn solved_by_parts(
     let (mut error_bound_n, mut left_out) = (0.0f64, Vec::new());
     for part in parts {
         let solution = match train.extras().damping_ratio {
-            0.0 => memo.solve(&part.scene, ask)?,
+            0.0 => shared.solve(&part.scene, ask)?,
             ratio => general::damped(&part.scene, ratio, ask)?,
         };
         let tells = (solution.error_bound > ask.tolerance, part.scene.initial.len());
@@ -194,11 +196,12 @@ fn solved_by_parts(
         left_out.extend(left.filter_map(|(i, _)| Some((part.first_coupler + i, bound(i)?))));
         for ((couplers, worst_of_parts), springs) in within.iter_mut().zip([&solution.springs, &solution.to_mark]) {
             let first = couplers.len();
+            let matters = Mattering::new(&part.scene, &solution, springs, ask.wanted);
             for (i, spring) in springs.iter().enumerate() {
                 let bound = bound(i).filter(|_| options.all_time_bound);
                 let findings =
                     |peaks| coupler_findings(train, part.first_coupler + i, &Seen::new(peaks, &scales, error_n), bound);
-                couplers.extend(spring.as_ref().map(findings));
+                couplers.extend(spring.as_ref().filter(|peaks| matters.has(i, peaks)).map(findings));
             }
             worst_of_parts.extend(worst(couplers, first..couplers.len(), error_n));
         }
@@ -211,6 +214,38 @@ fn solved_by_parts(
     let to_mark = ask.mark.map(|_| to_mark);
     let (error_estimate_n, marched) = (None, None);
     Ok(Solved { method, reason, error_bound_n, error_estimate_n, couplers, worst, left_out, to_mark, marched })
+}
+
+/// Which of a part's couplers the result tells of.
+struct Mattering<'a> {
+    scene: &'a Scene,
+    /// Below this utilisation a coupler is certainly not the worst.
+    least: f64,
+}
+
+impl Mattering<'_> {
+    fn new<'a>(scene: &'a Scene, found: &Solution, springs: &[Option<SpringPeaks>], wanted: Wanted) -> Mattering<'a> {
+        let mut matters = Mattering { scene, least: f64::NEG_INFINITY };
+        if wanted == Wanted::Worst {
+            let uses =
+                springs.iter().enumerate().filter_map(|(i, peaks)| Some(matters.utilisation(i, peaks.as_ref()?)));
+            let ratings = scene.rated_draft.iter().chain(&scene.rated_buff);
+            let rating = ratings.fold(f64::INFINITY, |least, rating| least.min(*rating));
+            matters.least = uses.fold(0.0, f64::max) - 2.0 * found.error_bound / rating;
+        }
+        matters
+    }
+
+    fn utilisation(&self, i: usize, peaks: &SpringPeaks) -> f64 {
+        let [draft, buff] = [&peaks.draft, &peaks.buff].map(|side| side.best.value);
+        (draft / self.scene.rated_draft[i]).max(buff / self.scene.rated_buff[i])
+    }
+
+    /// Those that are wanted: all, or those that may be the worst or over their rating.
+    fn has(&self, i: usize, peaks: &SpringPeaks) -> bool {
+        let is_under = |side: &Side| side.exceeds() == Some(false);
+        !(is_under(&peaks.draft) && is_under(&peaks.buff)) || self.utilisation(i, peaks) >= self.least
+    }
 }
 
 /// What the rod says of every coupler; `None` if a part's vehicles or couplers differ, or none is left.

@@ -8,7 +8,7 @@ use super::{Options, safe_factor};
 use crate::rod::Rod;
 use crate::scenario::{self, Motion, Part};
 use crate::solve::SolveError;
-use crate::solve::memo::Memo;
+use crate::solve::responses::Shared;
 use crate::train::{Event, Scenario, Train};
 
 /// Durations in a pulse's map.
@@ -44,12 +44,7 @@ pub struct MapPoint {
 ///
 /// # Errors
 /// As for a case.
-pub(super) fn find(
-    train: &Train,
-    scenario: &Scenario,
-    options: &Options,
-    memo: &Memo,
-) -> Result<Option<MapFindings>, SolveError> {
+pub(super) fn find(train: &Train, scenario: &Scenario, options: &Options) -> Result<Option<MapFindings>, SolveError> {
     if Motion::of(train, scenario) == Motion::Events {
         return Ok(None);
     }
@@ -75,7 +70,7 @@ pub(super) fn find(
             Event::Pulse { force_n, .. } | Event::Shaped { force_n, .. } => *force_n,
             _ => 1.0,
         };
-        let case = Case::new(train, &variant, broken, options, memo);
+        let case = Case::new(train, &variant, broken, options, Shared::Nothing);
         let chain = case.safe_load_factor(&case.solve()?)?;
         let rod = rod_factor(train, &variant, broken);
         let scaled = |factor: Option<f64>| factor.map(|f| f * unit);

@@ -9,7 +9,7 @@ use super::general::Solved;
 use super::{CaseFindings, Options, estimate, worst_case};
 use crate::law::{Curve, Law};
 use crate::scenario::Motion;
-use crate::solve::memo::Memo;
+use crate::solve::responses::Shared;
 use crate::solve::{SolveError, Wanted};
 use crate::train::{Event, Response, Scenario, Train};
 
@@ -184,8 +184,7 @@ fn solved(
 ) -> Result<Option<Changed>, SolveError> {
     let broken = worst.broken_coupler.map(|b| b - 1);
     let options = Options { method: None, wanted: Wanted::Everything, ..options.clone() };
-    let memo = Memo::new(0);
-    let case = Case::new(train, scenario, broken, &options, &memo);
+    let case = Case::new(train, scenario, broken, &options, Shared::Nothing);
     if estimate::solved_s(train, scenario, broken, [case.horizon_s; 2], &options)? > MOST_SECONDS {
         return Ok(None);
     }

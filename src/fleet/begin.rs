@@ -16,7 +16,7 @@ use crate::error::printable_path;
 use crate::findings::Options;
 use crate::report::files::{self, WriteError};
 use crate::solve::Method;
-use crate::solve::memo::Memo;
+use crate::solve::responses::Responses;
 
 /// Time between looks at whether another worker has made the plan.
 const LOOK: Duration = Duration::from_millis(200);
@@ -75,8 +75,8 @@ impl<I: Serialize> Whole<I> {
 /// What is run with these inputs.
 pub fn description(request: &Request, inputs: &Inputs) -> Run {
     let study = inputs.study.as_ref();
-    let memo = Memo::new(0);
-    let plan = Plan::new(inputs, request, &memo);
+    let responses = Responses::new(0);
+    let plan = Plan::new(inputs, request, &responses);
     Run {
         trainsafe: env!("CARGO_PKG_VERSION").to_owned(),
         fingerprint: whole(request, inputs).fingerprint(),
@@ -184,8 +184,8 @@ pub fn planned(dir: &Path, request: Option<&Request>) -> Result<Option<Begun>, F
 impl Begun {
     /// The train files that each of some chunks is about.
     pub fn trains_of_chunks(&self, chunks: &[usize]) -> Vec<String> {
-        let memo = Memo::new(0);
-        let plan = Plan::new(&self.inputs, &Request::default(), &memo);
+        let responses = Responses::new(0);
+        let plan = Plan::new(&self.inputs, &Request::default(), &responses);
         let file = |case: u64| printable_path(&self.inputs.files[plan.place(case).0 / self.inputs.variations()]);
         let trains = |&chunk: &usize| [plan.range(chunk).start, plan.range(chunk).end - 1].map(file);
         chunks.iter().map(trains).map(|[a, b]| if a == b { a } else { format!("{a} to {b}") }).collect()

@@ -20,6 +20,7 @@ use rayon::prelude::*;
 use super::FleetError;
 use super::plan::Plan;
 use crate::findings;
+use crate::solve::responses::Shared;
 
 /// Cases whose work is counted, at most.
 const COUNTED: u64 = 300;
@@ -88,13 +89,21 @@ fn look(plan: &Plan, case: u64, start: Instant) -> Result<Option<Looked>, FleetE
             let pair = [broken, all[all.len() - 1 - (index - before)]];
             let count = |b: &Option<usize>| findings::case_estimate_s(&train, scenario, *b, &plan.options);
             let counted: f64 = pair.iter().filter_map(|b| count(b).ok()).sum();
-            let begun = Instant::now();
             let is_time = start.elapsed().as_secs_f64() < SOLVING_S && counted < SOLVING_S;
             let solved = is_time.then(|| {
-                for broken in pair {
-                    // Those that cannot be computed take their time too.
-                    let _ = findings::case_findings(&train, scenario, broken, &plan.options, plan.memo);
+                let shared = plan.shared(&train);
+                let solve = || {
+                    for broken in pair {
+                        // Those that cannot be computed take their time too.
+                        let _ = findings::case_findings(&train, scenario, broken, &plan.options, shared);
+                    }
+                };
+                // A response is found once for many cases.
+                if matches!(shared, Shared::EveryChain(_)) {
+                    solve();
                 }
+                let begun = Instant::now();
+                solve();
                 begun.elapsed().as_secs_f64()
             });
             return Ok(Some(Looked { load, counted, solved }));

@@ -55,7 +55,7 @@ pub use progress::{Count, Telling};
 use crate::error::{InputError, printable_path};
 use crate::findings::{Options, Stopped};
 use crate::report::files::WriteError;
-use crate::solve::memo::Memo;
+use crate::solve::responses::Responses;
 use begin::{Begun, description, shown};
 use claims::Claims;
 use compute::{compute, work};
@@ -66,8 +66,8 @@ use progress::Progress;
 use reports::Reports;
 use summary::Summary;
 
-/// Memory for solutions that a run may use again, bytes.
-const REMEMBERED: usize = 160 << 20;
+/// Memory for responses that a run may use again, bytes.
+const REMEMBERED: usize = 320 << 20;
 
 /// Why a run could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -116,7 +116,7 @@ pub struct Request {
     pub reports: usize,
     /// Keep every coupler of every case too, in `couplers/`.
     pub couplers: bool,
-    /// Bytes of memory for scenes that have been solved; `None`: 160 MiB. Results do not depend on it.
+    /// Bytes of memory for responses that were found; `None`: 320 MiB. Results do not depend on it.
     pub memo_bytes: Option<usize>,
     /// Who is told how far the run is.
     pub progress: Telling,
@@ -139,7 +139,7 @@ pub struct Outcome {
     pub warnings: Vec<String>,
     /// What is no reason for a warning, as sentences.
     pub notes: Vec<String>,
-    /// Scenes found already solved, and scenes solved.
+    /// Scenes whose response was known, and scenes that were solved.
     pub scenes: (u64, u64),
 }
 
@@ -170,8 +170,8 @@ pub fn run(request: &Request, dir: &Path) -> Result<Outcome, FleetError> {
         return take_part(request, dir, worker);
     }
     let inputs = Inputs::find(&request.paths, &request.options)?;
-    let memo = memo(request);
-    let plan = Plan::new(&inputs, request, &memo);
+    let responses = responses(request);
+    let plan = Plan::new(&inputs, request, &responses);
     let description = description(request, &inputs);
     let _lock = lock::hold(dir, false)?;
     if begin::start(request, dir, &inputs, &description)? {
@@ -182,7 +182,7 @@ pub fn run(request: &Request, dir: &Path) -> Result<Outcome, FleetError> {
     words.extend(plan.doubts());
     let mut outcome = finish(request, dir, &description, Some(&inputs), &words)?;
     outcome.notes.splice(..0, inputs.passed_over.clone());
-    Ok(Outcome { scenes: memo.counts(), ..outcome })
+    Ok(Outcome { scenes: responses.counts(), ..outcome })
 }
 
 /// Does what no other worker does of the run in a folder.
@@ -191,8 +191,8 @@ fn take_part(request: &Request, dir: &Path, worker: &Worker) -> Result<Outcome, 
     let _lock = lock::hold(dir, true)?;
     let claims = Claims::enter(dir, worker)?;
     let Begun { inputs, run, left, .. } = begin::join(request, dir, &claims)?;
-    let memo = memo(request);
-    let plan = Plan::new(&inputs, request, &memo);
+    let responses = responses(request);
+    let plan = Plan::new(&inputs, request, &responses);
     if (0..plan.chunks()).all(|chunk| parts::is_done(dir, chunk)) {
         // Nothing will be read again that could show a change.
         inputs.unchanged()?;
@@ -200,11 +200,11 @@ fn take_part(request: &Request, dir: &Path, worker: &Worker) -> Result<Outcome, 
     let failed = if left { compute(dir, &plan, Some(&claims), &request.progress)? } else { 0 };
     let warnings = doubts::lines_of_share(&plan.doubts());
     let notes = [inputs.passed_over, run.notes].concat();
-    Ok(Outcome { failed, computed: 1, scenes: memo.counts(), warnings, notes, ..Outcome::default() })
+    Ok(Outcome { failed, computed: 1, scenes: responses.counts(), warnings, notes, ..Outcome::default() })
 }
 
-fn memo(request: &Request) -> Memo {
-    Memo::new(request.memo_bytes.unwrap_or(REMEMBERED))
+fn responses(request: &Request) -> Responses {
+    Responses::new(request.memo_bytes.unwrap_or(REMEMBERED))
 }
 
 /// Joins the parts that workers have written into the same files that one run would have. Of the request only what is to be written
@@ -250,8 +250,8 @@ pub fn is_begun(dir: &Path) -> bool {
 pub fn estimate(request: &Request) -> Result<Estimate, FleetError> {
     outputs::can_write(request)?;
     let inputs = Inputs::find(&request.paths, &request.options)?;
-    let memo = Memo::new(REMEMBERED);
-    let plan = Plan::new(&inputs, request, &memo);
+    let responses = Responses::new(REMEMBERED);
+    let plan = Plan::new(&inputs, request, &responses);
     Ok(Estimate {
         trains: inputs.files.len(),
         variations: inputs.variations(),
@@ -279,8 +279,8 @@ pub fn estimate(request: &Request) -> Result<Estimate, FleetError> {
 /// ```
 pub fn stream(request: &Request, out: &mut dyn Write) -> Result<Outcome, FleetError> {
     let inputs = Inputs::find(&request.paths, &request.options)?;
-    let memo = memo(request);
-    let plan = Plan::new(&inputs, request, &memo);
+    let responses = responses(request);
+    let plan = Plan::new(&inputs, request, &responses);
     let run = description(request, &inputs);
     let mut summary = Summary::new(run.inputs.len());
     let progress = Progress::new(plan.cases(), &request.progress);
@@ -298,7 +298,7 @@ pub fn stream(request: &Request, out: &mut dyn Write) -> Result<Outcome, FleetEr
     summary.close();
     progress.finish();
     let notes = [inputs.passed_over.clone(), run.notes.clone()].concat();
-    Ok(Outcome { scenes: memo.counts(), notes, ..outcome(&run, &summary, None, &plan.doubts()) })
+    Ok(Outcome { scenes: responses.counts(), notes, ..outcome(&run, &summary, None, &plan.doubts()) })
 }
 
 /// Joins the parts, unless that has been done, and makes of them what is asked for.

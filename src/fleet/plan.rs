@@ -9,17 +9,23 @@ use super::couplers::Couplers;
 use super::inputs::Inputs;
 use super::rows::{self, Chunk};
 use super::variation::Varied;
-use super::{FleetError, Request};
+use super::{FleetError, REMEMBERED, Request};
 use crate::doubts::doubts;
 use crate::findings::{self, Options, cases, require_case};
 use crate::solve::Wanted;
-use crate::solve::memo::Memo;
+use crate::solve::responses::{Responses, Shared};
 use crate::train::{Doubt, Train};
 
 /// Chunks that a run is cut into, if they keep within the limits that follow.
 const CHUNKS: u64 = 1000;
 const FEWEST_CASES: u64 = 8;
 const MOST_CASES: u64 = 500;
+
+/// Loads and ratings of a chain from which on its response is worth finding.
+const LEAST_REPEATS: usize = 10;
+/// About what the response of a chain takes in memory, bytes per square of its springs, and what those of a train may.
+const SPRING_BYTES: usize = 64;
+const MOST_BYTES: usize = REMEMBERED / 2;
 
 /// Cases of all variations of all trains, in order, cut into chunks.
 pub struct Plan<'a> {
@@ -29,8 +35,8 @@ pub struct Plan<'a> {
     /// Whether every coupler of every case is kept.
     #[cfg(feature = "parquet")]
     couplers: bool,
-    /// Scenes that have been solved.
-    pub memo: &'a Memo,
+    /// Which scenes are solved from responses.
+    shared: Shared<'a>,
     /// The number of cases up to and with each unit, a unit being a variation of a train.
     ends: Vec<u64>,
     /// Cases in each chunk but the last.
@@ -43,7 +49,7 @@ pub type Words = BTreeMap<(String, String), (usize, Doubt)>;
 
 impl<'a> Plan<'a> {
     /// Counts the cases.
-    pub fn new(inputs: &'a Inputs, request: &Request, memo: &'a Memo) -> Plan<'a> {
+    pub fn new(inputs: &'a Inputs, request: &Request, responses: &'a Responses) -> Plan<'a> {
         let variations = inputs.variations();
         let mut total = 0;
         let ends = (0..inputs.files.len() * variations).map(|unit| {
@@ -52,16 +58,21 @@ impl<'a> Plan<'a> {
         });
         let ends: Vec<u64> = ends.collect();
         let total = ends.last().copied().unwrap_or(0);
-        let chunk_cases = (total / CHUNKS).clamp(FEWEST_CASES, MOST_CASES);
+        let cases = (total / CHUNKS).clamp(FEWEST_CASES, MOST_CASES);
+        // Of variations with as many cases each none is cut in two: it would be read twice.
+        let of_one = ends.first().map_or(1, |first| (*first).max(1));
+        let chunk_cases = if cases > of_one { cases - cases % of_one } else { cases };
         // A row tells of the worst coupler, and counts the others.
         let wanted = if request.couplers { Wanted::Everything } else { Wanted::Worst };
+        let repeats = inputs.study.as_ref().is_some_and(|study| study.chain_repeats() >= LEAST_REPEATS);
+        let shared = if repeats { Shared::EveryChain(responses) } else { Shared::EqualChains(responses) };
         let options = Options { wanted, ..request.options.clone() };
         Plan {
             inputs,
             #[cfg(feature = "parquet")]
             couplers: request.couplers,
             options,
-            memo,
+            shared,
             ends,
             chunk_cases,
             doubts: Mutex::default(),
@@ -143,6 +154,19 @@ impl<'a> Plan<'a> {
         self.doubts.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// Which of a train's scenes are solved from responses: of all chains, if the train's are kept together.
+    pub fn shared(&self, train: &Train) -> Shared<'a> {
+        let springs = train.couplers().len();
+        match self.shared {
+            Shared::EveryChain(responses)
+                if all_cases(train).count() * springs * springs * SPRING_BYTES > MOST_BYTES =>
+            {
+                Shared::EqualChains(responses)
+            }
+            shared => shared,
+        }
+    }
+
     /// Some cases of a unit.
     fn unit(&self, unit: usize, range: Range<usize>, rows: &mut Chunk) -> Result<(), FleetError> {
         let variations = self.inputs.variations();
@@ -172,9 +196,10 @@ impl<'a> Plan<'a> {
         place.doubts = doubts(&train);
         let cell = rows::file_cell(&self.inputs.files[file]);
         self.keep(&cell, variation, &place.doubts);
+        let shared = self.shared(&train);
         for (scenario, broken) in all_cases(&train).skip(range.start).take(range.len()) {
             self.options.stop.check()?;
-            match findings::case_findings(&train, scenario, broken, &self.options, self.memo) {
+            match findings::case_findings(&train, scenario, broken, &self.options, shared) {
                 Ok(case) => {
                     let found = findings::found(&train, scenario, std::slice::from_ref(&case));
                     self.keep(&cell, variation, &found);

@@ -81,7 +81,29 @@ impl Study {
         let grid = || self.inputs.iter().map(|input| input.spread.count()).product();
         self.draws.map_or_else(grid, |draws| draws.samples)
     }
+
+    /// How many variations have the same masses, stiffnesses and events but for their forces.
+    pub fn chain_repeats(&self) -> usize {
+        let is_load = |input: &&Input| {
+            let table = input.key.table.unwrap_or_default();
+            LOADS.iter().any(|(of, leaves)| *of == table && leaves.contains(&input.key.leaf))
+        };
+        match self.draws {
+            Some(draws) if self.inputs.iter().all(|input| is_load(&input)) => draws.samples,
+            Some(_) => 1,
+            None => self.inputs.iter().filter(is_load).map(|input| input.spread.count()).product(),
+        }
+    }
 }
+
+/// Keys of a train file that change loads, forces and ratings alone, by table.
+const LOADS: [(&str, &[&str]); 5] = [
+    ("load", &["uniform", "pulled_to", "rolling_resistance", "grade"]),
+    ("vehicle", &["rolling_resistance", "grade", "tractive_effort"]),
+    ("coupler", &["rated_load", "rated_buff", "fatigue", "proof", "ultimate"]),
+    ("coupler_override", &["rated_load", "rated_buff", "fatigue", "proof", "ultimate"]),
+    ("scenario", &["force"]),
+];
 
 /// Whether a file's text is a study rather than a train.
 pub fn is_study(text: &str) -> bool {

@@ -105,7 +105,7 @@ impl<'a> Search<'a> {
             .collect();
         let [levels, crossings] = [0, 1].map(|_| [0, 1].map(|_| vec![f64::INFINITY; springs.next_multiple_of(BLOCK)]));
         let lead = (wanted == Wanted::Worst).then(|| {
-            let lead = Lead::new(scene, bound);
+            let lead = Lead::new(bound);
             [lead.clone(), lead]
         });
         let mut search = Search {
@@ -193,7 +193,7 @@ impl<'a> Search<'a> {
     /// the blocks around.
     #[inline]
     pub fn consider(&mut self, step: &Step, spring: usize, factor: f64, norm: f64, at: impl Fn(usize, usize) -> f64) {
-        let ends = [self.jet(step, spring, |s| at(0, s)), self.jet(step, spring, |s| at(1, s))];
+        let ends = [jet(self.motion, step, spring, |s| at(0, s)), jet(self.motion, step, spring, |s| at(1, s))];
         let mut remainder = factor * norm;
         let mut narrowed = false;
         for negative in [false, true] {
@@ -221,7 +221,8 @@ impl<'a> Search<'a> {
             // Rounding can turn a narrow bracket over.
             let mut open = Open { step: *step, upper: upper.max(lower) + initial, window: 0 };
             if self.reach(spring, negative, lower + initial, &open) {
-                open.window = self.put([self.window(spring, |s| at(0, s)), self.window(spring, |s| at(1, s))]);
+                let springs = self.sides.len();
+                open.window = self.put([window(springs, spring, |s| at(0, s)), window(springs, spring, |s| at(1, s))]);
                 self.keep(spring, negative, open);
             }
         }
@@ -256,19 +257,6 @@ impl<'a> Search<'a> {
         }
         self.store.push(window);
         self.store.len() - 1
-    }
-
-    /// Forces of the springs around.
-    #[inline(always)]
-    fn window(&self, spring: usize, at: impl Fn(usize) -> f64) -> [f64; WINDOW] {
-        let mut window = [0.0; WINDOW];
-        for (l, w) in window.iter_mut().enumerate() {
-            let s = (spring + l).wrapping_sub(CENTRE);
-            if s < self.sides.len() {
-                *w = at(s);
-            }
-        }
-        window
     }
 
     /// Norm of `h^2 G''` over the block's length on either side of a spring.
@@ -417,7 +405,7 @@ impl<'a> Search<'a> {
                 continue;
             }
             self.looked += 1;
-            let mut local = self.local(&open.step, spring, &self.store[open.window]);
+            let mut local = local(self.motion, &open.step, spring, &self.store[open.window]);
             local.coefficient[0] += self.scene.initial[spring];
             let end = ((self.watch.horizon() - local.center) / local.radius).min(1.0);
             self.watch.note(spring, negative, &local, end, |t| local.value_at(t));
@@ -452,63 +440,80 @@ impl<'a> Search<'a> {
         (self.watch, self.looked)
     }
 
-    /// `G`, `h^2 G''` and `h^4 G''''` of a spring at one end of a step.
-    #[inline(always)]
-    fn jet(&self, step: &Step, spring: usize, at: impl Fn(usize) -> f64) -> [f64; 3] {
-        let square = step.width * step.width;
-        let springs = self.sides.len();
-        // Springs from two before to two behind; those that do not exist are at rest.
-        let mut g = [0.0; 5];
-        for (l, g) in g.iter_mut().enumerate() {
-            let s = (spring + l).wrapping_sub(2);
-            if s < springs {
-                *g = at(s);
-            }
-        }
-        let mut bend = [0.0; 3];
-        for (l, bend) in bend.iter_mut().enumerate() {
-            let s = (spring + l).wrapping_sub(1);
-            if s < springs {
-                let motion = self.motion;
-                let pull = motion.ahead[s] * (g[l + 1] - g[l]) + motion.behind[s] * (g[l + 1] - g[l + 2]);
-                *bend = square * (step.force * motion.drive[s] - pull);
-            }
-        }
-        let (ahead, behind) = (self.motion.ahead[spring], self.motion.behind[spring]);
-        [g[2], bend[1], -square * (ahead * (bend[1] - bend[0]) + behind * (bend[1] - bend[2]))]
-    }
-
-    /// The force since the event over a step, from the forces around the spring at both ends.
-    fn local(&self, step: &Step, spring: usize, window: &[[f64; WINDOW]; 2]) -> Local {
-        let square = step.width * step.width;
-        let around = |x: &[f64]| self.window(spring, |s| square * x[s]);
-        let (ahead, behind, drive) =
-            (around(&self.motion.ahead), around(&self.motion.behind), around(&self.motion.drive));
-        let mut sum: [f64; WINDOW] = std::array::from_fn(|l| 0.5 * (window[0][l] + window[1][l]));
-        let mut difference: [f64; WINDOW] = std::array::from_fn(|l| 0.5 * (window[1][l] - window[0][l]));
-        let mut coefficient = [0.0; COEFFICIENTS];
-        let table = table();
-        for power in 0..POWERS {
-            for m in 0..DEGREE {
-                coefficient[2 * m] += table.even[power][m] * sum[CENTRE];
-                coefficient[2 * m + 1] += table.odd[power][m] * difference[CENTRE];
-            }
-            sum = times_x(&ahead, &behind, &sum);
-            difference = times_x(&ahead, &behind, &difference);
-            if power == 0 {
-                (0..WINDOW).for_each(|l| sum[l] -= step.force * drive[l]);
-            }
-        }
-        let radius = 0.5 * step.width;
-        Local { coefficient, terms: 2 * DEGREE, center: step.from + radius, radius }
-    }
-
     /// Values of one spring's force since the event at times within a step.
     pub fn values(&self, step: &Step, spring: usize, times: &[f64], at: impl Fn(usize, usize) -> f64) -> Vec<f64> {
-        let window = [self.window(spring, |s| at(0, s)), self.window(spring, |s| at(1, s))];
-        let local = self.local(step, spring, &window);
+        let local = piece(self.motion, step, spring, at);
         times.iter().map(|t| local.value_and_slope((t - local.center) / local.radius).0).collect()
     }
+}
+
+/// `G`, `h^2 G''` and `h^4 G''''` of a spring at one end of a step.
+#[inline(always)]
+pub fn jet(motion: &Motion, step: &Step, spring: usize, at: impl Fn(usize) -> f64) -> [f64; 3] {
+    let square = step.width * step.width;
+    let springs = motion.ahead.len();
+    // Springs from two before to two behind; those that do not exist are at rest.
+    let mut g = [0.0; 5];
+    for (l, g) in g.iter_mut().enumerate() {
+        let s = (spring + l).wrapping_sub(2);
+        if s < springs {
+            *g = at(s);
+        }
+    }
+    let mut bend = [0.0; 3];
+    for (l, bend) in bend.iter_mut().enumerate() {
+        let s = (spring + l).wrapping_sub(1);
+        if s < springs {
+            let pull = motion.ahead[s] * (g[l + 1] - g[l]) + motion.behind[s] * (g[l + 1] - g[l + 2]);
+            *bend = square * (step.force * motion.drive[s] - pull);
+        }
+    }
+    let (ahead, behind) = (motion.ahead[spring], motion.behind[spring]);
+    [g[2], bend[1], -square * (ahead * (bend[1] - bend[0]) + behind * (bend[1] - bend[2]))]
+}
+
+/// Forces of the springs around.
+#[inline(always)]
+fn window(springs: usize, spring: usize, at: impl Fn(usize) -> f64) -> [f64; WINDOW] {
+    let mut window = [0.0; WINDOW];
+    for (l, w) in window.iter_mut().enumerate() {
+        let s = (spring + l).wrapping_sub(CENTRE);
+        if s < springs {
+            *w = at(s);
+        }
+    }
+    window
+}
+
+/// The force since the event over a step, from the forces around the spring at both ends.
+fn local(motion: &Motion, step: &Step, spring: usize, around: &[[f64; WINDOW]; 2]) -> Local {
+    let square = step.width * step.width;
+    let squared = |x: &[f64]| window(motion.ahead.len(), spring, |s| square * x[s]);
+    let (ahead, behind, drive) = (squared(&motion.ahead), squared(&motion.behind), squared(&motion.drive));
+    let mut sum: [f64; WINDOW] = std::array::from_fn(|l| 0.5 * (around[0][l] + around[1][l]));
+    let mut difference: [f64; WINDOW] = std::array::from_fn(|l| 0.5 * (around[1][l] - around[0][l]));
+    let mut coefficient = [0.0; COEFFICIENTS];
+    let table = table();
+    for power in 0..POWERS {
+        for m in 0..DEGREE {
+            coefficient[2 * m] += table.even[power][m] * sum[CENTRE];
+            coefficient[2 * m + 1] += table.odd[power][m] * difference[CENTRE];
+        }
+        sum = times_x(&ahead, &behind, &sum);
+        difference = times_x(&ahead, &behind, &difference);
+        if power == 0 {
+            (0..WINDOW).for_each(|l| sum[l] -= step.force * drive[l]);
+        }
+    }
+    let radius = 0.5 * step.width;
+    Local { coefficient, terms: 2 * DEGREE, center: step.from + radius, radius }
+}
+
+/// The force since the event of one spring over a step; `at` as for [`Search::consider`].
+pub fn piece(motion: &Motion, step: &Step, spring: usize, at: impl Fn(usize, usize) -> f64) -> Local {
+    let springs = motion.ahead.len();
+    let around = [window(springs, spring, |s| at(0, s)), window(springs, spring, |s| at(1, s))];
+    local(motion, step, spring, &around)
 }
 
 /// X r on a window; its edges lose their meaning, one place with each application.

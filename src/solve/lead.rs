@@ -4,16 +4,12 @@
 //! rating is always examined; the time at which it does is not, once another spring has passed its own rating earlier.
 
 use super::between::Step;
-use super::closed_form::equal;
-use crate::chain::Scene;
 
 /// What the springs of a scene have certainly reached.
 #[derive(Clone, Debug)]
 pub struct Lead {
     /// The largest utilisation.
     utilisation: f64,
-    /// The largest force in either sense; infinite where nothing depends on it.
-    force: f64,
     /// Some spring has passed its rating before this time.
     pub crossed: f64,
     /// How far below the level reached a force may be and still be the worst, or one that the error bound cannot distinguish from it.
@@ -23,21 +19,15 @@ pub struct Lead {
 impl Lead {
     /// Before the event; `bound` is the error bound of all forces to come.
     ///
-    /// Forces that the error bound cannot distinguish count as equal, and the first of them is taken. The bound grows on the way back
-    /// from canonical units ([`super::memo`]) by a rounding of the largest force, on which it depends in equal chains alone, and
-    /// by a few of what the force does in the unit of time, times the horizon: the margin holds all of it four times over.
-    pub fn new(scene: &Scene, bound: f64) -> Lead {
-        let initial = scene.initial.iter().fold(0.0f64, |a, f| a.max(f.abs()));
-        let rounding = 64.0 * f64::EPSILON * (initial + (4.0 + scene.horizon) * scene.force.abs());
-        let force = if equal(&scene.chain).is_some() { 0.0 } else { f64::INFINITY };
-        Lead { utilisation: 0.0, force, crossed: f64::INFINITY, margin: 4.0 * bound + rounding }
+    /// Forces that the error bound cannot distinguish count as equal, and the first of them is taken.
+    pub fn new(bound: f64) -> Lead {
+        Lead { utilisation: 0.0, crossed: f64::INFINITY, margin: 4.0 * bound }
     }
 
     /// A force that is certainly reached.
     #[inline]
     pub fn reach(&mut self, force: f64, rating: f64) {
         self.utilisation = self.utilisation.max(force / rating);
-        self.force = self.force.max(force);
     }
 
     /// Some spring passes its rating within a step. The next step still counts: where it begins is rounded.
@@ -48,7 +38,7 @@ impl Lead {
     /// A force must pass this to be the worst, or like it.
     #[inline]
     pub fn level(&self, rating: f64) -> f64 {
-        (self.utilisation * rating).min(self.force) - self.margin
+        self.utilisation * rating - self.margin
     }
 
     /// Whether levels that were made for another lead are out of date by more than a thousandth.

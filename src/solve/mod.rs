@@ -7,7 +7,8 @@
 //! | [`Method::Propagator`] | steps that are exact in time | no | springs behind the front x steps |
 //!
 //! Beyond steps of force on undamped chains: [`taylor`] follows dashpots, initial speeds, forces of any shape and couplers that
-//! break on the way; [`damped_modes`] sums modes that all have the same damping ratio.
+//! break on the way; [`damped_modes`] sums modes that all have the same damping ratio. Many loads and ratings of a chain are judged from its
+//! [`response`] to a unit force, marched once.
 
 pub mod between;
 pub mod closed_form;
@@ -17,12 +18,13 @@ pub mod field;
 pub mod fronts;
 pub mod lead;
 pub mod local;
-pub mod memo;
 pub mod modal;
 pub mod motion;
 pub mod path;
 pub mod plan;
 pub mod propagator;
+pub mod response;
+pub mod responses;
 pub mod search;
 pub mod series;
 pub mod statics;

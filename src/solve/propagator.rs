@@ -102,7 +102,7 @@ pub fn field(scene: &Scene, omega: f64, times: &[f64], see: &mut dyn FnMut(usize
 }
 
 /// What is done with the steps of a march, compiled together with it.
-trait See {
+pub(super) trait See {
     fn see(&mut self, view: &View);
 }
 
@@ -183,7 +183,7 @@ fn total([a, b, c, d, e, f, g, h]: [f64; BLOCK]) -> f64 {
 
 /// `BLOCK` numbers of a row from a place on.
 #[inline(always)]
-fn block(row: &[f64], from: usize) -> [f64; BLOCK] {
+pub(super) fn block(row: &[f64], from: usize) -> [f64; BLOCK] {
     let mut out = [0.0; BLOCK];
     out.copy_from_slice(&row[from..from + BLOCK]);
     out
@@ -250,21 +250,21 @@ impl See for Every<'_> {
 }
 
 /// What a march shows of a step. Spring i stands at i + 1, with a zero at either end.
-struct View<'a> {
-    step: Step,
+pub(super) struct View<'a> {
+    pub step: Step,
     /// G at both ends.
-    force: [&'a [f64]; 2],
+    pub force: [&'a [f64]; 2],
     /// `q = -h^2 G''` at both ends.
-    bend: [&'a [f64]; 2],
-    remainders: &'a [Vec<f64>; 2],
+    pub bend: [&'a [f64]; 2],
+    pub remainders: &'a [Vec<f64>; 2],
     /// Per block of springs, a bound on the norm of `h^2 G''` around it.
-    norms: &'a [f64],
+    pub norms: &'a [f64],
     /// Springs that a wave has reached.
-    range: std::ops::Range<usize>,
+    pub range: std::ops::Range<usize>,
 }
 
 /// Runs through the horizon and shows `see` every step.
-fn march(scene: &Scene, motion: &Motion, omega: f64, quiet: f64, see: &mut impl See) {
+pub(super) fn march(scene: &Scene, motion: &Motion, omega: f64, quiet: f64, see: &mut impl See) {
     let mut state = State::new(scene, motion, quiet);
     let stretches = if scene.duration < scene.horizon {
         vec![(0.0, scene.duration, scene.force), (scene.duration, scene.horizon, 0.0)]

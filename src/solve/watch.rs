@@ -52,6 +52,11 @@ impl Side {
         Side { best: Point { at: 0.0, value }, first_over, near, departed }
     }
 
+    /// Of a force that did not stand at its rating before the event.
+    pub fn known(best: Point, first_over: Option<f64>, near: bool) -> Side {
+        Side { best, first_over, near, departed: true }
+    }
+
     /// Over its rating, not over it, or not decided (`None`): the rating lies within the error bound of the peak.
     ///
     /// The force before the event is known exactly, so a coupler that stands just at its rating and is relieved, until it comes

@@ -54,8 +54,9 @@ impl fmt::Display for InvalidTrain {
 impl std::error::Error for InvalidTrain {}
 
 /// What is wrong with a number; `within` is the table that has it as its `key`.
-pub(super) fn number(within: &str, key: &str, value: f64, sign: Sign) -> Option<SpecProblem> {
+pub(super) fn number(within: impl fmt::Display, key: &str, value: f64, sign: Sign) -> Option<SpecProblem> {
     let [found, right] = sign.refuses(value)?;
+    let within = within.to_string();
     let dot = if within.is_empty() { "" } else { "." };
     let leaf = key.rsplit('.').next().unwrap_or(key);
     Some(SpecProblem::new(format!("{within}{dot}{key}"), format!("{leaf} {found}"), right))
@@ -145,23 +146,23 @@ pub(crate) fn held(groups: &[VehicleSpec]) -> Vec<SpecProblem> {
 pub(super) fn numbers(spec: &TrainSpec) -> Vec<SpecProblem> {
     let mut all: Vec<SpecProblem> = text("name".to_owned(), &spec.name).into_iter().collect();
     for (i, v) in spec.vehicles.iter().enumerate() {
-        let within = format!("vehicle[{i}]");
+        let within = format_args!("vehicle[{i}]");
         all.extend(v.label.as_ref().and_then(|label| text(format!("{within}.label"), label)));
-        all.extend(number(&within, "mass", v.mass_kg, Sign::Positive));
-        all.extend(v.length_m.and_then(|m| number(&within, "length", m, Sign::Positive)));
-        all.extend(number(&within, "emergency_brake", v.emergency_brake_n, Sign::NotNegative));
+        all.extend(number(within, "mass", v.mass_kg, Sign::Positive));
+        all.extend(v.length_m.and_then(|m| number(within, "length", m, Sign::Positive)));
+        all.extend(number(within, "emergency_brake", v.emergency_brake_n, Sign::NotNegative));
         if v.held && v.emergency_brake_n > 0.0 {
-            all.push(of_held(&within, "emergency_brake"));
+            all.push(of_held(within, "emergency_brake"));
         }
     }
     for (i, c) in spec.couplers.iter().enumerate() {
-        let within = format!("coupler[{i}]");
-        all.extend(law(&within, &c.law));
-        all.extend(number(&within, "rated_load", c.rated_draft_n, Sign::Positive));
-        all.extend(number(&within, "rated_buff", c.rated_buff_n, Sign::Positive));
-        all.extend(number(&within, "damping", c.dashpot_n_s_per_m, Sign::NotNegative));
+        let within = format_args!("coupler[{i}]");
+        all.extend(law(within, &c.law));
+        all.extend(number(within, "rated_load", c.rated_draft_n, Sign::Positive));
+        all.extend(number(within, "rated_buff", c.rated_buff_n, Sign::Positive));
+        all.extend(number(within, "damping", c.dashpot_n_s_per_m, Sign::NotNegative));
         for (name, n) in c.limits.named() {
-            all.extend(number(&within, &format!("limits.{name}"), n, Sign::Positive));
+            all.extend(number(within, &format!("limits.{name}"), n, Sign::Positive));
         }
         let disorder = c.limits.disorder(spec.origin.units);
         all.extend(disorder.map(|[message, help]| SpecProblem::new(format!("{within}.limits"), message, help)));
@@ -190,12 +191,12 @@ pub(super) fn numbers(spec: &TrainSpec) -> Vec<SpecProblem> {
 }
 
 /// A key that only vehicles that are not held have.
-pub(crate) fn of_held(within: &str, key: &str) -> SpecProblem {
+pub(crate) fn of_held(within: impl fmt::Display, key: &str) -> SpecProblem {
     let help = "a held vehicle takes whatever force it needs to keep its speed: leave the key out";
     SpecProblem::new(format!("{within}.{key}"), format!("{key} of a held vehicle"), help)
 }
 
-fn law(within: &str, law: &Law) -> Vec<SpecProblem> {
+fn law(within: fmt::Arguments, law: &Law) -> Vec<SpecProblem> {
     let sign = |(key, value, sign)| number(within, key, value, sign);
     let own = match *law {
         Law::Elastic { draft_n_per_m, buff_n_per_m, slack_m } => {

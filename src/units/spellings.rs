@@ -243,6 +243,7 @@ fn escaped(c: char) -> String {
 
 /// A unit that a text is.
 pub(super) struct Match {
+    /// Put together where letters may be of any case.
     pub symbol: String,
     pub scale: Scale,
 }
@@ -298,7 +299,7 @@ fn follow(pieces: &[Piece], text: &str, any_case: bool, (so_far, divides): (Matc
         for part in parts(kinds) {
             for rest in part.rests(text, any_case) {
                 let scale = if divides { part.scale.inverse() } else { part.scale };
-                let symbol = format!("{}{}", so_far.symbol, part.symbol);
+                let symbol = joined(&so_far.symbol, part.symbol, any_case);
                 follow(later, rest, any_case, (Match { symbol, scale: so_far.scale.times(scale) }, divides), found);
             }
         }
@@ -309,10 +310,15 @@ fn follow(pieces: &[Piece], text: &str, any_case: bool, (so_far, divides): (Matc
             Open => "(",
             _ => ")",
         };
-        let symbol = so_far.symbol + sign;
+        let symbol = joined(&so_far.symbol, sign, any_case);
         let divides = divides ^ matches!(piece, Over);
         follow(later, rest, any_case, (Match { symbol, scale: so_far.scale }, divides), found);
     }
+}
+
+/// A symbol with more behind it, where symbols are asked for: they take longer to put together than to find.
+fn joined(symbol: &str, more: &str, asked: bool) -> String {
+    if asked { format!("{symbol}{more}") } else { String::new() }
 }
 
 /// Of a grade written as a ratio, `1 in 100` or `1:100`, what follows the 1: the run.

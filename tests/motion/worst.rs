@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use trainsafe::accuracy::campaign::{row::WorstRow, scene};
 use trainsafe::chain::{Chain, Scene};
-use trainsafe::solve::memo::Memo;
+use trainsafe::solve::responses::{Responses, Shared};
 use trainsafe::solve::watch::SpringPeaks;
 use trainsafe::solve::{Ask, Method, Solution, Wanted, solve};
 
@@ -79,14 +79,15 @@ proptest! {
                 prop_assert!(of_worst.buff.best.value <= of_all.buff.best.value + everything.error_bound);
             }
         }
+        let responses = Responses::new(1 << 20);
         let [all, row] = [EVERYTHING, WORST].map(|ask| {
-            let solution = Memo::new(1 << 20).solve(&scene, &ask).expect("a solution");
+            let solution = Shared::EveryChain(&responses).solve(&scene, &ask).expect("a solution");
             WorstRow::of(&scene, &solution).expect("all springs")
         });
         prop_assert!(row.agrees(&all, &scene), "{:?} instead of {:?}", row, all);
     }
 
-    /// Of springs that symmetry makes alike the first is the worst, and trains whose ratings are out of reach share a solution.
+    /// Of springs that symmetry makes alike the first is the worst, whatever is asked for.
     #[test]
     fn alike_springs_and_shared_solutions(half in 1usize..20, held: bool, rating in 0.9..3.0f64, buff in 0.5..1.5f64) {
         let mut scene = uniform(2 * half, held, rating);
@@ -94,12 +95,12 @@ proptest! {
         if !held {
             (scene.source, scene.duration) = (half, 0.7 * half as f64);
         }
-        let memo = Memo::new(1 << 20);
+        let responses = Responses::new(1 << 20);
         for rating in [scene.rated_draft[0], 5.0, 7.0] {
             scene.rated_draft.fill(rating);
             scene.rated_buff.fill(buff * rating);
             let [all, row] = [EVERYTHING, WORST].map(|ask| {
-                let solution = memo.solve(&scene, &ask).expect("a solution");
+                let solution = Shared::EqualChains(&responses).solve(&scene, &ask).expect("a solution");
                 WorstRow::of(&scene, &solution)
             });
             prop_assert_eq!(row, all);
@@ -116,17 +117,4 @@ fn few_steps_are_looked_into() {
         let (all, few) = (looks(EVERYTHING), looks(WORST));
         assert!(all > 100 && 10 * few <= all, "{few} of {all} at a rating of {rating}");
     }
-}
-
-/// Trains of one kind whose ratings are out of reach are solved once, whatever their ratings.
-#[test]
-fn ratings_out_of_reach_do_not_matter() {
-    let memo = Memo::new(1 << 20);
-    for rating in [4.0, 4.7, 5.5] {
-        memo.solve(&uniform(30, true, rating), &WORST).expect("a solution");
-    }
-    assert_eq!(memo.counts(), (2, 1));
-    // Where one is reached the train has its own.
-    memo.solve(&uniform(30, true, 1.7), &EVERYTHING).expect("a solution");
-    assert_eq!(memo.counts(), (2, 2), "everything is another question");
 }

@@ -1,0 +1,375 @@
+//! The response of every spring to a unit step or pulse of force, from which every load and every rating can be judged.
+//!
+//! `F_i(t) = F_i(0) + f R_i(t)`, and R depends on the chain, the source of the force and its duration alone. Of R and of -R the records are
+//! kept: each step of a march in which it rises above all that came before, with its largest value there. The largest force is that at the
+//! last record; it first passes its rating in the first record over the level `(rating - F_i(0)) / |f|`, and at which instant the forces at
+//! both ends of that step say, as along a march ([`super::between`]).
+//!
+//! Bound: |f| times that of R, and the rounding of the product and of the sum.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::between::{Step, jet, piece};
+use super::local::{Local, Point};
+use super::motion::{BLOCK, Motion, any_opens, bracket, least_slope, opening};
+use super::propagator::{self, See, View, block, march};
+use super::watch::{Side, SpringPeaks, searched};
+use super::{Ask, Method, Solution, Wanted, Work};
+use crate::chain::Scene;
+
+/// A rise under this share of the error bound is no record.
+const GRAIN: f64 = 0.125;
+/// Error bounds under its rating within which a spring stands at it: what it then does is judged by a march of its own.
+const AT_RATING: f64 = 8.0;
+
+/// The response of a scene's springs to a unit forward force.
+#[derive(Debug)]
+pub struct UnitResponse {
+    motion: Motion,
+    horizon: f64,
+    /// No value is further than this from that of the exact response.
+    bound: f64,
+    /// The largest value of any spring.
+    largest: f64,
+    /// Steps with a record.
+    steps: Vec<Kept>,
+    rows: Vec<Row>,
+    /// Records of R and of -R, spring by spring.
+    records: Vec<[Vec<Record>; 2]>,
+    /// The horizon and the mark that were asked for last, and the largest R and -R up to them.
+    latest: Mutex<Option<([f64; 2], Tops)>>,
+}
+
+/// A step, and the places of the forces at its ends.
+#[derive(Debug)]
+struct Kept {
+    step: Step,
+    rows: [usize; 2],
+}
+
+/// Forces of all springs at an instant; those before and behind these are zero.
+#[derive(Debug)]
+struct Row {
+    first: usize,
+    forces: Box<[f64]>,
+}
+
+/// The largest value of a side up to the horizon, and up to the mark: 0 at t = 0 before the first record.
+type Top = [Point; 2];
+
+/// Those of R and of -R, spring by spring.
+type Tops = Arc<[[Top; 2]]>;
+
+/// A new largest value, and the number of its step among those that are kept.
+#[derive(Clone, Copy, Debug)]
+struct Record {
+    step: u32,
+    top: Point,
+}
+
+/// How a scene comes from a response: counted from the other end, and in other units of time.
+#[derive(Clone, Copy, Debug)]
+pub struct Way {
+    /// The response is of the scene counted from the other end, where forward is backward.
+    pub mirrored: bool,
+    /// The response's unit of time, where it is not the scene's.
+    pub time: Option<f64>,
+}
+
+/// A side that certainly passes its rating after t = 0: which, and in which record.
+struct Passing {
+    spring: usize,
+    negative: bool,
+    record: Record,
+}
+
+impl UnitResponse {
+    /// Marches through the scene under a unit forward force; the scene's own forces and ratings play no part.
+    pub fn new(scene: &Scene, omega_max: f64) -> UnitResponse {
+        let springs = scene.initial.len();
+        let motion = Motion::new(scene);
+        let bound = propagator::error_bound(scene, omega_max);
+        let grain = GRAIN * bound;
+        let padded = |s: usize| if s < springs { grain } else { f64::INFINITY };
+        let levels = [0, 1].map(|_| (0..springs.next_multiple_of(BLOCK)).map(padded).collect());
+        let (steps, rows, records) = (Vec::new(), Vec::new(), vec![Default::default(); springs]);
+        let horizon = scene.horizon;
+        let mut recorder = Recorder { horizon, motion: &motion, levels, grain, last: u64::MAX, steps, rows, records };
+        march(scene, &motion, omega_max, 0.01 * grain, &mut recorder);
+        let Recorder { steps, rows, mut records, .. } = recorder;
+        records.iter_mut().flatten().for_each(Vec::shrink_to_fit);
+        let tops = records.iter().flatten().filter_map(|of_side| Some(of_side.last()?.top.value));
+        let largest = tops.fold(0.0, f64::max);
+        let latest = Mutex::default();
+        UnitResponse { horizon, bound: searched(bound), largest, steps, rows, records, latest, motion }
+    }
+
+    /// What it takes in memory, about, bytes.
+    pub fn bytes(&self) -> usize {
+        let records: usize = self.records.iter().flatten().map(|of_side| size_of_val(of_side.as_slice())).sum();
+        let rows: usize = self.rows.iter().map(|row| size_of::<Row>() + size_of_val(&*row.forces)).sum();
+        let of_spring = size_of::<[Vec<Record>; 2]>() + size_of::<[Top; 2]>() + size_of::<[f64; 6]>();
+        records + rows + size_of_val(self.steps.as_slice()) + self.records.len() * of_spring
+    }
+
+    /// Extremes of every spring of a scene whose response this is; `None` where its bound is over the tolerance, or a spring stands at
+    /// its rating before the event, as near as forces are known.
+    pub fn solution(&self, scene: &Scene, ask: &Ask, way: Way) -> Option<Solution> {
+        let size = scene.force.abs();
+        let bound = self.bound_of(scene, way);
+        if bound > ask.tolerance {
+            return None;
+        }
+        let springs = scene.initial.len();
+        let turned = (scene.force < 0.0) != way.mirrored;
+        let place = |i: usize| if way.mirrored { springs - 1 - i } else { i };
+        let (unit, mark) = (way.time.unwrap_or(1.0), ask.mark.unwrap_or(scene.horizon));
+        let tops = self.tops([scene.horizon, mark].map(|until| way.in_its_unit(until)));
+        let mut peaks = Vec::with_capacity(springs);
+        let mut to_mark = Vec::with_capacity(if ask.mark.is_some() { springs } else { 0 });
+        let mut passing: Vec<Passing> = Vec::new();
+        for i in 0..springs {
+            let (of_spring, records) = (&tops[place(i)], &self.records[place(i)]);
+            let mut side = |negative: bool| {
+                let top = &of_spring[usize::from(negative != turned)];
+                let (before, rating) = before(scene, i, negative);
+                if before <= rating && before > rating - AT_RATING * bound {
+                    return None;
+                }
+                let largest = |top: Point, until: f64| {
+                    let value = before + size * top.value;
+                    Point { at: if value > before { (unit * top.at).min(until) } else { 0.0 }, value }
+                };
+                let (best, first) = (largest(top[0], scene.horizon), (before > rating).then_some(0.0));
+                if first.is_none() && best.value > rating + bound {
+                    let over = |record: &Record| before + size * record.top.value > rating + bound;
+                    let records = &records[usize::from(negative != turned)];
+                    let record = records[records.partition_point(|record| !over(record))];
+                    passing.push(Passing { spring: i, negative, record });
+                }
+                let up_to = |best: Point| Side::known(best, first, best.value > rating - bound);
+                Some([up_to(best), up_to(largest(top[1], mark))])
+            };
+            let [draft, buff] = [side(false)?, side(true)?];
+            peaks.push(SpringPeaks { draft: draft[0], buff: buff[0] });
+            if ask.mark.is_some() {
+                to_mark.push(SpringPeaks { draft: draft[1], buff: buff[1] });
+            }
+        }
+        // Of the worst alone the earliest exceedance of all is to be exact.
+        let over_at_once =
+            peaks.iter().any(|p: &SpringPeaks| p.draft.first_over.is_some() || p.buff.first_over.is_some());
+        let earliest = if over_at_once { None } else { passing.iter().map(|p| p.record.step).min() };
+        for Passing { spring, negative, record } in passing {
+            let step = &self.steps[record.step as usize].step;
+            let is_exact = ask.wanted == Wanted::Everything || Some(record.step) == earliest;
+            let at = if is_exact {
+                let (before, rating) = before(scene, spring, negative);
+                self.passes(record, place(spring), negative != turned, (rating - before) / size)
+            } else {
+                step.from + step.width
+            };
+            let over = |peaks: &mut SpringPeaks, until: f64| {
+                let side = if negative { &mut peaks.buff } else { &mut peaks.draft };
+                side.first_over = Some((unit * at).min(until));
+            };
+            over(&mut peaks[spring], scene.horizon);
+            let rating = before(scene, spring, negative).1;
+            if let Some(peaks) = to_mark.get_mut(spring).filter(|p| p.side(negative).best.value > rating + bound) {
+                over(peaks, mark);
+            }
+        }
+        Some(Solution {
+            method: Method::Propagator,
+            reason: "from the response to a unit force, which other loads and ratings share".to_owned(),
+            error_bound: bound,
+            springs: peaks.into_iter().map(Some).collect(),
+            to_mark: to_mark.into_iter().map(Some).collect(),
+            all_time_bounds: None,
+            work: Work::default(),
+        })
+    }
+
+    /// Bound on the error of a scene's forces.
+    ///
+    /// In other units of time the response is that of a horizon which is moved by six roundings of it, for each of the two steps of a pulse,
+    /// and of a duration moved by as much; R changes by at most 1 per unit of time: a unit impulse gives a unit mass the energy 1/2,
+    /// and a spring of stiffness 1 never stores more.
+    fn bound_of(&self, scene: &Scene, way: Way) -> f64 {
+        let size = scene.force.abs();
+        let initial = scene.initial.iter().fold(0.0f64, |a, f| a.max(f.abs()));
+        let units = way.time.map_or(0.0, |_| f64::EPSILON * (2.0 * self.largest + 12.0 * self.horizon));
+        size * (self.bound + units) + f64::EPSILON * (initial + 2.0 * size * self.largest)
+    }
+
+    /// The largest R and -R up to a horizon and up to a mark.
+    fn tops(&self, until: [f64; 2]) -> Tops {
+        let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, tops)) = latest.as_ref().filter(|(known, _)| *known == until) {
+            return tops.clone();
+        }
+        let springs = 0..self.records.len();
+        let [horizon, mark] = until.map(|until| {
+            // Steps that end by then; the last one may round to end just before or behind the horizon.
+            let is_all = until >= self.horizon * (1.0 - 8.0 * f64::EPSILON);
+            let ended = self.steps.partition_point(|kept| is_all || kept.step.from + kept.step.width <= until);
+            let top = |s: usize, negative: bool| self.top(s, negative, ended, until);
+            springs.clone().map(|s| [top(s, false), top(s, true)]).collect::<Vec<_>>()
+        });
+        let tops: Tops = springs.map(|s| [0, 1].map(|side| [horizon[s][side], mark[s][side]])).collect();
+        *latest = Some((until, tops.clone()));
+        tops
+    }
+
+    /// The largest value of a side up to an instant, by which so many of the kept steps have ended.
+    fn top(&self, spring: usize, negative: bool, ended: usize, until: f64) -> Point {
+        let records = &self.records[spring][usize::from(negative)];
+        let before = records.partition_point(|record| (record.step as usize) < ended);
+        let best = before.checked_sub(1).map_or(Point { at: 0.0, value: 0.0 }, |last| records[last].top);
+        let next = records.get(before).filter(|next| next.step as usize == ended);
+        let cut = next.and_then(|next| {
+            let local = self.force(*next, spring, negative);
+            let end = ((until - local.center) / local.radius).min(1.0);
+            let top = if end > -1.0 { local.largest(-1.0, end, best.value) } else { None }?;
+            Some(Point { at: local.time(top.at), value: top.value })
+        });
+        cut.unwrap_or(best)
+    }
+
+    /// A side's response over the step of a record.
+    fn force(&self, record: Record, spring: usize, negative: bool) -> Local {
+        let Kept { step, rows } = &self.steps[record.step as usize];
+        let local = piece(&self.motion, step, spring, |end, s| self.rows[rows[end]].at(s));
+        if negative { local.negated() } else { local }
+    }
+
+    /// When a side passes a level, which it does in a record's step.
+    fn passes(&self, record: Record, spring: usize, negative: bool, level: f64) -> f64 {
+        let local = self.force(record, spring, negative);
+        local.time(local.first_over(-1.0, 1.0, level).unwrap_or(1.0))
+    }
+}
+
+impl Way {
+    /// A time in the response's unit. Whole transits are whole numbers but for roundoff.
+    pub fn in_its_unit(self, time: f64) -> f64 {
+        let Some(unit) = self.time else { return time };
+        let (own, whole) = (time / unit, (time / unit).round());
+        if (own - whole).abs() <= 4.0 * f64::EPSILON * whole { whole } else { own }
+    }
+}
+
+/// A side's force before the event, and its rating.
+fn before(scene: &Scene, spring: usize, negative: bool) -> (f64, f64) {
+    if negative {
+        (-scene.initial[spring], scene.rated_buff[spring])
+    } else {
+        (scene.initial[spring], scene.rated_draft[spring])
+    }
+}
+
+impl Row {
+    fn new(forces: &[f64]) -> Row {
+        let first = forces.iter().position(|f| *f != 0.0).unwrap_or(0);
+        let end = forces.iter().rposition(|f| *f != 0.0).map_or(first, |last| last + 1);
+        Row { first, forces: forces[first..end].into() }
+    }
+
+    fn at(&self, spring: usize) -> f64 {
+        self.forces.get(spring.wrapping_sub(self.first)).copied().unwrap_or(0.0)
+    }
+}
+
+/// Takes the records out of a march.
+struct Recorder<'a> {
+    horizon: f64,
+    motion: &'a Motion,
+    /// Per sign and spring: what R, or -R, has to pass for a record; whole blocks of springs.
+    levels: [Vec<f64>; 2],
+    grain: f64,
+    /// The step whose end is the last row.
+    last: u64,
+    steps: Vec<Kept>,
+    rows: Vec<Row>,
+    records: Vec<[Vec<Record>; 2]>,
+}
+
+impl See for Recorder<'_> {
+    #[inline(always)]
+    fn see(&mut self, view: &View) {
+        let mut any = false;
+        for number in view.range.start / BLOCK..view.range.end.div_ceil(BLOCK) {
+            let from = number * BLOCK;
+            let open = sift(view, &self.levels, from, view.norms[number]);
+            if any_opens(open) {
+                for spring in (from..from + BLOCK).filter(|s| open[s - from] > 0.0) {
+                    any |= self.record(view, spring, view.norms[number]);
+                }
+            }
+        }
+        if any {
+            self.keep(view);
+        }
+    }
+}
+
+/// How far the quick bounds of a block's springs over the step pass their levels.
+#[inline(always)]
+fn sift(view: &View, levels: &[Vec<f64>; 2], from: usize, norm: f64) -> [f64; BLOCK] {
+    let (f0, f1) = (block(view.force[0], from + 1), block(view.force[1], from + 1));
+    let (q0, q1) = (block(view.bend[0], from + 1), block(view.bend[1], from + 1));
+    let remainder = block(&view.remainders[0], from);
+    let (high, low) = (block(&levels[0], from), block(&levels[1], from));
+    let mut open = [0.0; BLOCK];
+    for l in 0..BLOCK {
+        let level = [high[l], low[l]];
+        open[l] = opening([f0[l], f1[l]], [q0[l], q1[l]], norm * remainder[l], level, level, false);
+    }
+    open
+}
+
+impl Recorder<'_> {
+    /// Whether a spring has a record in a step; it is noted.
+    #[inline]
+    fn record(&mut self, view: &View, spring: usize, norm: f64) -> bool {
+        let step = &view.step;
+        let at = |end: usize, s: usize| view.force[end][s + 1];
+        let ends = [0, 1].map(|end| jet(self.motion, step, spring, |s| at(end, s)));
+        let remainder = view.remainders[1][spring] * norm;
+        let mut any = false;
+        for negative in [false, true] {
+            let sign = if negative { -1.0 } else { 1.0 };
+            let ends = ends.map(|jet| jet.map(|x| sign * x));
+            let level = self.levels[usize::from(negative)][spring];
+            if bracket(ends, remainder)[1] <= level {
+                continue;
+            }
+            let top = if least_slope(ends, remainder) > 0.0 {
+                Some(Point { at: step.from + step.width, value: ends[1][0] }).filter(|end| end.value > level)
+            } else {
+                let local = piece(self.motion, step, spring, at);
+                let local = if negative { local.negated() } else { local };
+                let end = ((self.horizon - local.center) / local.radius).min(1.0);
+                local.largest(-1.0, end, level).map(|top| Point { at: local.time(top.at), value: top.value })
+            };
+            let Some(top) = top else { continue };
+            let record = Record { step: self.steps.len() as u32, top };
+            self.records[spring][usize::from(negative)].push(record);
+            self.levels[usize::from(negative)][spring] = top.value + self.grain;
+            any = true;
+        }
+        any
+    }
+
+    /// Keeps the forces at both ends of a step.
+    fn keep(&mut self, view: &View) {
+        let springs = 1..self.records.len() + 1;
+        // The end of the step before is the beginning of this one.
+        if view.step.number == 0 || self.last != view.step.number - 1 {
+            self.rows.push(Row::new(&view.force[0][springs.clone()]));
+        }
+        self.rows.push(Row::new(&view.force[1][springs]));
+        self.last = view.step.number;
+        self.steps.push(Kept { step: view.step, rows: [self.rows.len() - 2, self.rows.len() - 1] });
+    }
+}

@@ -1,0 +1,264 @@
+//! Responses to a unit force, each found once and shared by all scenes that differ from its own in loads, ratings and force alone.
+//!
+//! Whether a scene is solved from a response depends on the scene and on what is shared, never on what is remembered: a result is
+//! the same to the last bit in whatever order and on however many threads.
+//!
+//! An equal chain is brought to mass 1 and stiffness 1, times in units of `sqrt(mass / stiffness)`. Of it and its mirror image (counted from
+//! the other end, where forward is backward, while tension stays tension) the one whose source is nearer to its tail stands for both.
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+use super::closed_form::equal;
+use super::response::{UnitResponse, Way};
+use super::{Ask, Method, Solution, SolveError, plan, propagator, solve};
+use crate::chain::{Chain, Scene};
+
+/// Springs of the longest equal chain whose response is kept: that of a longer one takes longer than to solve some scenes of it.
+const LONGEST: usize = 256;
+/// Forces along a march, bytes, over which a response is not kept.
+const MOST_BYTES: f64 = (64 << 20) as f64;
+
+/// A response may take so many times as long as a scene by the fastest method.
+const MOST_TIMES: f64 = 10.0;
+
+/// Which scenes are solved from responses.
+#[derive(Clone, Copy, Debug)]
+pub enum Shared<'a> {
+    /// None.
+    Nothing,
+    /// Those of equal chains, which trains of any masses and stiffnesses share.
+    EqualChains(&'a Responses),
+    /// Those of all chains: for many loads and ratings of the same train.
+    EveryChain(&'a Responses),
+}
+
+impl Shared<'_> {
+    /// [`solve`], from a response where the scene is of the shared ones and its bound is within the tolerance.
+    ///
+    /// # Errors
+    /// As for [`solve`].
+    pub fn solve(&self, scene: &Scene, ask: &Ask) -> Result<Solution, SolveError> {
+        let (responses, is_shared) = match *self {
+            Shared::Nothing => return solve(scene, ask),
+            Shared::EqualChains(responses) => (responses, equal(&scene.chain).is_some()),
+            Shared::EveryChain(responses) => (responses, true),
+        };
+        let by_march =
+            matches!(ask.method, None | Some(Method::Propagator)) && !ask.verdict_only && !ask.all_time_bound;
+        if is_shared && by_march && scene.force != 0.0 {
+            let (question, way) = Question::of(scene);
+            let (entry, is_new) = responses.entry(&question);
+            let solution = entry.response().and_then(|response| response.solution(scene, ask, way));
+            responses.count(!is_new && solution.is_some());
+            if let Some(solution) = solution {
+                return Ok(solution);
+            }
+        } else {
+            responses.count(false);
+        }
+        solve(scene, ask)
+    }
+}
+
+/// Responses by what they answer, of bounded size; shared by threads.
+#[derive(Debug)]
+pub struct Responses {
+    /// Bytes that the younger half may have.
+    half: usize,
+    shelves: Mutex<Shelves>,
+    hits: AtomicU64,
+    solved: AtomicU64,
+}
+
+/// Two generations: when the young one is full it becomes the old one, and the old one is forgotten.
+#[derive(Debug, Default)]
+struct Shelves {
+    young: HashMap<u64, Arc<Entry>>,
+    old: HashMap<u64, Arc<Entry>>,
+    bytes: usize,
+}
+
+/// A question, and the response once it is found; `None` where a march is not worth its time.
+#[derive(Debug)]
+struct Entry {
+    question: Question<'static>,
+    response: OnceLock<Option<UnitResponse>>,
+}
+
+/// All that a response depends on. Times are in its own unit, as are mass and stiffness.
+#[derive(Clone, Debug, PartialEq)]
+struct Question<'a> {
+    chain: Cow<'a, Chain>,
+    source: usize,
+    duration: f64,
+    horizon: f64,
+}
+
+impl Responses {
+    /// Responses of at most about so many bytes; with none nothing is remembered, and every result is the same.
+    pub fn new(bytes: usize) -> Responses {
+        let (hits, solved) = (AtomicU64::new(0), AtomicU64::new(0));
+        Responses { half: bytes / 2, shelves: Mutex::default(), hits, solved }
+    }
+
+    /// Scenes whose response was known, and responses and scenes that were marched or solved.
+    pub fn counts(&self) -> (u64, u64) {
+        (self.hits.load(Ordering::Relaxed), self.solved.load(Ordering::Relaxed))
+    }
+
+    fn count(&self, is_hit: bool) {
+        if is_hit { &self.hits } else { &self.solved }.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// The entry of a question with its response, and whether it was found just now.
+    fn entry(&self, question: &Question) -> (Arc<Entry>, bool) {
+        let hash = question.hash();
+        let (entry, is_kept) = self.shelved(hash, question);
+        let mut is_new = false;
+        // Other threads that ask the same wait for the first.
+        entry.response.get_or_init(|| {
+            is_new = true;
+            entry.question.response()
+        });
+        if is_new && is_kept {
+            self.weigh(hash, &entry);
+        }
+        (entry, is_new)
+    }
+
+    /// The entry of a question, made if need be, and whether it is kept.
+    fn shelved(&self, hash: u64, question: &Question) -> (Arc<Entry>, bool) {
+        let mut shelves = self.shelves.lock().unwrap_or_else(PoisonError::into_inner);
+        let shelves = &mut *shelves;
+        let known = shelves.young.get(&hash).or_else(|| shelves.old.get(&hash)).cloned();
+        let is_other = |entry: &Arc<Entry>| entry.question != *question;
+        if let Some(entry) = known.filter(|entry| !is_other(entry)) {
+            if shelves.old.remove(&hash).is_some() {
+                shelves.put(hash, entry.clone(), self.half);
+            }
+            return (entry, true);
+        }
+        let entry = Arc::new(Entry { question: question.own(), response: OnceLock::new() });
+        // Two questions of one hash are as good as never met: then the first stays.
+        let is_kept = self.half > 0 && !shelves.young.contains_key(&hash) && !shelves.old.contains_key(&hash);
+        if is_kept {
+            shelves.young.insert(hash, entry.clone());
+        }
+        (entry, is_kept)
+    }
+
+    /// Takes account of the size of an entry whose response was just found.
+    fn weigh(&self, hash: u64, entry: &Arc<Entry>) {
+        let mut shelves = self.shelves.lock().unwrap_or_else(PoisonError::into_inner);
+        shelves.young.remove(&hash);
+        shelves.old.remove(&hash);
+        shelves.put(hash, entry.clone(), self.half);
+    }
+}
+
+impl Shelves {
+    fn put(&mut self, hash: u64, entry: Arc<Entry>, half: usize) {
+        let bytes = entry.bytes();
+        if bytes > half {
+            return;
+        }
+        if self.bytes + bytes > half {
+            self.old = std::mem::take(&mut self.young);
+            self.bytes = 0;
+        }
+        self.young.insert(hash, entry);
+        self.bytes += bytes;
+    }
+}
+
+impl Entry {
+    fn response(&self) -> Option<&UnitResponse> {
+        self.response.get().and_then(Option::as_ref)
+    }
+
+    fn bytes(&self) -> usize {
+        200 + 16 * self.question.chain.mass.len() + self.response().map_or(0, UnitResponse::bytes)
+    }
+}
+
+impl<'a> Question<'a> {
+    /// What a scene asks, and how its solution comes from the response.
+    fn of(scene: &'a Scene) -> (Question<'a>, Way) {
+        let Scene { chain, source, duration, horizon, .. } = scene;
+        let own = Question { chain: Cow::Borrowed(chain), source: *source, duration: *duration, horizon: *horizon };
+        let Some((mass, stiffness)) = equal(chain) else {
+            return (own, Way { mirrored: false, time: None });
+        };
+        let time = (mass / stiffness).sqrt();
+        let last = chain.stiffness.len();
+        let from_tail = (last - source, chain.held_tail);
+        let mirrored = (*source, chain.held_head) < from_tail;
+        let way = Way { mirrored, time: Some(time) };
+        let own_horizon = way.in_its_unit(*horizon);
+        let [held_head, held_tail] =
+            if mirrored { [chain.held_tail, chain.held_head] } else { [chain.held_head, chain.held_tail] };
+        let chain = Chain { mass: vec![1.0; last + 1], stiffness: vec![1.0; last], held_head, held_tail };
+        let question = Question {
+            chain: Cow::Owned(chain),
+            source: if mirrored { last - source } else { *source },
+            duration: duration / time,
+            horizon: if *duration < *horizon { own_horizon } else { passages(last as f64, own_horizon) },
+        };
+        (question, way)
+    }
+
+    fn own(&self) -> Question<'static> {
+        Question { chain: Cow::Owned(self.chain.clone().into_owned()), ..*self }
+    }
+
+    /// The response, where a march is not much longer than other methods, and not too long for its forces to be kept.
+    fn response(&self) -> Option<UnitResponse> {
+        let springs = self.chain.stiffness.len();
+        let none = vec![f64::INFINITY; springs];
+        let scene = Scene {
+            chain: self.chain.clone().into_owned(),
+            source: self.source,
+            force: 1.0,
+            duration: self.duration,
+            initial: vec![0.0; springs],
+            rated_draft: none.clone(),
+            rated_buff: none,
+            horizon: self.horizon,
+        };
+        let is_equal = equal(&self.chain).is_some();
+        let omega_max = propagator::omega_max(&scene);
+        let forces = springs as f64 * propagator::steps(&scene, omega_max);
+        if is_equal && springs > LONGEST || 8.0 * forces > MOST_BYTES {
+            return None;
+        }
+        let seconds = |method: Option<Method>| {
+            let ask = Ask { tolerance: f64::INFINITY, method, ..Ask::default() };
+            plan::choose(&scene, &ask).ok().map(|plan| plan.seconds)
+        };
+        let is_fast = seconds(Some(Method::Propagator))? <= MOST_TIMES * seconds(None)?;
+        is_fast.then(|| UnitResponse::new(&scene, omega_max))
+    }
+
+    /// A mix of all bits (G. L. Steele, D. Lea, C. H. Flood, *OOPSLA 2014*, 453-472, a round of SplitMix64 for each number).
+    fn hash(&self) -> u64 {
+        let chain = &self.chain;
+        let flags = [chain.held_head, chain.held_tail].into_iter().fold(2, |all, flag| 2 * all + u64::from(flag));
+        let times = [self.duration, self.horizon];
+        let numbers = times.iter().chain(&chain.mass).chain(&chain.stiffness).map(|x| x.to_bits());
+        [flags, self.source as u64].into_iter().chain(numbers).fold(0, |all, word| {
+            let mixed = (all ^ word).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            (mixed ^ (mixed >> 29)).wrapping_add(0x9e37_79b9_7f4a_7c15)
+        })
+    }
+}
+
+/// The horizon of a response after a break that lasts as long as another one at least: four passages of a wave, or twice as many, or twice
+/// these and so on. Trains break into few long parts and many short ones, which then share their responses.
+fn passages(springs: f64, horizon: f64) -> f64 {
+    let doublings = (horizon / (4.0 * springs)).log2().ceil();
+    let longer = 4.0 * springs * doublings.exp2();
+    if longer >= horizon { longer } else { 2.0 * longer }
+}

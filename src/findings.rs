@@ -529,6 +529,17 @@ fn worst(
 /// A force within its error and under this share of a rating is none.
 const NOTHING: f64 = 1e-9;
 
+impl CouplerFindings {
+    /// Leaves out the largest force in the sense that is not that of the largest utilisation.
+    fn keep_one_sense(&mut self) {
+        if self.peak_force_n < 0.0 {
+            (self.peak_draft_n, self.peak_draft_time_s) = (None, None);
+        } else {
+            (self.peak_buff_n, self.peak_buff_time_s) = (None, None);
+        }
+    }
+}
+
 /// What was seen of a coupler's force, in draft and in buff.
 struct Seen {
     /// The largest F and the largest -F, N, of either sign, and when, s.

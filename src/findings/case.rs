@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use super::general::{self, Solved, Within};
 use super::{
-    CaseFindings, GapClosure, Options, RodFindings, Seen, ask, cascade, coupler_findings, first_passage,
-    largest_rating_n, limits, load_search, march, safe_factor, safe_speed, worst,
+    CaseFindings, CouplerFindings, GapClosure, Options, RodFindings, Seen, ask, cascade, coupler_findings,
+    first_passage, largest_rating_n, limits, load_search, march, safe_factor, safe_speed, worst,
 };
 use crate::chain::Scene;
 use crate::play::Rule;
@@ -126,7 +126,8 @@ pub(crate) fn case_findings(
         let options = Options { tolerance, wanted, verdict_only: false, ..options.clone() };
         Ok(case.solve_on(rated, [horizon_s; 2], &options)?.couplers)
     })?;
-    let passage = first_passage::note(&mut couplers, worst, horizon_s.min(passage_s), to_mark);
+    let error_n = march::error_n(error_bound_n, error_estimate_n);
+    let passage = first_passage::note(&mut couplers, worst, horizon_s.min(passage_s), to_mark, error_n);
     Ok(CaseFindings {
         first_passage_s: passage.end_s,
         is_record: matches!(scenario.event, Event::Shaped { shape: "record", .. }),
@@ -177,7 +178,7 @@ fn solved_by_parts(
     let scales = Scales::of(train);
     let mut within = [(); 2].map(|()| (Vec::new(), Vec::new()));
     let (mut method, mut reason, mut telling) = ("none", "no coupler is left to watch".to_owned(), (false, 0));
-    let (mut error_bound_n, mut left_out) = (0.0f64, Vec::new());
+    let (mut error_bound_n, mut left_out, mut only_worst) = (0.0f64, Vec::new(), false);
     for part in parts {
         let solution = match train.extras().damping_ratio {
             0.0 => shared.solve(&part.scene, ask)?,
@@ -191,6 +192,7 @@ fn solved_by_parts(
         }
         let error_n = solution.error_bound * scales.force_n;
         error_bound_n = error_bound_n.max(error_n);
+        only_worst |= solution.only_worst;
         let bound = |i: usize| solution.all_time_bounds.as_ref().map(|b| b[i] * scales.force_n);
         let left = solution.springs.iter().enumerate().filter(|(_, spring)| spring.is_none());
         left_out.extend(left.filter_map(|(i, _)| Some((part.first_coupler + i, bound(i)?))));
@@ -211,7 +213,10 @@ fn solved_by_parts(
         Within { couplers, worst }
     });
     let Within { couplers, worst } = to_horizon;
-    let to_mark = ask.mark.map(|_| to_mark);
+    let mut to_mark = ask.mark.map(|_| to_mark);
+    if let Some(within) = to_mark.as_mut().filter(|_| only_worst) {
+        within.couplers.iter_mut().for_each(CouplerFindings::keep_one_sense);
+    }
     let (error_estimate_n, marched) = (None, None);
     Ok(Solved { method, reason, error_bound_n, error_estimate_n, couplers, worst, left_out, to_mark, marched })
 }

@@ -64,6 +64,7 @@ pub(super) fn note(
     worst: Option<usize>,
     end_s: f64,
     within: Option<Within>,
+    error_n: f64,
 ) -> Passage {
     let told = |couplers: &mut [CouplerFindings]| {
         couplers.iter_mut().for_each(|c| c.first_passage = Some(FirstPassage::of(c)));
@@ -74,7 +75,7 @@ pub(super) fn note(
     };
     for c in &mut within.couplers {
         if let Some(whole) = of_number(couplers, c.coupler) {
-            no_larger(c, whole);
+            no_larger(c, whole, error_n);
         }
     }
     told(&mut within.couplers);
@@ -84,15 +85,20 @@ pub(super) fn note(
     passage(end_s, &within.couplers, within.worst)
 }
 
-/// A peak of the first passage that is also the largest of all was found twice, and the two may differ by rounding: the smaller counts.
-fn no_larger(c: &mut CouplerFindings, whole: &CouplerFindings) {
-    let least =
-        |own: Option<f64>, whole: Option<f64>| own.zip(whole).map(|(a, b)| if a.abs() > b.abs() { b } else { a });
-    let own_n = c.peak_force_n;
+/// A peak of the first passage that is also the largest of all was found twice, and the two may differ within their error: the smaller
+/// counts. Where only the worst coupler is asked for, that of another one up to the horizon may be unknown, and far smaller.
+fn no_larger(c: &mut CouplerFindings, whole: &CouplerFindings, error_n: f64) {
+    let is_same = |own: f64, whole: f64| (0.0..=2.0 * error_n).contains(&(own.abs() - whole.abs()));
+    let least = |own: Option<f64>, whole: Option<f64>| match (own, whole) {
+        (Some(own), Some(whole)) if is_same(own, whole) => Some(whole),
+        _ => own,
+    };
+    let (own_n, whole_n) = (c.peak_force_n, whole.peak_force_n);
     c.peak_draft_n = least(c.peak_draft_n, whole.peak_draft_n);
     c.peak_buff_n = least(c.peak_buff_n, whole.peak_buff_n);
-    c.peak_force_n = if own_n < 0.0 { c.peak_buff_n } else { c.peak_draft_n }.unwrap_or(own_n);
-    c.utilisation = c.utilisation.min(whole.utilisation);
+    if own_n.signum() == whole_n.signum() && is_same(own_n, whole_n) {
+        (c.peak_force_n, c.utilisation) = (whole_n, whole.utilisation);
+    }
 }
 
 fn passage(end_s: f64, within: &[CouplerFindings], worst: Option<usize>) -> Passage {

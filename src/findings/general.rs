@@ -100,6 +100,7 @@ pub(super) fn damped(scene: &Scene, ratio: f64, ask: &Ask) -> Result<Solution, S
         error_bound: damped.error_bound(),
         springs: springs.into_iter().map(Some).collect(),
         to_mark: to_mark.into_iter().map(Some).collect(),
+        only_worst: false,
         all_time_bounds: None,
         work,
     })

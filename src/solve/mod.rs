@@ -120,6 +120,8 @@ pub struct Solution {
     pub springs: Vec<Option<SpringPeaks>>,
     /// The same up to the mark; empty without one.
     pub to_mark: Vec<Option<SpringPeaks>>,
+    /// Only what [`Wanted::Worst`] promises is exact: of the worst spring the sense of its largest utilisation.
+    pub only_worst: bool,
     /// Bound on |F| over all time, in the scene's unit of force, where asked for or used to leave springs out.
     pub all_time_bounds: Option<Vec<f64>>,
     /// What it took.
@@ -204,6 +206,7 @@ fn at_rest(scene: &Scene, ask: &Ask) -> Solution {
         method: Method::Propagator,
         reason: "the event brings no force: nothing changes".to_owned(),
         error_bound: 0.0,
+        only_worst: false,
         to_mark: ask.mark.map_or_else(Vec::new, |_| springs.clone()),
         springs,
         all_time_bounds: ask.all_time_bound.then(|| scene.initial.iter().map(|f| f.abs()).collect()),

@@ -4,7 +4,7 @@
 //! for everyone, makes the counts comparable. The choice therefore depends on the scene alone, not on the machine or on what else runs on it.
 
 use super::watch::{SpringPeaks, hazy, searched};
-use super::{Ask, Method, Solution, SolveError, Work, closed_form, fronts, modal, propagator, search, sums};
+use super::{Ask, Method, Solution, SolveError, Wanted, Work, closed_form, fronts, modal, propagator, search, sums};
 use crate::chain::Scene;
 
 /// Nanoseconds for one spring in one exact step.
@@ -248,6 +248,7 @@ pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
         error_bound,
         springs: kept(&peaks[0]),
         to_mark: ask.mark.map_or_else(Vec::new, |_| kept(&peaks[1])),
+        only_worst: ask.wanted == Wanted::Worst && plan.method == Method::Propagator && !all_safe,
         all_time_bounds: bounds,
         work,
     }

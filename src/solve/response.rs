@@ -185,6 +185,7 @@ impl UnitResponse {
             error_bound: bound,
             springs: peaks.into_iter().map(Some).collect(),
             to_mark: to_mark.into_iter().map(Some).collect(),
+            only_worst: false,
             all_time_bounds: None,
             work: Work::default(),
         })

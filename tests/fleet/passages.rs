@@ -194,3 +194,38 @@ fn safe_factors_of_different_causes_are_told_apart() {
         assert!(figure.contains(&format!("safe factor on the {cause}")));
     }
 }
+
+/// What a row tells of the first passage is what an analysis tells of its worst coupler there: of a mixed train, whose rows come from
+/// searches for the worst alone.
+#[test]
+fn rows_tell_the_first_passage_as_analyses_do() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let train = fs::read_to_string("trains/mixed-manifest-train.toml").expect("a sample");
+    let breaks = train.find("[[scenario]]").map_or(train.as_str(), |at| &train[..at]).to_owned()
+        + "[[scenario]]\nname = \"each\"\nkind = \"break\"\ncoupler = \"each\"\n";
+    fs::write(folder.path().join("train.toml"), breaks).expect("a train");
+    assert!(fleet(folder.path(), &["train.toml", "--out", "out"]).status.success());
+    let rows = crate::fleets::rows(&folder.path().join("out/fleet.csv"));
+    let output = trainsafe(folder.path(), &["analyze", "train.toml", "--json"]);
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let cases = json["scenarios"][0]["cases"].as_array().expect("cases");
+    assert_eq!(rows.len(), cases.len());
+    for (row, case) in rows.iter().zip(cases) {
+        let worst = &case["worst_first_passage"];
+        assert_eq!(row["first_passage_worst_coupler"], worst["coupler"].to_string(), "{row:?}");
+        for (column, field) in
+            [("first_passage_utilisation", "utilisation"), ("first_passage_peak_force_n", "peak_force_n")]
+        {
+            let (told, due): (f64, f64) =
+                (row[column].parse().expect("a number"), worst[field].as_f64().expect("a number"));
+            assert!((told - due).abs() <= 1e-9 * due.abs(), "{column} {told} {due}");
+        }
+        // The other sense is exact or left out.
+        for sense in ["draft", "buff"] {
+            let told = &row[&format!("first_passage_peak_{sense}_n")];
+            let due = worst["first_passage"][format!("peak_{sense}_n")].as_f64();
+            let near = |n: f64| due.is_some_and(|due| (n - due).abs() <= 1e-9 * due.abs());
+            assert!(told.is_empty() || near(told.parse().expect("a number")), "{sense} {told} {due:?}");
+        }
+    }
+}

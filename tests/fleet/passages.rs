@@ -206,7 +206,7 @@ fn rows_tell_the_first_passage_as_analyses_do() {
     fs::write(folder.path().join("train.toml"), breaks).expect("a train");
     assert!(fleet(folder.path(), &["train.toml", "--out", "out"]).status.success());
     let rows = crate::fleets::rows(&folder.path().join("out/fleet.csv"));
-    let output = trainsafe(folder.path(), &["analyze", "train.toml", "--json"]);
+    let output = trainsafe(folder.path()).args(["analyze", "train.toml", "--json"]).output().expect("it runs");
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
     let cases = json["scenarios"][0]["cases"].as_array().expect("cases");
     assert_eq!(rows.len(), cases.len());

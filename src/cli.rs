@@ -12,8 +12,7 @@ const MOST_THREADS: usize = 1024;
 
 const STATUS: &str = "\
 Exit status: 0 the analysis ran, whatever it found; 1 a coupler exceeds, with --fail-on-exceed;
-2 bad usage or bad input; 3 the analysis ran for some trains and not for others; 4 the results
-could not be written.
+2 bad usage or bad input; 3 some trains failed; 4 the results could not be written.
 
 Example: trainsafe new > train.toml && trainsafe analyze train.toml";
 
@@ -57,7 +56,7 @@ pub struct Cli {
 
 #[derive(Debug, Args)]
 pub struct General {
-    /// Print errors only, besides the output of --json and of commands that print a file
+    /// Print only errors; --json and commands that print a file still print it
     #[arg(short, long, global = true, display_order = 100)]
     pub quiet: bool,
     /// Number of threads [default: the number of processors]
@@ -76,17 +75,17 @@ pub enum Command {
         after_help = "Example: trainsafe analyze trains/ore-train.toml --scenario \"the rear is hit\" --out study/rear"
     )]
     Analyze(Analyze),
-    /// Analyse many trains and what-ifs: a row for every case, and a report on all of them
+    /// Analyse many trains and what-ifs: one row for each case, and a report on all trains
     #[command(after_help = FLEET)]
     Fleet(Fleet),
-    /// Compare the error and run time of all methods, and of those that simulators use, on one train
+    /// Compare the error and run time of all methods and of common simulation methods on one train
     #[command(after_help = "Example: trainsafe accuracy trains/paper-figure-4.toml --out accuracy/figure-4")]
     Accuracy(Accuracy),
     /// Open a train's report as a page that computes every change at once (needs the feature serve)
     #[command(after_help = SERVE)]
     Serve(Serve),
     /// Check train files: what is wrong or doubtful, what each train is and what will be run
-    #[command(after_help = CHECK)]
+    #[command(after_help = CHECK, mut_arg("units", |arg| arg.help("Units of what is printed: si or us [default: the file's]")))]
     Check(Check),
     /// Print a commented train file to start from
     #[command(after_help = "Example: trainsafe new > train.toml")]
@@ -177,16 +176,16 @@ pub struct Analyze {
     /// Print result.json to standard output; write no files
     #[arg(long, conflicts_with_all = ["out", "units"])]
     pub json: bool,
-    /// Exit with status 1 if some coupler exceeds, or if this is not decided for some coupler up to the horizon
+    /// Exit with status 1 if some coupler exceeds, or if the computation cannot decide it for some coupler
     #[arg(long)]
     pub fail_on_exceed: bool,
-    /// Leave out couplers that cannot exceed their rating at any time
+    /// Leave out couplers that cannot exceed their rating at any time; none where limits are below ratings
     #[arg(long)]
     pub verdict_only: bool,
     /// Report a bound on every coupler's force over all time
     #[arg(long)]
     pub all_time_bound: bool,
-    /// Map the smallest overloading force by duration of a pulse, or the safe load by broken coupler
+    /// Also compute the smallest overloading force for each duration of a pulse, or the safe load for each broken coupler
     #[arg(long)]
     pub map: bool,
     #[command(flatten)]
@@ -201,14 +200,14 @@ pub struct Fleet {
     /// Folder for the results [default: reports/<stem of the only path>, or reports/fleet]
     #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Print a line of JSON for every case to standard output; write no files
+    /// Print one line of JSON for each case to standard output; write no files
     #[arg(long, conflicts_with_all = ["out", "resume", "work", "merge", "couplers"])]
     pub json: bool,
     /// Files to write, separated by commas; the others are made from fleet.csv and errors.csv, which are always written
     #[arg(long, value_name = "LIST", default_value = "csv,md", value_delimiter = ',',
           value_parser = fleet::FleetFormat::ALL.map(fleet::FleetFormat::name), conflicts_with_all = ["json", "work"])]
     pub format: Vec<String>,
-    /// Write the full reports of the N worst trains as well, in trains/ in the folder; fleet.html leads to them
+    /// Write the full reports of the N worst trains as well, in trains/ in the folder; fleet.html links to them
     #[arg(long, value_name = "N", default_value_t = 0, conflicts_with_all = ["json", "work"])]
     pub reports: usize,
     /// Continue the run in the folder: compute only what is missing
@@ -226,7 +225,7 @@ pub struct Fleet {
     /// Print the number of cases and about how long they will take, and stop
     #[arg(long, conflicts_with_all = ["json", "merge"])]
     pub dry_run: bool,
-    /// Exit with status 1 if some coupler exceeds, or if this is not decided for some coupler up to the horizon
+    /// Exit with status 1 if some coupler exceeds, or if the computation cannot decide it for some coupler
     #[arg(long, conflicts_with = "work")]
     pub fail_on_exceed: bool,
     #[command(flatten)]
@@ -250,7 +249,7 @@ pub struct Solver {
     /// The error each force may have, as a share of the largest rating; with slack, gears or brakes at least 1e-6
     #[arg(long, value_name = "SHARE", default_value = "1e-9", value_parser = share)]
     pub tolerance: f64,
-    /// Compute by this method [default: the one with the least work within the tolerance]
+    /// Compute by this method [default: the cheapest that reaches the tolerance]
     #[arg(long, value_name = "NAME", value_parser = ["fronts", "modal", "propagator"])]
     pub method: Option<String>,
 }

@@ -2,7 +2,7 @@
 
 mod cascade;
 mod case;
-mod date;
+pub(crate) mod date;
 mod doubts_found;
 mod estimate;
 mod evidence;

@@ -16,7 +16,7 @@ impl Sign {
     /// What a number is that cannot be here, and what would be right.
     pub(crate) fn refuses(self, value: f64) -> Option<[&'static str; 2]> {
         let right = match self {
-            Sign::Positive => "expected more than zero",
+            Sign::Positive => "expected a value above zero",
             Sign::NotNegative => "expected zero or more",
             Sign::NonZero => "expected a force other than zero",
             Sign::Any => "expected a finite number",

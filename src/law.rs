@@ -247,7 +247,7 @@ impl LawProblem {
         match self {
             LawProblem::NegativeBesideSlack(_) => "give it 0 or more, or leave slack out",
             LawProblem::Crossed { .. } => "with these two curves the force would fall while the coupler gets longer",
-            LawProblem::Stiffness(_) => "expected more than zero",
+            LawProblem::Stiffness(_) => "expected a value above zero",
             LawProblem::Slack(_) => "expected zero or more",
         }
     }

@@ -62,12 +62,7 @@ pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
         _ => outcome.warnings.iter().for_each(|warning| tell(&format!("warning: {warning}"))),
     }
     if outcome.scenes.0 > 0 {
-        tell(&format!(
-            "{} of trains solved, {} more {} the same as one of them",
-            count(outcome.scenes.1, "part"),
-            outcome.scenes.0,
-            if outcome.scenes.0 == 1 { "was" } else { "were" }
-        ));
+        tell(&format!("{} made, {} more reused", count(outcome.scenes.1, "calculation"), outcome.scenes.0,));
     }
     match outcome {
         Outcome { computed: 0, .. } => Err(Failure::Input),

@@ -45,7 +45,7 @@ def test_draws(ore):
         "vary": [{"key": "coupler.rated_load", "distribution": "uniform", "low": "0.5 MN", "high": "1.5 MN"}],
     }
     # The train is called by its own name, not by the place where it is kept for the run.
-    with pytest.warns(UserWarning, match="reaches 103 of 104 couplers of trains/ore-train.toml"):
+    with pytest.warns(UserWarning, match="is varied in 103 of 104 couplers of trains/ore-train.toml"):
         first, again = (list(trainsafe.fleet(ore, study=study)) for _ in range(2))
     assert len(first) == 40 * len(ore.scenarios)
     assert [r["utilisation"] for r in first] == [r["utilisation"] for r in again]

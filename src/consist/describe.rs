@@ -110,7 +110,7 @@ fn couplers(train: &Train) -> String {
     };
     let stiffness = match train.extras().laws.is_empty() {
         true => format!("stiffness {stiffness}"),
-        false => format!("secant stiffness of loading {stiffness}, for scales of time only"),
+        false => format!("mean stiffness in loading {stiffness} (used only for wave speed, transit and horizon)"),
     };
     format!("couplers: {stiffness}; rated {draft} in draft, {buff} in buff{damping}")
 }
@@ -137,7 +137,7 @@ pub(crate) fn of_parts(train: &Train) -> &'static str {
     let impact = train.scenarios().iter().any(|s| s.event.kind() == "impact");
     let loaded = train.initial_force_n().iter().any(|f| *f != 0.0) || train.extras().steady.is_some();
     if impact && loaded {
-        "; before an impact each part carries its own, and the coupler between them none"
+        "; before an impact each part carries its own load, and the coupler that joins them none"
     } else {
         ""
     }
@@ -165,7 +165,7 @@ fn scenario_line(train: &Train, scenario: &Scenario) -> String {
             [some @ .., last] if some.len() < 6 && some.len() + 1 < train.couplers().len() => {
                 let some: Vec<String> = some.iter().map(|b| (b + 1).to_string()).collect();
                 let which = format!("couplers {} and {}", some.join(", "), last + 1);
-                (format!("{which} of {} break, each alone", train.couplers().len()), some.len() + 1)
+                (format!("{which} of {} break, one at a time", train.couplers().len()), some.len() + 1)
             }
             many => {
                 let left_out = match scenario.left_out_in_buff.len() {
@@ -173,7 +173,7 @@ fn scenario_line(train: &Train, scenario: &Scenario) -> String {
                     n => format!(", and {n} in buff are left out"),
                 };
                 let total = train.couplers().len();
-                (format!("{} of {total} couplers break, each alone{left_out}", many.len()), many.len())
+                (format!("{} of {total} couplers break, one at a time{left_out}", many.len()), many.len())
             }
         },
         Event::Pulse { vehicle, force_n, duration_s } => {

@@ -43,11 +43,11 @@ fn kind(law: &Law, units: UnitSystem) -> String {
             format!("a spring of {} in draft, {} in buff", stiffness(*draft_n_per_m), stiffness(*buff_n_per_m))
         }
         Law::Gear { solid_n_per_m, draft, buff, .. } if draft == buff => {
-            format!("a gear, {}, in series with {}", gear(draft, units), stiffness(*solid_n_per_m))
+            format!("a gear in series with {} (it {})", stiffness(*solid_n_per_m), gear(draft, units))
         }
         Law::Gear { solid_n_per_m, draft, buff, .. } => {
             let [draft, buff, solid] = [gear(draft, units), gear(buff, units), stiffness(*solid_n_per_m)];
-            format!("a gear, in draft {draft}, in buff {buff}, in series with {solid}")
+            format!("a gear in series with {solid} (in draft it {draft}; in buff it {buff})")
         }
     }
 }
@@ -55,7 +55,7 @@ fn kind(law: &Law, units: UnitSystem) -> String {
 /// Stroke, work and share of it that is lost.
 fn gear(curve: &Curve, units: UnitSystem) -> String {
     format!(
-        "which closes after {} at {}; a full stroke takes {} and loses {:.0} % of it",
+        "closes after {} at {}, and a full stroke takes {}, of which {:.0} % is lost",
         shown(units, curve.stroke_m(), Dimension::Length),
         shown(units, curve.closes_at_n(), Dimension::Force),
         units.energy(curve.absorbed_j()),
@@ -84,7 +84,7 @@ fn at_the_load(train: &Train, couplers: &[usize], law: &Law) -> String {
         .map_or(String::new(), |n| format!(", let down from {}", shown(units, *n, Dimension::Force)));
     let sense = if force_n < 0.0 { "buff" } else { "draft" };
     let [travel, force] = [shown(units, travel_m, Dimension::Length), shown(units, force_n.abs(), Dimension::Force)];
-    format!("; at {force} in {sense}{from}, it and what is in series have moved {travel} beyond the slack")
+    format!("; at {force} in {sense}{from}, the connection is {travel} beyond the slack")
 }
 
 /// Points of a build-up told one by one.

@@ -444,13 +444,13 @@ pub(super) static SCENARIO: Shape = Shape {
             Key::optional(
                 "rise",
                 quantity(Dimension::Time, Sign::Positive),
-                "Of a trapezoid, which needs it: the time to its full size.",
+                "Of a trapezoid, which needs it: the time until the force is full.",
                 "10 ms",
             ),
             Key::optional(
                 "fall",
                 quantity(Dimension::Time, Sign::Positive),
-                "Of a trapezoid: the time from its full size; as long as the rise if absent.",
+                "Of a trapezoid: the time from the full force to none; as long as the rise if absent.",
                 "20 ms",
             ),
             Key::optional(

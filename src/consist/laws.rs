@@ -114,7 +114,7 @@ impl LawKeys {
             return Err(("stiffness_in_buff", "stiffness_in_buff beside a gear".to_owned(), help.to_owned()));
         }
         let Some(solid_n_per_m) = self.solid_n_per_m else {
-            let help = "add solid_stiffness = \"200 MN/m\", that of what is in series with the gear: wedges locked, gear closed";
+            let help = "add solid_stiffness = \"200 MN/m\", the stiffness of the parts in series with the gear (when it is locked or closed)";
             return Err(("gear", "a gear without solid_stiffness".to_owned(), help.to_owned()));
         };
         self.friction_is_used(gear)?;

@@ -105,7 +105,8 @@ fn load(root: &Table, vehicles: &[VehicleSpec], own: &[OwnLoad], labels: &Labels
     let right = "add uniform = \"0.6 MN\", the force in every coupler, draft positive, or rolling_resistance and grade";
     let uniform = table.require("uniform", right)?;
     if by_vehicle {
-        let title = "uniform gives the couplers' forces, and other keys give the forces that they come from";
+        let title =
+            "uniform sets the forces in the couplers directly and cannot be combined with forces on the vehicles";
         let help = "keep uniform, or else tractive_effort, rolling_resistance, grade and brake_force";
         return Err(uniform.wrong(title, help));
     }

@@ -194,7 +194,7 @@ fn ramps(table: &Table, shape: &str, duration_s: f64) -> Read<[f64; 2]> {
         }
         return Ok([0.0; 2]);
     }
-    let needed = table.require("rise", "add rise = \"10 ms\", how long the force takes to its full size");
+    let needed = table.require("rise", "add rise = \"10 ms\", the time until the force is full");
     let rise_s = rise?.unwrap_or_default();
     let needed = needed?;
     let fall_s = fall?.unwrap_or(rise_s);
@@ -267,7 +267,13 @@ fn brake(table: &Table, context: &Context) -> Read<Event> {
         }
         (None, None) => {
             let help = "add service = \"AAR\" or emergency = \"AAR\", or its wave and build-up";
-            return Err(table.wrong("the brake application has no course", help));
+            let help = match table.get("coupler") {
+                Some(_) => {
+                    "a coupler breaks with kind = \"break\"; brakes need service = \"AAR\" or emergency = \"AAR\""
+                }
+                None => help,
+            };
+            return Err(table.wrong("the brake application gives neither service nor emergency", help));
         }
         (emergency, service) => emergency.map(|v| (v, true)).or(service.map(|v| (v, false))),
     };

@@ -169,7 +169,7 @@ fn impact(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
     found.extend(overloaded(train, &before).map(|text| ("load-over-rating", text)));
     let joint = scenario.event.joint(train.vehicles().len());
     let (Some(joint), Event::Impact { speed_m_per_s, .. }) = (joint, &scenario.event) else { return found };
-    found.extend(super::plausible::fast(train, "the vehicles arrive at", *speed_m_per_s));
+    found.extend(super::plausible::fast_impact(train, *speed_m_per_s));
     let extras = train.extras();
     if let (Some(steady), Event::Impact { at_head, .. }) = (&extras.steady, &scenario.event) {
         let standing = if *at_head { joint + 1..train.vehicles().len() } else { 0..joint + 1 };
@@ -194,8 +194,8 @@ fn impact(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
     if let Some(&c) = extras.dashpot_n_s_per_m.get(joint).filter(|c| **c > 0.0) {
         let force = shown(units, c * speed_m_per_s, Dimension::Force);
         let text = format!(
-            "the dashpot of coupler {} carries {force} at the instant of contact, its damping times the speed, while the force of \
-             a draft gear begins at 0; compare with the impact without damping",
+            "at the instant of contact the dashpot of coupler {} carries {force}, its damping times the speed; the force of a real draft \
+             gear starts at 0: compute the impact without damping as well",
             joint + 1
         );
         found.push(("dashpot-at-contact", text));
@@ -203,14 +203,26 @@ fn impact(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
     found
 }
 
+/// A horizon that ends before a wave has crossed the train, or, where the forces from outside have stopped changing, before the first
+/// passage does.
 fn short_horizon(train: &Train, scenario: &Scenario) -> Option<Doubt> {
     let (ends, what) = match &scenario.event {
         Event::Break { couplers } => ([couplers.iter().min(), couplers.iter().max()], "the longest part"),
         _ => ([None; 2], "the train"),
     };
-    let transit_s = ends.into_iter().map(|b| longest_transit_s(train, b.copied())).fold(0.0, f64::max);
+    let longest_s = |of: &dyn Fn(Option<usize>) -> f64| ends.iter().map(|b| of(b.copied())).fold(0.0, f64::max);
+    let transit_s = longest_s(&|b| longest_transit_s(train, b));
+    let change_s = longest_s(&|b| last_change_s(train, scenario, b));
+    let passage_s = longest_s(&|b| last_change_s(train, scenario, b) + 2.0 * longest_transit_s(train, b));
     let horizon_s = longest_horizon_s(train, scenario);
-    let [horizon, transit] = [horizon_s, transit_s].map(shown_time);
-    let text = format!("the horizon of {horizon} ends before a wave has crossed {what}, {transit}");
-    (horizon_s < transit_s).then(|| Doubt::of_scenario("short-horizon", scenario, text))
+    let [horizon, transit, passage] = [horizon_s, transit_s, passage_s].map(shown_time);
+    if horizon_s < transit_s {
+        let text = format!("the horizon of {horizon} ends before a wave has crossed {what}, {transit}");
+        return Some(Doubt::of_scenario("short-horizon", scenario, text));
+    }
+    // An earlier horizon has doubts of its own.
+    let within = scenario.horizon_s.is_some() && (change_s..passage_s).contains(&horizon_s);
+    let text =
+        format!("the horizon of {horizon} ends before the first passage does, at {passage}: a larger force can follow");
+    within.then(|| Doubt::of_scenario("horizon-in-first-passage", scenario, text))
 }

@@ -20,8 +20,9 @@ const UNIT_KG: f64 = 10.0;
 const UNIT_N_PER_M: f64 = 100.0;
 /// Acceleration of a train, m/s2.
 const ACCELERATION_M_PER_S2: f64 = 0.3;
-/// Speed, m/s: 200 km/h.
+/// Speeds of a train and of vehicles that run into others, m/s: 200 and 40 km/h.
 const FAST_M_PER_S: f64 = 200.0 / 3.6;
+const FAST_IMPACT_M_PER_S: f64 = 40.0 / 3.6;
 /// Grade of a track, as a share.
 pub(crate) const STEEP: f64 = 0.1;
 
@@ -29,19 +30,31 @@ pub(crate) const STEEP: f64 = 0.1;
 pub(super) fn of_train(train: &Train) -> Vec<Doubt> {
     let sizes = || [masses(train), soft(train), ratings(train), faint_load(train), stretch(train)];
     let sizes = if in_own_units(train) { Default::default() } else { sizes() };
-    let speed = train.extras().speed_m_per_s.and_then(|speed| fast(train, "the train runs at", speed));
-    let speed = speed.map(|(code, text)| Doubt::of_train(code, text));
-    let others = [counted_in_label(train), acceleration(train), modal_damping(train), speed];
+    let others = [counted_in_label(train), acceleration(train), modal_damping(train), fast(train)];
     sizes.into_iter().chain(others).flatten().collect()
 }
 
 /// A speed, m/s, that no train with such couplers has.
-pub(super) fn fast(train: &Train, what: &str, speed_m_per_s: f64) -> Option<(&'static str, String)> {
+fn fast(train: &Train) -> Option<Doubt> {
+    let (speed, most) = over(train, train.extras().speed_m_per_s?, FAST_M_PER_S)?;
+    let text = format!("the train runs at {speed}, over {most}; check the number and its unit");
+    Some(Doubt::of_train("speed", text))
+}
+
+/// A speed of vehicles that run into others, m/s, at which none are coupled, as the words of a doubt.
+pub(super) fn fast_impact(train: &Train, speed_m_per_s: f64) -> Option<(&'static str, String)> {
+    let (speed, most) = over(train, speed_m_per_s, FAST_IMPACT_M_PER_S)?;
+    let text = format!(
+        "the vehicles arrive at {speed}, over {most}, faster than vehicles are coupled; check the number and its unit"
+    );
+    Some(("speed", text))
+}
+
+/// A speed and the one that it is above, m/s, in words.
+fn over(train: &Train, speed_m_per_s: f64, most_m_per_s: f64) -> Option<(String, String)> {
     let units = train.origin().units;
-    let speed = shown(units, speed_m_per_s, Dimension::Speed);
-    let most = rounded(units, FAST_M_PER_S, Dimension::Speed);
-    let text = format!("{what} {speed}, over {most}; check the number and its unit");
-    (speed_m_per_s > FAST_M_PER_S).then_some(("speed", text))
+    let words = || (shown(units, speed_m_per_s, Dimension::Speed), rounded(units, most_m_per_s, Dimension::Speed));
+    (speed_m_per_s > most_m_per_s).then(words)
 }
 
 /// A load under 1 kN: newtons or millinewtons where kilonewtons or meganewtons were probably meant.
@@ -80,7 +93,7 @@ fn masses(train: &Train) -> Option<Doubt> {
     let [light, heavy] = [LIGHT_KG, HEAVY_KG].map(|kg| rounded(units, kg, Dimension::Mass));
     let others = more(odd.count(), "vehicle");
     let text = format!(
-        "the mass of {}{others} is {mass}, under {light} or over {heavy}; check the number and its unit",
+        "the mass of {}{others} is {mass}, outside the usual {light} to {heavy}; check the number and its unit",
         first.label
     );
     Some(Doubt::of_train("mass", text))
@@ -90,7 +103,7 @@ fn soft(train: &Train) -> Option<Doubt> {
     let mut soft = (0..train.couplers().len()).filter(|&i| train.couplers()[i].stiffness_n_per_m < SOFT_N_PER_M);
     let (first, units) = (soft.next()?, train.origin().units);
     let text = format!(
-        "the stiffness of coupler {}{} is {}, under {}; check the number and its unit (kN/m for kN/mm?)",
+        "the stiffness of coupler {}{} is {}, under {}; check the number and its unit (was kN/mm meant?)",
         first + 1,
         more(soft.count(), "coupler"),
         shown(units, train.couplers()[first].stiffness_n_per_m, Dimension::Stiffness),
@@ -105,7 +118,7 @@ fn ratings(train: &Train) -> Option<Doubt> {
     let mut all = (0..train.couplers().len()).filter_map(|i| Some((i, odd(i)?)));
     let ((first, rating_n), units) = (all.next()?, train.origin().units);
     let text = format!(
-        "coupler {}{} is rated {}, under {} or over {}; check the number and its unit",
+        "coupler {}{} is rated {}, outside the usual {} to {}; check the number and its unit",
         first + 1,
         more(all.count(), "coupler"),
         shown(units, rating_n, Dimension::Force),
@@ -163,8 +176,9 @@ fn modal_damping(train: &Train) -> Option<Doubt> {
     let mass = train.vehicles().iter().filter(|v| !v.held).map(|v| v.mass_kg).fold(f64::INFINITY, f64::min);
     let dashpot = 2.0 * ratio * (train.couplers().first()?.stiffness_n_per_m * mass).sqrt();
     let text = format!(
-        "damping_ratio = {ratio} damps every mode of vibration by that share, which no device does and which takes off more than \
-         dashpots of that ratio; the published 0.14 to 0.26 are dashpots' c / 2 sqrt(k m): for them give [coupler] damping = {:?}",
+        "damping_ratio = {ratio} damps every mode of vibration by that share, and no device does that: it reduces forces more than dashpots \
+         of that ratio. The published ratios of draft gears, 0.14 to 0.26, are those of dashpots, c / 2 sqrt(k m). For such a dashpot give \
+         [coupler] damping = {:?}",
         shown(train.origin().units, dashpot, Dimension::Damping)
     );
     (ratio > 0.0).then(|| Doubt::of_train("modal-damping", text))

@@ -9,7 +9,7 @@ use sha2::{Digest, Sha256};
 
 use super::claims::{Claims, PLAN};
 use super::inputs::Inputs;
-use super::parts::{self, Run};
+use super::parts::{self, MadeFrom, Run};
 use super::plan::Plan;
 use super::{FleetError, Request, names, rows, study, variation};
 use crate::error::printable_path;
@@ -67,9 +67,12 @@ fn whole<I>(request: &Request, inputs: I) -> Whole<I> {
 impl<I: Serialize> Whole<I> {
     fn fingerprint(&self) -> String {
         // Nothing of it can fail to be JSON: its maps have numbers as keys, and its numbers are finite.
-        let bytes = serde_json::to_vec(self).unwrap_or_default();
-        Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+        hex(&Sha256::digest(serde_json::to_vec(self).unwrap_or_default()))
     }
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// What is run with these inputs.
@@ -89,7 +92,29 @@ pub fn description(request: &Request, inputs: &Inputs) -> Run {
         chunk_cases: plan.chunk_cases,
         notes: shown(inputs.notes()),
         columns: rows::columns(),
+        made_from: made_from(request, inputs),
         complete: false,
+    }
+}
+
+fn made_from(request: &Request, inputs: &Inputs) -> MadeFrom {
+    const LISTED: usize = 20;
+    // A study is given alone.
+    let study = inputs.study_sha256().zip(request.paths.first());
+    let sources = inputs.sources().into_iter().map(|source| (source.path.as_path(), source.sha256));
+    let all = study.map(|(sha256, path)| (path.as_path(), sha256)).into_iter().chain(sources);
+    let mut files: Vec<[String; 2]> = all.map(|(path, sha256)| [printable_path(path), hex(&sha256)]).collect();
+    let list: String = files.iter().map(|[path, sha256]| format!("{sha256}  {path}\n")).collect();
+    let file_count = files.len();
+    files.truncate(LISTED);
+    MadeFrom {
+        tolerance: format!("{:e}", request.options.tolerance),
+        method: request.options.method.map(|m| m.name().to_owned()),
+        seed: inputs.study.as_ref().and_then(|study| study.draws).map(|draws| draws.seed),
+        inputs: inputs.study_inputs(),
+        files,
+        file_count,
+        list_sha256: hex(&Sha256::digest(list)),
     }
 }
 

@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
 
 use super::FleetError;
 use super::base::Base;
@@ -18,6 +19,7 @@ use super::variation::{self, Reached, Varied};
 use crate::consist::{self, Files};
 use crate::error::printable_path;
 use crate::findings::Options;
+use crate::train::Source;
 
 /// The train files and the study, as they were found at the start. Kept in a plan file, it leaves out what only the first worker tells.
 #[derive(Serialize, Deserialize)]
@@ -105,6 +107,24 @@ impl Inputs {
         };
         let idle = self.files.iter().zip(&self.surveys).flat_map(idle);
         traces.chain(self.surveys.iter().flat_map(|survey| survey.notes.clone())).chain(idle).collect()
+    }
+
+    /// The files that some variation is read from, each once, in the order of their paths.
+    pub fn sources(&self) -> Vec<&Source> {
+        let mut all: Vec<&Source> = self.surveys.iter().flat_map(|survey| &survey.sources).collect();
+        all.sort_by(|a, b| a.path.cmp(&b.path).then(a.sha256.cmp(&b.sha256)));
+        all.dedup();
+        all
+    }
+
+    /// SHA-256 of the study file; `None` without a study.
+    pub fn study_sha256(&self) -> Option<[u8; 32]> {
+        self.study.as_ref().map(|_| Sha256::digest(&self.study_text).into())
+    }
+
+    /// Each input of the study: its key, its values or distribution as the study file gives them, and what has a draw of its own.
+    pub fn study_inputs(&self) -> Vec<[String; 3]> {
+        study::written(&self.study_text)
     }
 
     /// Words for the doubts about the first variation of each train.

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use super::parts::Run;
 use super::summary::Summary;
 use super::{FleetError, Request, fleet_md, page, probability, sections};
+use crate::findings::date;
 use crate::report::block::Block;
 use crate::report::files;
 
@@ -66,7 +67,8 @@ pub fn can_write(request: &Request) -> Result<(), FleetError> {
         let why = "this trainsafe was built without Parquet: build it with `cargo install --path . --features parquet`";
         return Err(FleetError::Usage(why.to_owned()));
     }
-    Ok(())
+    // Reports have it; a wrong one is told before anything is computed.
+    date::today().map(|_| ()).map_err(FleetError::Usage)
 }
 
 /// Writes the files that were asked for beside the tables of a complete run; the report among them, if there is one.
@@ -86,16 +88,17 @@ pub fn write(
         super::parquet_file::write(&dir.join(super::join::ROWS), run, summary, &dir.join(PARQUET))?;
     }
     let before = sections::before(run, summary);
+    let date = date::today().map_err(FleetError::Usage)?;
     let mut report = None;
     if formats.contains(&FleetFormat::Md) {
         let figures = before.iter().filter_map(|block| match block {
             Block::Figure(_, picture) => Some((picture.file.as_str(), picture.svg.clone())),
             _ => None,
         });
-        report = Some(put(dir, figures.chain([(MARKDOWN, fleet_md::fleet_md(run, summary, &before))]))?);
+        report = Some(put(dir, figures.chain([(MARKDOWN, fleet_md::fleet_md(run, summary, &before, &date))]))?);
     }
     if formats.contains(&FleetFormat::Html) {
-        report = Some(put(dir, [(HTML, page::page(run, summary, &before, links))].into_iter())?);
+        report = Some(put(dir, [(HTML, page::page(run, summary, &before, links, &date))].into_iter())?);
     }
     Ok(report)
 }

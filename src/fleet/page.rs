@@ -52,7 +52,7 @@ struct Trains<'a> {
 }
 
 /// The page; `reports` has the links to the reports of some trains, by their files.
-pub fn page(run: &Run, summary: &Summary, before: &[Block], reports: &HashMap<String, String>) -> String {
+pub fn page(run: &Run, summary: &Summary, before: &[Block], reports: &HashMap<String, String>, date: &str) -> String {
     let trains = summary.worst_first();
     let all = Trains { causes: &sections::causes(summary), reports };
     let (details, detailed) = written(trains.iter().take(DETAILED).enumerate().map(|(i, t)| all.details(i, t)));
@@ -94,7 +94,7 @@ pub fn page(run: &Run, summary: &Summary, before: &[Block], reports: &HashMap<St
          <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'\">\n\
          <title>{title}</title>\n<style>\n{colors}{STYLE}</style>\n</head>\n<body>\n<main>\n<h1>{title}</h1>\n\
          <div class=\"verdict {state}\">\n{verdict}</div>\n\
-         <p>Every case is a row of <a href=\"fleet.csv\">fleet.csv</a>; what could not be computed is in <a href=\"errors.csv\">errors.csv</a>.</p>\n\
+         <p>Every case is a row of <a href=\"fleet.csv\">fleet.csv</a>; {failed}.</p>\n\
          {before}<h2>Trains, worst first</h2>\n{notes}\
          <div class=\"filter\" id=\"filter\" hidden>\n\
          <label>Find <input type=\"search\" id=\"search\" autocomplete=\"off\"></label>\n\
@@ -106,9 +106,13 @@ pub fn page(run: &Run, summary: &Summary, before: &[Block], reports: &HashMap<St
         colors = css(),
         state = state(summary.harmful, summary.undecided_trains() + doubtful),
         verdict = paragraphs(&sections::verdict(run, summary), ""),
+        failed = match summary.failed {
+            0 => "no case failed",
+            _ => "what could not be computed is in <a href=\"errors.csv\">errors.csv</a>",
+        },
         before = blocks(before),
         notes = paragraphs(&notes, " class=\"note\""),
-        after = blocks(&sections::after(summary)),
+        after = blocks(&sections::after(summary)) + &blocks(&sections::made_from(run, date)),
     )
 }
 
@@ -242,7 +246,7 @@ fn blocks(blocks: &[Block]) -> String {
 }
 
 fn table(table: &Table, heading: &str) -> String {
-    let is_number = |cell: &str| cell.is_empty() || cell.parse::<f64>().is_ok();
+    let is_number = |cell: &str| cell.is_empty() || cell.replace('\u{2212}', "-").parse::<f64>().is_ok();
     let class = |i: usize| if table.rows.iter().all(|row| is_number(&row[i])) { NUMBER } else { "" };
     let classes: Vec<&str> = (0..table.head.len()).map(class).collect();
     let names = table.head.iter().zip(&classes);

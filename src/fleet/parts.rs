@@ -45,8 +45,30 @@ pub struct Run {
     /// The columns of its rows, but for a study's inputs; empty in a run of an earlier version.
     #[serde(default)]
     pub columns: String,
+    /// What its reports say they were made from.
+    #[serde(default)]
+    pub made_from: MadeFrom,
     /// All rows are in `fleet.csv`.
     pub complete: bool,
+}
+
+/// What the results of a run were made from.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MadeFrom {
+    /// The tolerance, a share of the largest rating.
+    pub tolerance: String,
+    /// The method that was asked for.
+    pub method: Option<String>,
+    /// The seed of a study's draws.
+    pub seed: Option<u64>,
+    /// Each input of the study: its key, its values or distribution as the study file gives them, and what has a draw of its own.
+    pub inputs: Vec<[String; 3]>,
+    /// The first files that were read, in the order of their paths, the study first: path and SHA-256 of each.
+    pub files: Vec<[String; 2]>,
+    /// How many files were read.
+    pub file_count: usize,
+    /// SHA-256 of the list of all files: a line `SHA-256  path` of each, as `sha256sum` writes it.
+    pub list_sha256: String,
 }
 
 impl Run {

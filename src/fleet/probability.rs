@@ -6,7 +6,7 @@ use super::statistics::{clopper_pearson, rank_correlation};
 use super::summary::{Summary, TrainSummary};
 use crate::report::block::{Block, Picture};
 use crate::report::figures;
-use crate::report::numbers::digits;
+use crate::report::numbers::percent;
 use crate::report::words::count;
 
 /// The file of the figure of influences.
@@ -36,10 +36,10 @@ impl Shares {
 
     /// The share, or between what it lies.
     fn estimate(&self) -> String {
-        let share = |k: usize| digits(k as f64 / self.draws as f64, 0.0, 4);
+        let share = |k: usize| percent(k as f64 / self.draws as f64);
         match self.open {
-            0 => share(self.harmful),
-            open => format!("{} to {}", share(self.harmful), share(self.harmful + open)),
+            0 => format!("{} %", share(self.harmful)),
+            open => format!("{} to {} %", share(self.harmful), share(self.harmful + open)),
         }
     }
 
@@ -47,7 +47,7 @@ impl Shares {
     fn interval(&self) -> String {
         let low = clopper_pearson(self.harmful, self.draws, MISS).0;
         let high = clopper_pearson(self.harmful + self.open, self.draws, MISS).1;
-        format!("{} to {}", digits(low, 0.0, 4), digits(high, 0.0, 4))
+        format!("{} to {} %", percent(low), percent(high))
     }
 }
 
@@ -83,10 +83,10 @@ pub fn shares(run: &Run, summary: &Summary) -> Vec<Block> {
     };
     let mut text = Vec::new();
     if run.drawn {
-        text.push("At least one coupler exceeds its rating in at least one case of the train. The interval is Clopper and Pearson's.".to_owned());
+        text.push("At least one coupler exceeds its rating in at least one case of the train. The 95 % interval is that of Clopper and Pearson.".to_owned());
         if run.latin_hypercube {
             text.push(
-                "The interval takes samples as independent; those of a Latin hypercube usually scatter less."
+                "The interval assumes independent draws; with a Latin hypercube the true uncertainty is usually smaller."
                     .to_owned(),
             );
         }
@@ -123,8 +123,8 @@ pub fn influences(run: &Run, summary: &Summary) -> Vec<Block> {
     found.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
     let mut text = vec![
         "Spearman's rank correlation of each input with the largest utilisation of a variation in any of its cases. Near 1 or \
-         \u{2212}1 the input dominates; near 0 it has little influence, or not in one direction only. Where a train has several \
-         scenarios, the one with the largest utilisation decides, and can hide what matters in the others."
+         \u{2212}1 the input dominates; near 0 it has little influence, or one that changes direction. Where a train has \
+         several scenarios, only the one with the largest utilisation counts; an input that matters in another can be missed."
             .to_owned(),
     ];
     if found.len() > SHOWN {
@@ -134,7 +134,7 @@ pub fn influences(run: &Run, summary: &Summary) -> Vec<Block> {
     if found.is_empty() {
         return Vec::new();
     }
-    let rows = found.iter().map(|(name, r)| vec![name.clone(), format!("{r:.3}")]).collect();
+    let rows = found.iter().map(|(name, r)| vec![name.clone(), format!("{r:.3}").replace('-', "\u{2212}")]).collect();
     let caption = "Rank correlation with the largest utilisation: to the right, the larger the input, the larger the utilisation.";
     let svg = figures::influences(&found, INFLUENCES.trim_end_matches(".svg"));
     let alt = "Influence of each input".to_owned();

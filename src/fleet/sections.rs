@@ -16,8 +16,8 @@ pub const LISTED: usize = 50;
 /// Rows of a table of couplers at most.
 const COUPLERS: usize = 20;
 /// What comes after the first passage.
-const LATER: &str = "Only later: the forces that exceed come from reflections after the first passage, which the losses of a real train \
-                     would reduce.";
+const LATER: &str = "\"Only later\" means that a rating is exceeded only after the first passage, by reflected waves, which the losses \
+                     of a real train would reduce.";
 /// The file of the figure of safe factors.
 pub const SAFE_FACTORS: &str = "figure-safe-factors.svg";
 
@@ -113,7 +113,7 @@ fn safe_factors(summary: &Summary) -> Vec<Block> {
         return Vec::new();
     }
     let caption = format!(
-        "Share of the {units} whose smallest safe factor is below x. Left of 1 a coupler is overloaded by the cause as it is given."
+        "Share of the {units} with a smaller safe factor than the value on the axis. Below 1 a coupler is overloaded without any increase."
     );
     let text = "The safe factor is the largest factor on the cause at which no coupler exceeds its rating.".to_owned();
     let svg = figures::safe_factors(&found, units, SAFE_FACTORS.trim_end_matches(".svg"));
@@ -181,7 +181,7 @@ fn overloaded(summary: &Summary) -> Vec<Block> {
         .into_iter()
         .map(|(place, [cases, _])| vec![place, cases.to_string()])
         .collect();
-    let head = [place_head(summary), "cases in which the worst coupler is there"];
+    let head = [place_head(summary), "cases in which it is the worst coupler"];
     listed("Where couplers are overloaded most", text, &head, rows)
 }
 
@@ -216,6 +216,38 @@ fn doubtful(summary: &Summary) -> Vec<Block> {
     more(&mut text, rows.len(), LISTED, "doubts");
     rows.truncate(LISTED);
     listed("Doubts", text, &["train", "file", "doubt", "cases with it"], rows)
+}
+
+/// What the run was made from, and the study's inputs; `date` is that of the report.
+pub fn made_from(run: &Run, date: &str) -> Vec<Block> {
+    let of = &run.made_from;
+    let method = of.method.as_ref().map_or("chosen by the program".to_owned(), |m| format!("{m}, as asked for"));
+    let mut text = vec![format!(
+        "Made by trainsafe {} on {date}; tolerance {} of the largest rating (with slack, gears or brakes at least 1e-6), method {method}.",
+        run.trainsafe, of.tolerance
+    )];
+    let varied = run.variations.map(|n| match of.seed {
+        Some(seed) => {
+            let latin = if run.latin_hypercube { ", a Latin hypercube" } else { "" };
+            format!("The study has {} of each train, with the seed {seed}{latin}.", count(n, "sample"))
+        }
+        None => format!("The study has every combination of its values: {} of each train.", count(n, "variation")),
+    });
+    text.extend(varied);
+    if of.file_count > of.files.len() {
+        text.push(format!(
+            "The first {} of {} files that were read; the list of all, a line \"SHA-256  path\" of each as sha256sum writes it, has the \
+             SHA-256 {}.",
+            of.files.len(),
+            of.file_count,
+            of.list_sha256
+        ));
+    }
+    let inputs = of.inputs.iter().map(|row| row.to_vec()).collect();
+    let files = of.files.iter().map(|row| row.to_vec()).collect();
+    let mut all = listed("Inputs of the study", vec![], &["key", "values or distribution", "drawn for each"], inputs);
+    all.extend(section("What this report was made from", text, None, &["file", "SHA-256"], files));
+    all
 }
 
 fn errors(summary: &Summary) -> Vec<Block> {

@@ -125,6 +125,29 @@ pub fn parse(text: &str, path: &Path) -> Result<Study, InputError> {
     }
 }
 
+/// Each input of a study file's text: its key, its values or distribution as they are written, and what has a draw of its own; none
+/// of a text that is no study.
+pub fn written(text: &str) -> Vec<[String; 3]> {
+    const VALUES: usize = 10;
+    let root: toml::Table = text.parse().unwrap_or_default();
+    let word = |value: &toml::Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+    let values = |value: &toml::Value| match value.as_array() {
+        Some(list) if list.len() > VALUES => {
+            let first: Vec<String> = list.iter().take(VALUES).map(word).collect();
+            format!("{} and {} more", first.join(", "), list.len() - VALUES)
+        }
+        Some(list) => list.iter().map(word).collect::<Vec<_>>().join(", "),
+        None => word(value),
+    };
+    let input = |table: &toml::Value| {
+        let of = |key: &str| table.get(key).map(&values);
+        let names = VARY.keys.iter().map(|key| key.name).filter(|name| !["key", "per"].contains(name));
+        let spread: Vec<String> = names.filter_map(|name| Some(format!("{name} {}", of(name)?))).collect();
+        [of("key").unwrap_or_default(), spread.join("; "), of("per").unwrap_or_else(|| "train".to_owned())]
+    };
+    root.get("vary").and_then(toml::Value::as_array).into_iter().flatten().map(input).collect()
+}
+
 fn study(root: &Table) -> Read<Study> {
     let trains = root.require("trains", "add trains = [\"trains/*.toml\"]: files, folders or globs").and_then(|list| {
         let names: Vec<String> = list.items().map(|v| v.file_name().map(str::to_owned)).collect::<Read<_>>()?;
@@ -188,7 +211,10 @@ fn input(table: &Table, drawn: bool) -> Read<Input> {
         [None, None, None] => {
             Err(table.wrong("nothing says how to vary it", "add values, from and to, or distribution"))
         }
-        _ => Err(table.wrong("it is varied in two ways", "keep one of values, from and to, and distribution")),
+        _ => Err(table.wrong(
+            "values, from and to, and distribution cannot be used together",
+            "keep one of them; a uniform distribution takes low and high",
+        )),
     };
     Ok(Input { key, spread: spread?, per })
 }

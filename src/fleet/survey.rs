@@ -152,8 +152,8 @@ pub fn reach(study: &Study, variation: usize, base: &Base) -> Reach {
         };
         let count = changed.iter().filter(|changed| **changed).count();
         if count > 0 && count < changed.len() {
-            let some = format!("{} reaches {count} of {} {what} of {file}", input.key, changed.len());
-            reach.notes.push(format!("{some}: the others have a value of their own, and keep it"));
+            let some = format!("{} is varied in {count} of {} {what} of {file}", input.key, changed.len());
+            reach.notes.push(format!("{some}: the others keep a value of their own"));
         }
         if input.per == Per::Coupler && count > 0 {
             reach.reached.insert(k, changed);

@@ -21,15 +21,16 @@ const MODES: &str = "no device in a train does this; dashpots of the same ratio 
 const CONTACT: &str = "at the instant of contact the force of a draft gear begins at 0";
 const FRICTION: &str = "a friction gear absorbs up to 87 % of the work; but a train that was let down from a larger pull can reach more than this report says";
 const CLOSING: &str = "a friction gear absorbs up to 87 % of the work; but one that closes in a collision is stiffer than a spring: the table of other couplers shows what generic gears do here";
-const TABLES: &str = "friction gears of one type differ from test to test, and friction falls with speed; results for two tables bracket this";
-const SLACK: &str = "free play lets vehicles run together: for 105 cars of 130 t with springs, 25 mm raised the largest force from 1.53 to 1.88 of the pull; with friction gears it did not";
+const TABLES: &str = "friction gears of one type differ from test to test, and friction falls with speed; compute with two tables to see the range";
+const SLACK: &str = "free play lets vehicles run together: in a computed train of 105 loaded cars with springs it raised the largest force from 1.53 to 1.88 times the pull; with friction gears it did not";
 const BRAKES: &str = "the brake pipe vents where the train parts, and both parts brake from there: the largest force is then often in buff, behind the gap, seconds later";
 const POWER: &str = "the driver or the open brake pipe ends the tractive effort within some seconds";
 const GAP: &str = "a part that runs into another is not computed; the report says when a gap closes";
-const STEADY: &str = "a moving train swings about its steady state; by how much depends on how it is driven";
-const INERTIA: &str = "the force on the car body exceeds the coupler's by the inertia of the parts between them";
+const STEADY: &str = "in a running train they vary; by how much depends on how it is driven";
+const INERTIA: &str =
+    "the force at the car body is larger than the coupler's, by the inertia of the parts between them";
 const TRACK: &str = "curves and changes of grade alter the forces along the train";
-const DERAILMENT: &str = "whether a vehicle derails under these forces is not answered here";
+const DERAILMENT: &str = "not computed; derailment is not assessed";
 
 /// The assumptions that bear on these scenarios.
 pub fn rows(train: &Train, scenarios: &[&Scenario]) -> Vec<Row> {
@@ -64,10 +65,10 @@ pub fn rows(train: &Train, scenarios: &[&Scenario]) -> Vec<Row> {
         when(breaks && !braked, [emergency, MORE, MORE, BRAKES]),
         when(breaks && hauled && powered, ["locomotives keep pulling after the event", LESS, UNKNOWN, POWER]),
         when(breaks && !marched, ["parted pieces do not push each other", NONE, MORE, GAP]),
-        when(true, ["the load is steady before the event", EITHER, EITHER, STEADY]),
+        when(true, ["the forces before the event are constant", EITHER, EITHER, STEADY]),
         when(true, ["couplers have no mass of their own", MORE, MORE, INERTIA]),
-        when(true, ["a straight and even track", UNKNOWN, UNKNOWN, TRACK]),
-        when(true, ["no vertical and no lateral motion", NONE, NONE, DERAILMENT]),
+        when(true, ["a straight track, and a grade under each vehicle that does not change", UNKNOWN, UNKNOWN, TRACK]),
+        when(true, ["no vertical and no lateral motion", UNKNOWN, UNKNOWN, DERAILMENT]),
     ];
     rows.into_iter().flatten().collect()
 }

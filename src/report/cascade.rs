@@ -22,6 +22,46 @@ pub fn sentence(scenario: &ScenarioFindings) -> String {
     }
 }
 
+/// What the verdict supposes where further couplers break or a gap closes, as the sentence before it; empty elsewhere.
+pub fn supposed(scenario: &ScenarioFindings) -> String {
+    const SUPPOSED: &str = "the forces given here suppose that none does";
+    let all = || scenario.cases.iter().filter_map(|c| c.cascade.as_ref());
+    let breaking = all().filter(|c| !c.breaks.is_empty()).count();
+    let closing = all().filter(|c| c.gap_closes_s.is_some()).count();
+    if scenario.cases.len() > 1 {
+        let of = |n: usize| format!("{n} of {}", count(scenario.cases.len(), "break"));
+        let more = format!("After {} further couplers break (see \"What breaks next\"); {SUPPOSED}. ", of(breaking));
+        let gaps = format!("After {} a gap closes, and nothing later holds. ", of(closing));
+        return [more, gaps]
+            .into_iter()
+            .zip([breaking, closing])
+            .filter(|(_, n)| *n > 0)
+            .map(|(text, _)| text)
+            .collect();
+    }
+    let Some(cascade) = all().next() else { return String::new() };
+    let more = match cascade.breaks.len() {
+        0 => String::new(),
+        1 => format!("1 further coupler breaks (see \"What breaks next\"); {SUPPOSED}. "),
+        n => format!("{n} further couplers break (see \"What breaks next\"); {SUPPOSED}. "),
+    };
+    let gap = cascade.gap_closes_s.zip(cascade.gap_coupler);
+    more + &gap.map_or(String::new(), |(at, coupler)| {
+        format!("From {} on nothing holds, because the gap at coupler {coupler} closes. ", time(at))
+    })
+}
+
+/// Couplers that break after the event, as a cell: a number, or of how many breaks; empty for none.
+pub fn brief(scenario: &ScenarioFindings) -> String {
+    let further: Vec<usize> =
+        scenario.cases.iter().filter_map(|c| Some(c.cascade.as_ref()?.breaks.len())).filter(|n| *n > 0).collect();
+    match (&further[..], scenario.cases.len()) {
+        ([], _) => String::new(),
+        ([n], 1) => n.to_string(),
+        (some, all) => format!("after {} of {}", some.len(), count(all, "break")),
+    }
+}
+
 fn of_one(case: &CaseFindings, cascade: &CascadeFindings) -> String {
     let decided: Vec<&CascadeBreak> = cascade.breaks.iter().filter(|b| is_decided(b, cascade)).collect();
     let breaks = match &decided[..] {

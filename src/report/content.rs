@@ -45,7 +45,7 @@ fn group(groups: Groups) -> impl Iterator<Item = Block> {
 
 fn meaning() -> [Block; 2] {
     let mut files = vec![Span::Link("couplers.csv")];
-    files.extend(lines(" lists every coupler, except a broken one and those left out. "));
+    files.extend(lines(" lists every coupler, except a broken one and those that --verdict-only leaves out. "));
     files.push(Span::Link("result.json"));
     files
         .extend(lines(" is for programs; for a\nscenario with several cases it holds the worst coupler of each case."));
@@ -71,8 +71,8 @@ const DASHPOTS: &str = "\
 Couplers are linear springs with linear dashpots beside them, whose force counts as the coupler's. There is no slack and no draft-gear
 hysteresis; vehicles are rigid masses on a straight line. The force of a dashpot follows the speed without delay: in an impact it jumps.";
 const LAWS: &str = "\
-A coupler's force follows from its elongation, the table of its gear and one number of memory, the travel of the gear: it rises along the
-loading curve and falls along the unloading curve; between them the gear is locked, and only what is in series with it gives way. The
+A coupler's force follows from its elongation, the table of its gear and the gear's travel, which it remembers: it rises along the
+loading curve and falls along the unloading curve; between them the gear is locked, and only the parts in series with it deform. The
 force does not depend on the speed. Vehicles are rigid masses on a straight line.";
 const SPRINGS: &str = "Couplers are linear springs. There is no slack, no damping and no draft-gear hysteresis; vehicles are rigid masses on a straight line.";
 const CASCADE: &str = "\

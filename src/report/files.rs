@@ -37,7 +37,7 @@ impl WriteError {
             io::ErrorKind::IsADirectory => {
                 "a folder stands where the file must go: move it, or choose another folder with --out DIR"
             }
-            io::ErrorKind::NotFound => "the folder is gone: was it removed or renamed meanwhile?",
+            io::ErrorKind::NotFound => "the folder is gone or takes no new files: choose another folder with --out DIR",
             io::ErrorKind::ResourceBusy => "wait until it is done, or choose another folder with --out DIR",
             _ => "choose another folder with --out DIR",
         };

@@ -45,7 +45,7 @@ pub fn vehicles(train: &Train) -> Groups {
             brake.map_or(String::new(), |n| given_force(units, *n)),
         ]
     };
-    grouped("Vehicles, alike neighbours together", &head, train.vehicles().len(), cells)
+    grouped("Vehicles (equal neighbours are grouped)", &head, train.vehicles().len(), cells)
 }
 
 /// Couplers from the head.
@@ -73,7 +73,7 @@ pub fn couplers(train: &Train) -> Groups {
             of(limits.buff_n),
         ]
     };
-    grouped("Couplers, alike neighbours together", &head, train.couplers().len(), cells)
+    grouped("Couplers (equal neighbours are grouped)", &head, train.couplers().len(), cells)
 }
 
 /// A coupler's law in short.

@@ -27,6 +27,17 @@ pub fn sentences(scenario: &ScenarioFindings, units: UnitSystem) -> String {
     passed.chain(not_given(&all)).chain(margins).collect::<Vec<_>>().join(" ")
 }
 
+/// The capacities that couplers pass, as a cell: "fatigue by 26 couplers"; empty for none.
+pub fn brief(scenario: &ScenarioFindings) -> String {
+    let couplers_of = scenario.cases.iter().flat_map(|case| case.couplers.iter().map(move |c| (case, c)));
+    let all: Vec<Entry> = couplers_of.flat_map(|(case, c)| entries(case, c)).collect();
+    let passed = LIMITS.into_iter().filter_map(|limit| {
+        let n = couplers(&all, |l| l.limit == limit && l.passed == Some(true));
+        (n > 0).then(|| format!("{limit} by {}", count(n, "coupler")))
+    });
+    passed.collect::<Vec<_>>().join(", ")
+}
+
 fn entries<'a>(case: &'a CaseFindings, c: &'a CouplerFindings) -> impl Iterator<Item = Entry<'a>> {
     c.limits.iter().flat_map(|l| &l.by_sense).map(move |l| (case, c, l))
 }
@@ -99,12 +110,15 @@ fn margin(limit: &str, entries: &[Entry], several: bool, units: UnitSystem) -> O
         case.broken_coupler.filter(|_| several).map(|b| format!(" after coupler {b} breaks")).unwrap_or_default();
     let loads = {
         let unit = force_unit(units, l.largest_n);
-        format!("{} of {} in {}", force_in(unit, l.largest_n, case.error_n()), given_force_in(unit, l.limit_n), l.sense)
+        let largest = force_in(unit, l.largest_n, case.error_n());
+        format!("{largest} in {} against {}", l.sense, given_force_in(unit, l.limit_n))
     };
     let share = digits(100.0 * l.margin.abs(), 0.0, 3);
-    let head = if l.margin < 0.0 { "The largest excess over" } else { "The smallest margin to" };
+    if l.margin < 0.0 {
+        return Some(format!("Coupler {} exceeds its {limit} load most{after}: {loads}, {share} % over.", c.coupler));
+    }
     let article = if limit == LIMITS[2] { "an" } else { "a" };
-    Some(format!("{head} {article} {limit} load is {share} %: coupler {}{after}, {loads}.", c.coupler))
+    Some(format!("The smallest margin to {article} {limit} load is {share} %: coupler {}{after}, {loads}.", c.coupler))
 }
 
 /// Couplers that pass a capacity, each in one sense, the largest excess over one first.

@@ -48,7 +48,8 @@ impl<'a> Shown<'a> {
             all.push(picture("cascade", caption, &|n| self.draw_wave(field, None, Some(cascade), n)));
         }
         if several {
-            let caption = "Utilisation of the worst coupler, by which coupler breaks.".to_owned();
+            let caption =
+                "Largest utilisation after each break; the horizontal axis has the coupler that breaks.".to_owned();
             all.push(picture("breaks", caption, &|n| figures::breaks(findings, train.couplers().len(), n)));
         }
         if findings.cases.iter().any(|c| !c.couplers.is_empty()) {
@@ -64,7 +65,7 @@ impl<'a> Shown<'a> {
             let what = if map.over == "duration_s" {
                 "The smallest force, of this pulse's shape and sense, that overloads a coupler, against its duration"
             } else {
-                "The factor on the load up to which no coupler exceeds, against which coupler breaks"
+                "Largest safe factor on the load, for each coupler that breaks"
             };
             let caption = format!("{what}; the numbers are in map-{number}.csv.");
             all.push(picture("map", caption, &|n| figures::map(map, &self.scenario.event, train.origin().units, n)));
@@ -114,8 +115,8 @@ impl<'a> Shown<'a> {
         };
         let rod = if rod.is_some() { " Below it the elastic rod on the same scale." } else { "" };
         format!(
-            "{what}{part}, as a share of its rating: draft blue, buff orange, outlined in black where it is over. Where a \
-             dot stands for several couplers or instants, it shows the largest.{rod}"
+            "{what}{part}, as a share of its rating: draft blue, buff orange, outlined in black where the force exceeds \
+             the rating. Each pixel shows the largest share among the couplers and instants that it covers.{rod}"
         )
     }
 

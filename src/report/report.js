@@ -80,7 +80,7 @@
     const chosen = (c, buff) => byBreak(state.brk, (buff ? count : 0) + c.coupler - 1);
     // What the 16-bit numbers leave in doubt is not marked.
     const exceeds = (c, f) => (state.brk !== null ? Math.abs(share(c, f)) > OVER / 100 : Math.abs(share(c, f)) > 1 && (scene.several ? scene.largest[c.coupler - 1].exceeds : c.exceeds === true));
-    const over = (c, f) => (exceeds(c, f) ? ", over it" : "");
+    const over = (c, f) => (exceeds(c, f) ? " (over)" : "");
     // The page opens at the worst instant; the first run starts at t = 0 all the same.
     const opening = wave ? nearest(worst_instant(by.get(scene.worst))) : 0;
     const state = { coupler: scene.worst, picked: false, column: opening, timer: null, fresh: true, brk: null };
@@ -134,27 +134,27 @@
     const label = (control, text) => element("label", { htmlFor: control.id, textContent: text });
     const parts = [
       heading("Forces along the train" + (scene.several ? ": the largest over all breaks, and the wave" + scene.when.replace(",", "") : "")),
-      element("p", { className: "note", textContent: "Point at a coupler for its forces; " + (document.body.dataset.click || "click it, or choose it below, for its course over time") +
+      element("p", { className: "note", textContent: "Point at a coupler for its forces; " + (document.body.dataset.click || "click it, or choose it below, to see its force over time") +
         (wave ? ". The slider and the button run the wave through the train." : ".") }),
     ];
     const brk = element("select", { id: id("break") });
     if (byBreak) {
       brk.append(element("option", { value: "", textContent: "all breaks" }));
       scene.breaks.broken.forEach((b, i) => brk.append(element("option", { value: i, textContent: "the break of coupler " + b })));
-      parts.push(element("div", { className: "bar" }, label(brk, "Largest forces of"), brk));
+      parts.push(element("div", { className: "bar" }, label(brk, "Show largest forces of"), brk));
     }
     parts.push(along);
     if (wave) {
       parts.push(element("div", { className: "bar" }, play, label(slider, scene.since), slider, shown));
       if (wave.folded > 1) {
-        parts.push(element("p", { className: "note", textContent: "This train is long: an instant here stands for " +
-          time(scene.wave.step_s) + ", and every coupler shows its largest utilisation in it." }));
+        parts.push(element("p", { className: "note", textContent: "To keep the file small, each step covers " +
+          time(scene.wave.step_s) + " and shows each coupler's largest utilisation in it." }));
       }
     }
     if (wave) parts.push(heading("Force over time" + scene.when));
     parts.push(element("div", { className: "bar" }, label(select, "Coupler"), select), said);
     if (wave) parts.push(over_time, heading("Force by place and time" + scene.when), element("p", { className: "note",
-      textContent: "As a share of the rating: draft blue, buff orange, outlined where it is over. Click for that coupler and that instant." }), map);
+      textContent: "As a share of the rating: draft blue, buff orange, outlined where the force exceeds the rating. Click for that coupler and that instant." }), map);
     place.append(...parts);
     place.hidden = false;
 

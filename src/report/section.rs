@@ -53,7 +53,7 @@ pub fn section(
     if cases.len() != 1 {
         all.extend(every(train, cases));
     }
-    all.extend(methods(cases).into_iter().map(|method| Block::titled("Method", method)));
+    all.extend(titled("Method", methods(cases)));
     let accuracy = accuracy(cases, train.origin().units);
     all.push(Block::titled("Accuracy", format!("{accuracy} Run time {}.", run_time(cases))));
     all
@@ -79,10 +79,11 @@ fn verdict(train: &Train, scenario: &ScenarioFindings, index: usize, several: bo
     }
     if !safe.is_empty() && extras.dashpot_n_s_per_m.is_empty() && extras.damping_ratio <= 0.0 && extras.laws.is_empty()
     {
-        more += " Without damping a later peak can be larger.";
+        more += " The model has no damping, so a force after the horizon can be larger than those computed.";
     }
     let next = match cascade::sentence(scenario) {
         next if next.is_empty() => next,
+        next if cascade::brief(scenario).is_empty() => next,
         next => next + " The rest of this section covers the event alone and ignores the later breaks.",
     };
     let name = if several { String::new() } else { format!("Scenario \"{}\". ", scenario.name) };
@@ -125,7 +126,7 @@ fn of_case(case: &CaseFindings, units: UnitSystem) -> Vec<Block> {
 fn of_breaks(scenario: &ScenarioFindings, units: UnitSystem) -> Vec<Block> {
     let head: Head = &[
         ("coupler that breaks", Right),
-        ("exceeding", Right),
+        ("couplers over", Right),
         ("worst coupler", Left),
         ("demand", Right),
         ("utilisation", Right),
@@ -152,7 +153,7 @@ fn over_limits(scenario: &ScenarioFindings, units: UnitSystem) -> Vec<Block> {
 /// The worst case with losses, with other couplers, without brakes, or let down from a larger pull.
 fn changed(scenario: &ScenarioFindings, units: UnitSystem) -> Vec<Block> {
     let head = |first| {
-        let names = ["exceeding", "worst coupler", "largest force", "share of its rating", "at"];
+        let names = ["couplers over", "worst coupler", "its largest force", "share of its rating", "time of it"];
         std::iter::once(first).chain(names.map(|name| (name, Right))).collect::<Vec<_>>()
     };
     let mut all = Vec::new();
@@ -170,23 +171,29 @@ fn changed(scenario: &ScenarioFindings, units: UnitSystem) -> Vec<Block> {
     all
 }
 
-/// The verdicts on all scenarios in figures.
+/// The verdicts on all scenarios in figures; limits and further breaks where some scenario has them.
 pub fn overview(train: &Train, scenarios: &[ScenarioFindings]) -> Block {
-    let head = [
+    let mut head = vec![
         ("scenario", Left),
-        ("exceeding", Left),
+        ("over their rating", Left),
         ("in the first passage", Left),
         ("worst coupler", Left),
         ("its largest force", Left),
-        ("at", Right),
+        ("time of it", Right),
         ("safe factor", Left),
-        ("computed", Left),
+        ("horizon", Left),
     ];
-    Block::table(
-        "The verdict on each scenario",
-        &head,
-        scenarios.iter().map(|scenario| overview_row(train, scenario)).collect(),
-    )
+    let mut rows: Vec<Vec<String>> = scenarios.iter().map(|scenario| overview_row(train, scenario)).collect();
+    let more: [(&str, fn(&ScenarioFindings) -> String); 2] =
+        [("limits passed", limits::brief), ("further couplers break", cascade::brief)];
+    for (name, cell) in more {
+        let cells: Vec<String> = scenarios.iter().map(cell).collect();
+        if cells.iter().any(|cell| !cell.is_empty()) {
+            head.push((name, Left));
+            rows.iter_mut().zip(cells).for_each(|(row, cell)| row.push(cell));
+        }
+    }
+    Block::table("The verdict on each scenario", &head, rows)
 }
 
 /// A row of the table of all scenarios: the verdict in figures.
@@ -306,7 +313,7 @@ fn every(train: &Train, cases: &[CaseFindings]) -> Vec<Block> {
     let head: Head = &[
         ("coupler that breaks", Right),
         ("between", Left),
-        ("exceeding", Right),
+        ("couplers over", Right),
         ("worst coupler", Right),
         ("demand", Right),
         ("utilisation", Right),
@@ -347,11 +354,11 @@ fn often(scenario: &ScenarioFindings) -> Vec<Block> {
 }
 
 /// Each method with its reason, once; of many cases without the counts, which differ from case to case.
-fn methods(cases: &[CaseFindings]) -> Vec<String> {
+fn methods(cases: &[CaseFindings]) -> String {
     let mut said: Vec<(String, usize)> = Vec::new();
     for case in cases {
         let whole = case.method_reason.as_str();
-        let reason = if cases.len() > 1 { whole.split(" (counted work").next().unwrap_or(whole) } else { whole };
+        let reason = if cases.len() > 1 { whole.split(" (work of the others").next().unwrap_or(whole) } else { whole };
         let reason = if reason.is_empty() { String::new() } else { format!(": {reason}") };
         let text = format!("{}{reason}", case.method);
         match said.iter_mut().find(|(known, _)| *known == text) {
@@ -361,7 +368,9 @@ fn methods(cases: &[CaseFindings]) -> Vec<String> {
     }
     let several = said.len() > 1;
     let count = |n: usize| if several { format!(" ({})", words::count(n, "case")) } else { String::new() };
-    said.iter().map(|(text, n)| format!("{}{}.", text.trim_end_matches('.'), count(*n))).collect()
+    let told: Vec<String> =
+        said.iter().map(|(text, n)| format!("Computed with {}{}.", text.trim_end_matches('.'), count(*n))).collect();
+    told.join(" ")
 }
 
 fn horizon(cases: &[CaseFindings]) -> String {
@@ -383,12 +392,15 @@ fn accuracy(cases: &[CaseFindings], units: UnitSystem) -> String {
     let write = |f: f64| small_force(units, f);
     let met = if cases.iter().all(|c| c.error_bound_n <= c.tolerance_n) { "asked for" } else { "not met; asked for" };
     format!(
-        "No reported force is further than {} from the exact solution of the model; the bound covers rounding, truncation \
+        "The error bound {NOT_OF_A_TRAIN} No reported force is further than {} from the exact solution of the model; the bound covers rounding, truncation \
          and the search for peaks between instants ({met}: {}).",
         write(bound),
         write(asked)
     ) + &endings(cases)
 }
+
+/// What the accuracy of a computation is not.
+const NOT_OF_A_TRAIN: &str = "is that of the computation, not the difference between the model and a real train.";
 
 /// The accuracy of marches for which nothing is proven.
 fn estimate(cases: &[CaseFindings], units: UnitSystem) -> String {
@@ -396,10 +408,10 @@ fn estimate(cases: &[CaseFindings], units: UnitSystem) -> String {
     let write = |f: f64| small_force(units, f);
     let asked = cases.iter().map(|c| c.tolerance_n).fold(0.0, f64::max);
     format!(
-        "The error of the reported forces against the exact solution of the model is estimated at {} or less (asked for: {}). This is an \
-         estimate, not a bound: the motion is computed three times, with other steps, with noise in the last places of every elongation and \
-         speed, and with the couplers' constants moved in their last places; it is ten times the largest difference. A rating within ten \
-         estimates of a peak is not decided.",
+        "The error estimate {NOT_OF_A_TRAIN} The error of the reported forces against the exact solution of the model is estimated at {} or \
+         less (asked for: {}). This is an estimate, not a bound: the motion is computed three times, with other steps, with noise in the last \
+         places of every elongation and speed, and with the couplers' constants moved in their last places; the estimate is ten times the \
+         largest difference. A rating within ten estimates of a peak is not decided.",
         write(estimate),
         write(asked)
     )

@@ -18,6 +18,7 @@ pub fn train_facts(train: &Train) -> Vec<[String; 2]> {
     };
     let couplers = train.couplers();
     let live: Vec<&Vehicle> = train.vehicles().iter().filter(|v| !v.held).collect();
+    let with_held = if live.len() < train.vehicles().len() { ", with held vehicles" } else { "" };
     let unit = if equal(&live, |v| v.mass_kg) && equal(couplers, |c| c.stiffness_n_per_m) {
         "time unit √(m/k)"
     } else {
@@ -25,7 +26,10 @@ pub fn train_facts(train: &Train) -> Vec<[String; 2]> {
     };
     let mut rows = vec![
         ["vehicles, couplers".to_owned(), format!("{}, {}", train.vehicles().len(), couplers.len())],
-        ["total mass".to_owned(), shown(units, train.vehicles().iter().map(|v| v.mass_kg).sum(), Dimension::Mass)],
+        [
+            format!("total mass{with_held}"),
+            shown(units, train.vehicles().iter().map(|v| v.mass_kg).sum(), Dimension::Mass),
+        ],
         [
             "mass of a vehicle".to_owned(),
             span(train.vehicles().iter().map(|v| v.mass_kg), |m| shown(units, m, Dimension::Mass)),
@@ -41,7 +45,7 @@ pub fn train_facts(train: &Train) -> Vec<[String; 2]> {
     if train.extras().laws.is_empty() {
         rows.push(["stiffness of a coupler".to_owned(), stiffness]);
     } else {
-        rows.push(["secant stiffness of loading, for scales of time".to_owned(), stiffness]);
+        rows.push(["mean stiffness in loading (used only for wave speed, transit and horizon)".to_owned(), stiffness]);
         rows.extend(consist::laws(train).into_iter().map(|line| ["law of couplers".to_owned(), line]));
     }
     if train.extras().damping_ratio > 0.0 {

@@ -1,4 +1,4 @@
-//! The worst case of a scenario on a train that differs in one thing: what the report says of losses, gears, slack and brakes.
+//! The worst case of a scenario on the same train with one change: what the report says of losses, gears, slack and brakes.
 
 use super::numbers::{digits, force, percent, time};
 use super::words;
@@ -47,23 +47,34 @@ pub fn sentences(scenario: &ScenarioFindings) -> String {
         return String::new();
     };
     let generic = |v: &VariantFindings| matches!(v.variant, Variant::GenericGears | Variant::GenericGearsAndSlack);
-    let mut text = format!("{} on a train that differs in one thing.", same_event(scenario));
+    let mut text = format!("{} on the same train with one change.", same_event(scenario));
     let given = worst.utilisation;
     let linear = scenario.variants.iter().find(|v| v.variant == Variant::LinearCouplers);
     if let Some(linear) = linear.map(|v| v.found.utilisation) {
-        text += &format!(
-            " Linear couplers without slack would reach {} % of a rating, the train's own reach {} %",
-            percent(linear),
-            percent(given)
-        );
+        let [of_linear, own] = [linear, given].map(percent);
         text += &match (linear > 1.0, given > 1.0) {
-            (true, false) => ": with them there is no overload.".to_owned(),
+            (true, false) => {
+                format!(
+                    " Linear couplers without slack would be overloaded ({of_linear} %); the train's own are not ({own} %)."
+                )
+            }
             (true, true) => {
                 let left = digits(100.0 * (given - 1.0) / (linear - 1.0), 0.0, 3);
-                format!(": that is {left} % of the overload of linear couplers.")
+                format!(
+                    " Linear couplers without slack would reach {of_linear} % of a rating, the train's own reach {own} %: their overload is \
+                     {left} % of that of linear couplers."
+                )
             }
-            (false, true) => ": with linear couplers the overload would not be found.".to_owned(),
-            (false, false) => ".".to_owned(),
+            (false, true) => {
+                format!(
+                    " Linear couplers without slack would not be overloaded ({of_linear} %); the train's own are ({own} %)."
+                )
+            }
+            (false, false) => {
+                format!(
+                    " Linear couplers without slack would reach {of_linear} % of a rating, the train's own reach {own} %."
+                )
+            }
         };
     }
     let largest = scenario
@@ -81,14 +92,12 @@ pub fn sentences(scenario: &ScenarioFindings) -> String {
         };
         let given =
             words::worst_case(scenario).map_or(0.0, |(case, _)| case.couplers.iter().map(in_sense).fold(0.0, f64::max));
-        if of.utilisation > given {
-            text += &format!(
-                " With generic friction gears the largest share of a rating in {} is {} %, more than the {} % of this train.",
-                words::sense(of.peak_force_n),
-                percent(of.utilisation),
-                percent(given)
-            );
-        }
+        text += &format!(
+            " With generic friction gears the largest share of a rating in {} is {} %, {} % of this train.",
+            words::sense(of.peak_force_n),
+            percent(of.utilisation),
+            if of.utilisation > given { "more than the " } else { "not more than the " }.to_owned() + &percent(given)
+        );
     }
     if scenario.variants.iter().any(generic) {
         text += " The gears of this table are generic, a pair of North American friction gears in every coupler and no maker's curve: \
@@ -99,7 +108,7 @@ pub fn sentences(scenario: &ScenarioFindings) -> String {
 
 fn name(variant: Variant, units: UnitSystem) -> String {
     match variant {
-        Variant::LinearCouplers => "linear couplers of the secant stiffness at the load, no slack".to_owned(),
+        Variant::LinearCouplers => "linear couplers of the mean stiffness in loading, no slack".to_owned(),
         Variant::WithoutBrakes => "without the brakes and the change of tractive effort".to_owned(),
         Variant::LetDown => format!("let down to its load from {LET_DOWN} times the load"),
         Variant::GenericGears => "generic friction gears".to_owned(),

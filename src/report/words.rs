@@ -82,10 +82,9 @@ fn happens(train: &Train, scenario: &Scenario) -> String {
             _ => {
                 let left_out = match scenario.left_out_in_buff.len() {
                     0 => String::new(),
-                    n => format!("; {n} that carry buff are left out, because nothing parts there"),
+                    n => format!("; {} that carry buff are left out, because nothing parts there", count(n, "coupler")),
                 };
-                let breaking = count(couplers.len(), "coupler");
-                format!("Each of {breaking} in turn breaks at t = 0, from the intact train{left_out}.")
+                format!("{} computed, each at t = 0 and from the intact train{left_out}.", are(couplers.len(), "break"))
             }
         },
         Event::Pulse { vehicle, force_n, duration_s } => {
@@ -125,6 +124,11 @@ fn happens(train: &Train, scenario: &Scenario) -> String {
             )
         }
     }
+}
+
+/// "1 break is", "2 breaks are".
+fn are(n: usize, what: &str) -> String {
+    format!("{} {}", count(n, what), if n == 1 { "is" } else { "are" })
 }
 
 fn applied(train: &Train, from: &[usize], emergency: bool, application: &Application) -> String {
@@ -215,7 +219,7 @@ fn share_of_load(worst: &CouplerFindings) -> String {
     let (load, peak) = (worst.initial_force_n, worst.peak_force_n);
     match load / peak {
         share if worst.peak_time_s == 0.0 && share >= 1.0 => {
-            " This is its load before the event, which does not raise the force in it.".to_owned()
+            " This is the load it already carried; the event does not increase it.".to_owned()
         }
         share if share >= 0.9 && worst.peak_time_s > 0.0 => {
             format!(" Its load before the event is already {} % of its rating.", percent((load / rating(worst)).abs()))
@@ -275,8 +279,9 @@ pub fn interval(c: &CouplerFindings, error_n: f64, units: UnitSystem) -> String 
 
 /// The verdict on a scenario: over the horizon, over the first passage where that differs, and both senses of an impact.
 pub fn verdict_of(scenario: &ScenarioFindings, units: UnitSystem) -> String {
-    let [case] = &scenario.cases[..] else { return verdict_each(scenario, units) + &first_passages(scenario) };
-    verdict(case, units) + &first_passage(case) + &impact(case, units) + &meetings(case)
+    let lead = super::cascade::supposed(scenario);
+    let [case] = &scenario.cases[..] else { return lead + &verdict_each(scenario, units) + &first_passages(scenario) };
+    lead + &verdict(case, units) + &first_passage(case) + &impact(case, units) + &meetings(case)
 }
 
 /// Where parted vehicles meet again and push each other; empty where none do, or where that is not computed.
@@ -358,14 +363,14 @@ pub fn passage(scenario: &ScenarioFindings, units: UnitSystem) -> String {
     ];
     let all =
         [largest(&|c| c.peak_draft_n.zip(c.peak_draft_time_s)), largest(&|c| c.peak_buff_n.zip(c.peak_buff_time_s))];
-    let told = |peak: Option<Peak>| match peak {
-        None => "none".to_owned(),
+    let told = |sense: &str, peak: Option<Peak>| match peak {
+        None => format!("no {sense} in any coupler"),
         Some((coupler, f, t)) => {
             let force = super::numbers::force(units, f, case.error_n());
-            format!("{force} in coupler {coupler}, at {}", time(t))
+            format!("largest {sense} {force} in coupler {coupler}, at {}", time(t))
         }
     };
-    let both = |[draft, buff]: [Option<Peak>; 2]| format!("largest draft {}; largest buff {}", told(draft), told(buff));
+    let both = |[draft, buff]: [Option<Peak>; 2]| format!("{}; {}", told("draft", draft), told("buff", buff));
     if first == [None, None] && all == [None, None] {
         return String::new();
     }
@@ -438,7 +443,7 @@ pub fn map_of_breaks(scenario: &ScenarioFindings) -> String {
     let bounded = points.filter_map(|p| Some((p.at, p.chain?)));
     let Some((at, factor)) = bounded.reduce(|a, b| if b.1 < a.1 { b } else { a }) else { return String::new() };
     format!(
-        "Of all couplers that can part, coupler {at} is the worst to break: no coupler exceeds up to {} % of this load.",
+        "Of all couplers that can part, coupler {at} is the worst to break: no coupler would be overloaded up to {} % of this load.",
         down(100.0 * factor)
     )
 }
@@ -494,7 +499,7 @@ pub fn needed(scenario: &ScenarioFindings, units: UnitSystem) -> String {
     let over = worst_case(scenario).filter(|(_, worst)| worst.exceeds == Some(true));
     over.map_or(String::new(), |(case, worst)| {
         format!(
-            " As it is, a coupler that exceeds needs a rating above its largest force: the worst, coupler {}, above {} in {} instead of {}.",
+            " To carry this event, the worst coupler, coupler {}, needs a rating above {} in {} (now {}).",
             worst.coupler,
             super::numbers::force(units, worst.peak_force_n, case.error_n()),
             sense(worst.peak_force_n),
@@ -514,17 +519,17 @@ fn searched(cause: &str, search: &LoadSearch) -> String {
     };
     match exceeds_at {
         None => format!(
-            " In a search no coupler exceeded at any of {tried} factors up to {} % of the {cause}.",
+            " Tried were {tried} factors up to {} % of the {cause}: no coupler exceeded at any. Factors between them were not tried.",
             at(none_exceeds_at)
         ),
         Some(over) if none_exceeds_at == 0.0 => {
-            format!(" In a search a coupler exceeded at {} % of the {cause}, the smallest share tried.", at(over))
+            format!(" A coupler exceeded at {} % of the {cause}, the smallest share tried.", at(over))
         }
         Some(over) => {
             let [none, some] = apart(none_exceeds_at, over);
             format!(
-                " In a search of {tried} factors no coupler exceeded up to {none} % of the {cause}, and one did at {some} %; factors between \
-                 those that were tried are not covered."
+                " Tried were {tried} factors: no coupler exceeded up to {none} % of the {cause}, and one did at {some} %. Factors between \
+                 them were not tried."
             )
         }
     }
@@ -538,19 +543,32 @@ pub fn rod(scenario: &ScenarioFindings) -> String {
     let chain_largest = cases.iter().map(|(c, _)| by_chain(c)).fold(0.0, f64::max);
     let rod: usize = cases.iter().map(|(_, rod)| rod.exceeding).sum();
     let chain: usize = cases.iter().map(|(c, _)| c.exceeding).sum();
-    let over = match (scenario.cases.len(), cases.len()) {
-        (1, _) => String::new(),
-        (all, n) if all == n => format!(", summed over all {n} breaks"),
-        (all, n) => {
-            let these = if n == 1 { "the one break" } else { &format!("the {n} breaks") };
-            format!("; of the {all} breaks, this compares only {these} whose parts have equal vehicles and couplers")
+    let (lead, over) = match (scenario.cases.len(), &cases[..]) {
+        (1, _) => (String::new(), String::new()),
+        (all, some) if all == some.len() => (String::new(), format!(", summed over all {all} breaks")),
+        (all, [(only, _)]) => {
+            let broken = only.broken_coupler.unwrap_or_default();
+            (
+                format!(
+                    "For the break of coupler {broken}, the only one of {all} that leaves parts of equal vehicles and couplers: "
+                ),
+                String::new(),
+            )
+        }
+        (all, some) => {
+            let lead =
+                format!("For the {} of {all} breaks that leave parts of equal vehicles and couplers: ", some.len());
+            (lead, ", summed over them".to_owned())
         }
     };
+    let an = if lead.is_empty() { "An" } else { "an" };
+    let overloads = |n: usize| if n == 0 { "no coupler".to_owned() } else { count(n, "coupler") };
     format!(
-        "An elastic rod of the same mass and stiffness would have called {} overloaded (largest utilisation {} %), the \
-         chain calls {chain} (largest {} %){over}.",
-        count(rod, "coupler"),
+        "{lead}{an} elastic rod of the same mass and stiffness reaches a utilisation of {} % and overloads {}, the chain reaches {} % and \
+         overloads {}{over}.",
         percent(largest),
-        percent(chain_largest)
+        overloads(rod),
+        percent(chain_largest),
+        overloads(chain)
     )
 }

@@ -251,7 +251,7 @@
   });
   addEventListener("beforeunload", (leaving) => { if (text.value !== saved) leaving.preventDefault(); });
 
-  document.body.dataset.click = "click it to break it, or choose it below for its course over time";
+  document.body.dataset.click = "click it to break it, or choose it below to see its force over time";
   main.replaceChildren(element("p", { textContent: "The report is being computed." }));
   write(saved);
   ask(0);

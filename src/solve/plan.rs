@@ -189,11 +189,11 @@ fn reason(chosen: &Offer, offers: &[Offer], ask: &Ask, within: bool) -> String {
     let mut others: Vec<String> = offers
         .iter()
         .filter(|o| o.method != chosen.method)
-        .map(|o| format!("{} {:.1} times", o.method.name(), o.nanoseconds / chosen.nanoseconds))
+        .map(|o| format!("{} {:.1} times as much", o.method.name(), o.nanoseconds / chosen.nanoseconds))
         .collect();
     let dropped: Vec<&str> = offers.iter().filter(faster).map(|o| o.method.name()).collect();
     others.sort();
-    let mut text = format!("the least work within the tolerance (counted work of the others: {})", others.join(", "));
+    let mut text = format!("the cheapest that reaches the tolerance (work of the others: {})", others.join(", "));
     if !dropped.is_empty() {
         text += &format!("; cheaper, but not accurate enough here: {}", dropped.join(", "));
     }

@@ -229,7 +229,8 @@ pub(super) fn together(train: &Train, pulled_to: &PulledTo) -> Vec<SpecProblem> 
     let Extras { laws, dashpot_n_s_per_m, damping_ratio, steady, pulled_to_n, .. } = &train.extras;
     let mut all = vec![];
     if !laws.is_empty() && *damping_ratio > 0.0 {
-        let help = "a mode of vibration belongs to linear couplers: leave damping_ratio out, or slack, gears and stiffness_in_buff";
+        let help =
+            "damping_ratio is for trains of linear couplers: leave it out, or slack, gears and stiffness_in_buff";
         let message = "damping_ratio in a train whose couplers are not linear";
         all.push(SpecProblem::new("damping_ratio", message, help));
     }
@@ -237,7 +238,7 @@ pub(super) fn together(train: &Train, pulled_to: &PulledTo) -> Vec<SpecProblem> 
         let help = "damping is for trains of linear couplers: leave it out, or slack, gears and stiffness_in_buff";
         let message = format!("coupler {} has damping in a train whose couplers are not all linear", i + 1);
         all.extend((!laws.is_empty()).then(|| SpecProblem::new(format!("coupler[{i}].damping"), message, help)));
-        let help = "keep one of them: damping_ratio is of every mode alike, damping of each coupler";
+        let help = "keep one of them: damping_ratio applies to all modes, damping to each coupler";
         let beside = laws.is_empty() && *damping_ratio > 0.0;
         all.extend(beside.then(|| SpecProblem::new("damping_ratio", "damping_ratio beside dashpots", help)));
     }

@@ -22,7 +22,7 @@ use crate::law::{GearRow, Law};
 /// let mut wrong = spec;
 /// wrong.couplers[1].rated_buff_n = f64::NAN;
 /// let told = wrong.build().unwrap_err();
-/// assert_eq!(told.to_string(), "coupler[1].rated_buff: rated_buff is not a number; expected more than zero");
+/// assert_eq!(told.to_string(), "coupler[1].rated_buff: rated_buff is not a number; expected a value above zero");
 /// # Ok::<(), trainsafe::train::InvalidTrain>(())
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]

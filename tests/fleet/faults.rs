@@ -139,7 +139,7 @@ fn a_folder_that_goes_while_the_program_runs_is_status_4() {
     fs::rename(folder.path().join("out"), folder.path().join("elsewhere")).expect("it can be moved");
     let (code, said) = ended(child);
     assert_eq!(code, Some(4), "{said}");
-    assert!(said.contains("the folder is gone: was it removed or renamed meanwhile?"), "{said}");
+    assert!(said.contains("the folder is gone or takes no new files: choose another folder with --out DIR"), "{said}");
     assert!(!said.contains("are kept") && !folder.path().join("out").exists(), "{said}");
 }
 

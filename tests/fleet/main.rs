@@ -8,6 +8,7 @@ mod faults;
 mod folders;
 mod html;
 mod passages;
+mod provenance;
 mod resume_sources;
 mod studies;
 mod study_cases;

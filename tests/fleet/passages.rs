@@ -110,7 +110,7 @@ fn the_verdict_counts_the_first_passage_and_what_comes_only_later() {
         "1 of 1 train would overload a coupler in some case (1 in the first passage, 0 only later); {all} of 7 cases do ({first} in the \
          first passage, {later} only later)."
     );
-    let why = "Only later: the forces that exceed come from reflections after the first passage";
+    let why = "means that a rating is exceeded only after the first passage, by reflected waves";
     let read = |name: &str| fs::read_to_string(folder.path().join("out").join(name)).expect("a report");
     for text in [String::from_utf8_lossy(&output.stdout).into_owned(), read("fleet.md"), read("fleet.html")] {
         assert!(text.contains(&counts) && text.contains(why), "{counts}\n{text}");

@@ -113,11 +113,11 @@ fn independent_draws_find_the_probability_and_its_interval() {
         let cells: Vec<&str> = line.split('|').map(str::trim).collect();
         assert_eq!(cells[4], k.to_string(), "{line}");
         let (low, high) = cells[3].split_once(" to ").expect("an interval");
-        let [low, high] = [low, high].map(|x| x.parse::<f64>().expect("a number"));
+        let [low, high] = [low, high].map(|x| x.trim_end_matches(" %").parse::<f64>().expect("a number") / 100.0);
         assert!(low * f64::from(n) < k as f64 && (k as f64) < high * f64::from(n) && high - low < 0.1, "{line}");
         missed += usize::from(!(low < p && p < high));
         // The stronger, the less used: the rank correlation of strength and utilisation is exactly -1 where buff rules.
-        assert!(report.contains("| coupler.rated\\_buff \\[N\\] | -1.000 |"), "{report}");
+        assert!(report.contains("| coupler.rated\\_buff \\[N\\] | \u{2212}1.000 |"), "{report}");
     }
     let all = f64::from(n * seeds);
     let deviation = (all * p * (1.0 - p)).sqrt();

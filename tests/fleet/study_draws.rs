@@ -142,14 +142,14 @@ fn a_probability_says_how_many_draws_it_rests_on() {
     let output = fleet(folder.path(), &["study.toml", "--out", "out", "--format", "csv,md,html"]);
     assert_eq!(output.status.code(), Some(3), "{}", complaint(&output));
     assert_eq!(rows(&folder.path().join("out/errors.csv")).len(), 10);
-    let sentence = "Probability of an exceedance: 0.7500 to 1.000 (30 of 40 draws, 30 of which could be computed; 95 % confidence: \
-                    0.5880 to 1.000).";
+    let sentence = "Probability of an exceedance: 75.0 to 100 % (30 of 40 draws, 30 of which could be computed; 95 % confidence: \
+                    58.8 to 100 %).";
     let told = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(told.contains(sentence), "{told}");
     let [report, page] = ["fleet.md", "fleet.html"]
         .map(|name| fs::read_to_string(folder.path().join("out").join(name)).expect("a report"));
     assert!(report.contains(sentence) && page.contains(sentence), "{report}");
-    assert!(report.contains("| plain | 0.7500 to 1.000 | 0.5880 to 1.000 | 30 | 30 of 40 |"), "{report}");
+    assert!(report.contains("| plain | 75.0 to 100 % | 58.8 to 100 % | 30 | 30 of 40 |"), "{report}");
 }
 
 /// Three cars with one of two masses each are one of eight trains, which are written by hand.

@@ -135,7 +135,8 @@ fn an_input_that_reaches_some_couplers_says_how_many() {
         let folder = folder(&[("train.toml", &train), ("consist.csv", table), ("study.toml", &study(&vary))]);
         let output = fleet(folder.path(), &["study.toml", "--out", "out"]);
         assert!(output.status.success(), "{}", complaint(&output));
-        let note = "coupler.rated_load reaches 4 of 12 couplers of train.toml: the others have a value of their own, and keep it";
+        let note =
+            "coupler.rated_load is varied in 4 of 12 couplers of train.toml: the others keep a value of their own";
         assert!(complaint(&output).contains(&format!("note: {note}\n")), "{}", complaint(&output));
         let report = fs::read_to_string(folder.path().join("out/fleet.md")).expect("a report");
         assert!(report.replace('\\', "").contains(&format!("Note: {note}.")), "{report}");
@@ -220,7 +221,7 @@ fn every_case_of_an_incomplete_train_is_run() {
     let output = fleet(folder.path(), &["study.toml", "--out", "out"]);
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(
-        text.contains("Probability of an exceedance: 1.000 (20 of 20 draws; 95 % confidence: 0.8316 to 1.000)."),
+        text.contains("Probability of an exceedance: 100 % (20 of 20 draws; 95 % confidence: 83.2 to 100 %)."),
         "{text}{}",
         complaint(&output)
     );

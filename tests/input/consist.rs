@@ -242,7 +242,9 @@ fn warnings_say_what_is_likely_not_meant() {
     // Eight couplers in front of the broken one, each sqrt(160e3 / 30e6) s = 73.03 ms: 584.237 ms.
     let expected = "b: the horizon of 580 ms ends before a wave has crossed the longest part, 584.237 ms";
     assert_eq!(warned(short), [expected]);
-    assert_eq!(warned(&short.replace("0.58", "0.59")), Vec::<String>::new());
+    let cut = "b: the horizon of 590 ms ends before the first passage does, at 1.16847 s: a larger force can follow";
+    assert_eq!(warned(&short.replace("0.58", "0.59")), [cut]);
+    assert_eq!(warned(&short.replace("0.58", "1.17")), Vec::<String>::new());
     let long =
         "[[scenario]]\nname = \"p\"\nkind = \"pulse\"\nat = 1\nforce = \"1 MN\"\nduration = \"3 s\"\nhorizon = \"2 s\"";
     // Nine couplers, each 73.03 ms: four transits are 2.629 s.

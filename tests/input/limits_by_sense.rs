@@ -127,16 +127,16 @@ fn the_report_tells_sense_and_margin_of_what_was_given() {
     assert_eq!(
         line,
         "No coupler passes its ultimate load, in draft or buff. No fatigue or proof load was given. The smallest margin to a \
-         ultimate load is 25.0 %: coupler 1, 3.000 N of 4 N in draft."
+         ultimate load is 25.0 %: coupler 1, 3.000 N in draft against 4 N."
             .replace("a ultimate", "an ultimate")
     );
     // From -1.5 N to 0.5 N.
     let (line, text) = sentences("{ fatigue = \"1 N\", draft = { proof = \"1 N\" } }", "-1.5 N");
     assert_eq!(
         line,
-        "The fatigue load is passed by none in draft and 1 coupler in buff. No coupler passes its proof load in draft. No \
-         ultimate load was given. No proof load was given in buff. The largest excess over a fatigue load is 50.0 %: coupler 1, \
-         1.500 N of 1 N in buff. The smallest margin to a proof load is 50.0 %: coupler 1, 500.0 mN of 1 N in draft."
+        "The fatigue load is passed by none in draft and 1 coupler in buff (1 of them under the load before the event). No coupler passes its proof load in draft. No \
+         ultimate load was given. No proof load was given in buff. Coupler 1 exceeds its fatigue load most: 1.500 N in buff \
+         against 1 N, 50.0 % over. The smallest margin to a proof load is 50.0 %: coupler 1, 500.0 mN in draft against 1 N."
             .replace("500.0 mN", "0.5000 N")
     );
     assert!(text.contains("| 1 | vehicle 1, vehicle 2 | 1.500 N in buff | fatigue 1 N (over by 50.0 %) |"), "{text}");
@@ -228,13 +228,22 @@ fn a_cascade_breaks_at_the_ultimate_load_where_one_is_given() {
 fn the_worn_coupler_breaks() {
     let text = "[coupler]\nstiffness = \"11.1 MN/m\"\nrated_load = \"0.5 MN\"\nlimits = { ultimate = \"9 MN\" }\n[[vehicle]]\n
                 mass = \"130 t\"\ncount = 12\n[[coupler_override]]\nat = 7\nlimits = { ultimate = \"0.9 MN\" }\n[[scenario]]\n
-                kind = \"impact\"\nat = \"tail\"\nvehicles = 3\nspeed = \"6 mph\"\ncascade = true\n";
-    let (_, analysis) = run(text);
+                kind = \"impact\"\nat = \"tail\"\nvehicles = 3\nspeed = \"6 mph\"\ncascade = true\n[[scenario]]\n
+                name = \"a push\"\nkind = \"pulse\"\nat = \"tail\"\nforce = \"2 kN\"\nduration = \"1 s\"\n";
+    let (train, analysis) = run(text);
     let case = &analysis.scenarios[0].cases[0];
     let cascade = case.cascade.clone().expect("a cascade");
     assert!(case.exceeding > 5, "many exceed their rating and do not break");
     assert_eq!(cascade.breaks.iter().map(|b| b.coupler).collect::<Vec<_>>(), [7]);
     assert_eq!(cascade.pieces, [[1, 7], [8, 12]]);
+    // The verdict and the overview say so too.
+    let report = markdown(&train, &analysis);
+    let supposed =
+        "**1 further coupler breaks (see \"What breaks next\"); the forces given here suppose that none does. ";
+    assert!(report.contains(supposed), "{report}");
+    let rows: Vec<&str> = report.lines().filter(|l| l.starts_with('|')).take(4).collect();
+    assert!(rows[0].ends_with("| limits passed | further couplers break |"), "{rows:?}");
+    assert!(rows[2].ends_with("| ultimate by 1 coupler | 1 |") && rows[3].ends_with("|  |  |"), "{rows:?}");
 }
 
 #[test]

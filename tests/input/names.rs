@@ -68,7 +68,7 @@ fn couplers_and_vehicles_are_named_by_label() {
         "by label: coupler 41 is behind \"coal car 40\"\n",
         "by label: coupler 1 is behind \"loco\"\n",
         "by label: \"caboose\" is vehicle 52\n",
-        "couplers 1 and 7 of 51 break, each alone; 2 cases",
+        "couplers 1 and 7 of 51 break, one at a time; 2 cases",
     ] {
         assert!(said.contains(line), "{said}");
     }

@@ -223,14 +223,17 @@ fn implausible_motions_are_doubted() {
         let text = SOUND.replace("kind = \"break\"\ncoupler = 5", &event);
         parse(&text.replace("rated_load", &format!("damping = \"{damping} kN*s/m\"\nrated_load")))
     };
-    assert_eq!(codes(&impact("201 km/h", "0")), ["speed"]);
-    assert_eq!(codes(&impact("199 km/h", "0")), [""; 0]);
+    assert_eq!(codes(&impact("41 km/h", "0")), ["speed"]);
+    assert_eq!(codes(&impact("39 km/h", "0")), [""; 0]);
     for (speed, damping, jump) in [("2 m/s", "100", "200 kN"), ("0.5 m/s", "500", "250 kN"), ("3 m/s", "1000", "3 MN")]
     {
         let train = impact(speed, damping);
         let [only] = &doubts(&train)[..] else { panic!("{speed}") };
         assert_eq!(only.code, "dashpot-at-contact");
-        assert!(only.text.contains(&format!("coupler 58 carries {jump} at the instant of contact")), "{only}");
+        assert!(
+            only.text.contains(&format!("at the instant of contact the dashpot of coupler 58 carries {jump}")),
+            "{only}"
+        );
         // The force that is computed begins with that jump.
         let start = trainsafe::findings::history(&train, 0, None, 57, &[0.0])[0];
         let right: f64 = speed.trim_end_matches(" m/s").parse::<f64>().expect("a number")

@@ -70,7 +70,7 @@ error: row 4, column mass [t]: mass is negative
 4 | d,-3
   |   ^^
   |
-  = help: expected more than zero",
+  = help: expected a value above zero",
         ),
         (
             "label,mas [t]\na,80\nb,80\n",

@@ -97,7 +97,7 @@ fn no_number_can_be_what_it_cannot_be() {
             }
         }
     };
-    check(&positive, &[&wrong[..], &below, &zero].concat(), "expected more than zero");
+    check(&positive, &[&wrong[..], &below, &zero].concat(), "expected a value above zero");
     check(&not_negative, &[&wrong[..], &below].concat(), "expected zero or more");
     check(&any, &wrong, "expected a finite number");
 }
@@ -191,7 +191,7 @@ fn couplers_have_laws_and_limits_that_can_be() {
         |solid_n_per_m, slack_m, first| Law::Gear { solid_n_per_m, slack_m, draft: curve(first), buff: curve(0.0) };
     assert_eq!(
         told(|s| s.couplers[0].law = gear(0.0, 0.0, 0.0)),
-        "coupler[0].solid_stiffness: solid_stiffness is zero; expected more than zero"
+        "coupler[0].solid_stiffness: solid_stiffness is zero; expected a value above zero"
     );
     assert_eq!(
         told(|s| s.couplers[0].law = gear(2e8, 0.01, -1e3)),

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use trainsafe::doubts::doubts;
 use trainsafe::scenario::{horizon_s, last_change_s, wave};
+use trainsafe::units::shown_time;
 use trainsafe::{Options, Train, analyze, consist};
 
 fn parse(text: &str, dir: &Path) -> Train {
@@ -97,4 +98,26 @@ fn what_a_short_horizon_does_not_see_is_told() {
         let codes: Vec<&str> = doubts(&parse(&held, dir.path())).iter().map(|d| d.code).collect();
         assert_eq!(codes, ["pulse-beyond-horizon"], "{scenario}");
     }
+}
+
+/// A given horizon that ends before the wave is back is told by its end of the first passage, once, and only there.
+#[test]
+fn a_horizon_within_the_first_passage_is_told() {
+    let pulse = "force = \"1 kN\"\nduration = \"2 s\"\n";
+    let free = parse(&wagons(pulse), Path::new(""));
+    let passage_s = 2.0 + 2.0 * wave(&free).transit_s;
+    let found = |horizon_s: f64| {
+        let train = parse(&wagons(&format!("{pulse}horizon = \"{horizon_s} s\"\n")), Path::new(""));
+        doubts(&train)
+    };
+    let only = found(passage_s - 0.01);
+    let [only] = &only[..] else { panic!("{only:?}") };
+    assert_eq!(only.code, "horizon-in-first-passage");
+    let told = format!("ends before the first passage does, at {}: a larger force can follow", shown_time(passage_s));
+    assert!(only.text.ends_with(&told), "{only}");
+    assert!(found(passage_s + 0.01).is_empty());
+    let short = found(0.9 * wave(&free).transit_s);
+    assert!(short.iter().any(|d| d.code == "short-horizon"), "{short:?}");
+    assert!(short.iter().all(|d| d.code != "horizon-in-first-passage"), "{short:?}");
+    assert!(doubts(&free).is_empty());
 }

@@ -267,7 +267,10 @@ fn a_cascade_starts_from_the_load() {
 fn the_load_of_an_impact_is_told_by_parts() {
     let train = parse(&struck("[load]\nuniform = \"-0.9 MN\"", true, ""));
     let told = consist::describe(&train);
-    assert!(told.contains("before an impact each part carries its own, and the coupler between them none"), "{told}");
+    assert!(
+        told.contains("before an impact each part carries its own load, and the coupler that joins them none"),
+        "{told}"
+    );
     let analysis = analyze(&train, &Options::default()).expect("sound");
     let report = trainsafe::report::json(&analysis).expect("JSON");
     assert!(report.contains("\"initial_force_n\": -900000.0"));

@@ -42,7 +42,7 @@ pub(super) fn write(draft: &Draft) -> (String, Vec<String>) {
 fn head(draft: &Draft, missing: &[String]) -> String {
     let source = quoted(&printable(&draft.source));
     let mut text = format!("# Made from {source} by trainsafe {}.\n", env!("CARGO_PKG_VERSION"));
-    text += "# Behind each value stands where it comes from; what is missing is marked so.\n";
+    text += "# The comment behind each value names its source; missing values are marked MISSING.\n";
     for what in missing {
         let _ = writeln!(text, "# MISSING: {}", harmless(what));
     }
@@ -134,7 +134,7 @@ fn coupler_table(by_key: &ByKey, couplers: usize, missing: &mut Vec<String>) -> 
             line(
                 &mut text,
                 &format!("# {} = \"{}\"", key.name, key.example),
-                "MISSING: an example, no value of this train",
+                "MISSING: this is an example, not a value of this train",
             );
             missing.push(format!("coupler.{}: given for {of}", key.name));
         }

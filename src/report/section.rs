@@ -184,10 +184,9 @@ pub fn overview(train: &Train, scenarios: &[ScenarioFindings]) -> Block {
         ("horizon", Left),
     ];
     let mut rows: Vec<Vec<String>> = scenarios.iter().map(|scenario| overview_row(train, scenario)).collect();
-    let more: [(&str, fn(&ScenarioFindings) -> String); 2] =
-        [("limits passed", limits::brief), ("further couplers break", cascade::brief)];
-    for (name, cell) in more {
-        let cells: Vec<String> = scenarios.iter().map(cell).collect();
+    let of_each = |cell: fn(&ScenarioFindings) -> String| scenarios.iter().map(cell).collect::<Vec<_>>();
+    let more = [("limits passed", of_each(limits::brief)), ("further couplers break", of_each(cascade::brief))];
+    for (name, cells) in more {
         if cells.iter().any(|cell| !cell.is_empty()) {
             head.push((name, Left));
             rows.iter_mut().zip(cells).for_each(|(row, cell)| row.push(cell));

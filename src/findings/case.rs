@@ -40,8 +40,10 @@ impl<'a> Case<'a> {
         options: &Options,
         shared: Shared<'a>,
     ) -> Case<'a> {
-        // After a break the coupler of the largest utilisation is the one that bounds the load; it need not be under a pulse.
-        let wanted = if broken.is_some() { options.wanted } else { Wanted::Everything };
+        // After a break the coupler of the largest utilisation is the one that bounds the load; it need not be under a pulse, and another
+        // one may pass a limit.
+        let only_worst = broken.is_some() && train.extras().limits.is_empty();
+        let wanted = if only_worst { options.wanted } else { Wanted::Everything };
         let horizon_s = scenario::horizon_s(train, scenario, broken);
         let passage_s = first_passage::end_s(train, scenario, broken, horizon_s);
         Case { train, scenario, broken, horizon_s, passage_s, options: Options { wanted, ..options.clone() }, shared }

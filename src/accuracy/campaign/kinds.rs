@@ -154,8 +154,7 @@ fn analyzed(drawn: &Drawn, rated: &Rated, judge: &mut Judge) -> Option<Analyzed>
     let steps = matches!(drawn.kind, Kind::Break | Kind::Rectangle | Kind::HalfSine);
     let map = steps && judge.seed.is_multiple_of(3);
     let full = Options { all_time_bound: drawn.system.ratio == 0.0, map, ..Options::default() };
-    let wanted = if judge.seed.is_multiple_of(2) { Wanted::Worst } else { Wanted::Everything };
-    let quick = Options { verdict_only: true, map: false, wanted, ..full.clone() };
+    let quick = Options { verdict_only: true, map: false, wanted: wanted(judge.seed), ..full.clone() };
     match (analyze(&train, &full), analyze(&train, &quick)) {
         (Ok(mut analysis), Ok(mut quick)) => {
             judge.loads(train.initial_force_n());
@@ -170,6 +169,11 @@ fn analyzed(drawn: &Drawn, rated: &Rated, judge: &mut Judge) -> Option<Analyzed>
             None
         }
     }
+}
+
+/// Which couplers the quick answer to a scene tells of.
+pub fn wanted(seed: u64) -> Wanted {
+    if seed.is_multiple_of(2) { Wanted::Worst } else { Wanted::Everything }
 }
 
 /// A system in which the event's part is `factor` times as large: its forces over time and speeds.

@@ -97,7 +97,7 @@ pub(crate) fn application(of: &Application, units: UnitSystem) -> String {
     // The points of a named application are in its source.
     let told = if of.name.is_some() || of.build_up.len() > POINTS { of.build_up.len().saturating_sub(1) } else { 1 };
     let course: Vec<String> = of.build_up.iter().skip(told).map(point).collect();
-    format!("{named}wave {}, {} of emergency_brake", units.wave_speed(of.wave_m_per_s), course.join(", "))
+    format!("{named}wave {}, brake force {}", units.wave_speed(of.wave_m_per_s), course.join(", "))
 }
 
 /// What a scenario's brakes and drives do beside its event: a clause that starts with `; `, or nothing.

@@ -72,7 +72,7 @@ fn passed(limit: &str, entries: &[Entry], several: bool) -> String {
             (0, _) => format!("none in {sense}"),
             (n, 0) => format!("{} in {sense}", count(*n, "coupler")),
             (n, load) if *n == load => {
-                format!("{} in {sense}, all under the load before the event", count(*n, "coupler"))
+                format!("{} in {sense}, already under the load before the event", count(*n, "coupler"))
             }
             (n, load) => {
                 format!("{} in {sense} ({load} of them under the load before the event)", count(*n, "coupler"))

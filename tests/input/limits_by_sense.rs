@@ -134,7 +134,7 @@ fn the_report_tells_sense_and_margin_of_what_was_given() {
     let (line, text) = sentences("{ fatigue = \"1 N\", draft = { proof = \"1 N\" } }", "-1.5 N");
     assert_eq!(
         line,
-        "The fatigue load is passed by none in draft and 1 coupler in buff (1 of them under the load before the event). No coupler passes its proof load in draft. No \
+        "The fatigue load is passed by none in draft and 1 coupler in buff, already under the load before the event. No coupler passes its proof load in draft. No \
          ultimate load was given. No proof load was given in buff. Coupler 1 exceeds its fatigue load most: 1.500 N in buff \
          against 1 N, 50.0 % over. The smallest margin to a proof load is 50.0 %: coupler 1, 500.0 mN in draft against 1 N."
             .replace("500.0 mN", "0.5000 N")

@@ -166,7 +166,8 @@ fn schedule(
         doubts.push(Doubt::of_train("throttle-starts-late", text));
     }
     let left = courses.iter().flat_map(|c| c.points.iter().map(|p| 1.0 + p[1] / traction_n[c.vehicle]));
-    if sheet.columns[1].is_some() && (0.0..=FAINT).contains(&left.fold(f64::MIN_POSITIVE, f64::max)) {
+    let most = left.fold(0.0, f64::max);
+    if sheet.columns[1].is_some() && most > 0.0 && most <= FAINT {
         let text =
             format!("no share of the schedule {name} is over 1 %: were shares of 1 meant, such as 0.5 for 50 %?");
         doubts.push(Doubt::of_train("faint-throttle", text));

@@ -285,7 +285,9 @@ fn sample_gears_are_read() {
 #[test]
 fn shares_of_one_and_springs_that_rebound_are_told() {
     let train = hauled(GEARS, "throttle = \"throttle.csv\"\n");
-    for (rows, told) in [("0,1\n2.5,0.5\n", true), ("0,100\n2.5,50\n", false), ("0,100\n2.5,0\n", false)] {
+    for (rows, told) in
+        [("0,1\n2.5,0.5\n", true), ("0,100\n2.5,50\n", false), ("0,100\n2.5,0\n", false), ("0,0\n", false)]
+    {
         let throttle = format!("time [s],share [%]\n{rows}");
         let folder = folder(&[("train.toml", &train), ("throttle.csv", &throttle)]);
         let said = text(folder.path(), &["check", "train.toml"]);

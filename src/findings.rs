@@ -46,7 +46,7 @@ use crate::scenario::Scales;
 use crate::solve::responses::Shared;
 use crate::solve::watch::{Side, SpringPeaks};
 use crate::solve::{Ask, Method, SolveError, Wanted};
-use crate::train::{Doubt, Event, Scenario, Source, Train};
+use crate::train::{Doubt, Event, Scenario, Source, Train, hex};
 use crate::units::UnitSystem;
 
 /// How an analysis is to be done.
@@ -406,10 +406,7 @@ pub fn analyze(train: &Train, options: &Options) -> Result<Analysis, AnalyzeErro
     require_case(chosen.iter().copied())?;
     let about = |d: &Doubt| d.scenario.as_ref().is_none_or(|name| chosen.iter().any(|s| s.name == *name));
     let mut doubts: Vec<Doubt> = doubts::doubts(train).into_iter().filter(about).collect();
-    let file = |source: &Source| InputFile {
-        path: source.path.display().to_string(),
-        sha256: source.sha256.iter().map(|byte| format!("{byte:02x}")).collect(),
-    };
+    let file = |source: &Source| InputFile { path: source.path.display().to_string(), sha256: hex(&source.sha256) };
     let inputs = train.origin().sources.iter().map(file).collect();
     let scenarios = chosen.iter().map(|s| scenario_findings(train, s, options));
     let scenarios: Vec<ScenarioFindings> = scenarios.collect::<Result<_, _>>()?;

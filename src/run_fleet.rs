@@ -17,7 +17,7 @@ pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
         resume: args.resume,
         formats: args.format.iter().filter_map(|name| FleetFormat::from_name(name)).collect(),
         reports: args.reports,
-        memo_bytes: None,
+        response_bytes: None,
         progress: if quiet() { fleet::Telling::Nothing } else { fleet::Telling::Terminal },
     };
     if args.dry_run {

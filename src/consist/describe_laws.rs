@@ -95,8 +95,9 @@ pub(crate) fn application(of: &Application, units: UnitSystem) -> String {
     let named = of.name.map_or(String::new(), |name| format!("{name}: "));
     let point = |p: &[f64; 2]| format!("{} after {}", shown(units, p[1], Dimension::Share), shown_time(p[0]));
     // The points of a named application are in its source.
-    let told = if of.name.is_some() || of.build_up.len() > POINTS { of.build_up.len().saturating_sub(1) } else { 1 };
-    let course: Vec<String> = of.build_up.iter().skip(told).map(point).collect();
+    // All points but the first, which is 0, or the last alone.
+    let skipped = if of.name.is_some() || of.build_up.len() > POINTS { of.build_up.len().saturating_sub(1) } else { 1 };
+    let course: Vec<String> = of.build_up.iter().skip(skipped).map(point).collect();
     format!("{named}wave {}, brake force {}", units.wave_speed(of.wave_m_per_s), course.join(", "))
 }
 

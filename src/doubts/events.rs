@@ -1,5 +1,7 @@
 //! Doubts about scenarios.
 
+use std::ops::Range;
+
 use super::overloaded;
 use crate::law::Law;
 use crate::scenario::{Motion, horizon_s, initial_force_n, last_change_s, longest_horizon_s, longest_transit_s};
@@ -32,7 +34,7 @@ fn breaks(train: &Train, scenario: &Scenario, couplers: &[usize]) -> Vec<(&'stat
             "nothing-left",
             "the train has one coupler only: after its break there is none left to examine".to_owned(),
         ));
-    } else if let Some(first) = couplers.iter().find(|&&b| load(b) == 0.0) {
+    } else if let [first, others @ ..] = &couplers.iter().filter(|&&b| load(b) == 0.0).collect::<Vec<_>>()[..] {
         let advice = if train.extras().steady.is_some() {
             "check the forces on the vehicles: a tractive_effort, a brake_force or a held vehicle may be missing"
         } else {
@@ -42,8 +44,8 @@ fn breaks(train: &Train, scenario: &Scenario, couplers: &[usize]) -> Vec<(&'stat
             "no-load",
             format!(
                 "coupler {}{} carries no load, so its break changes nothing; {advice}",
-                first + 1,
-                more(couplers.iter().filter(|&&b| load(b) == 0.0).count() - 1, "coupler")
+                *first + 1,
+                more(others.len(), "coupler")
             ),
         ));
     }
@@ -168,23 +170,10 @@ fn impact(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
     let before = initial_force_n(train, &scenario.event);
     found.extend(overloaded(train, &before).map(|text| ("load-over-rating", text)));
     let joint = scenario.event.joint(train.vehicles().len());
-    let (Some(joint), Event::Impact { speed_m_per_s, .. }) = (joint, &scenario.event) else { return found };
+    let (Some(joint), Event::Impact { speed_m_per_s, at_head, .. }) = (joint, &scenario.event) else { return found };
     found.extend(super::plausible::fast_impact(train, *speed_m_per_s));
+    found.extend(moved(train, if *at_head { joint + 1..train.vehicles().len() } else { 0..joint + 1 }));
     let extras = train.extras();
-    if let (Some(steady), Event::Impact { at_head, .. }) = (&extras.steady, &scenario.event) {
-        let standing = if *at_head { joint + 1..train.vehicles().len() } else { 0..joint + 1 };
-        let part = &train.vehicles()[standing.clone()];
-        let mass_kg: f64 = part.iter().map(|v| v.mass_kg).sum();
-        let force_n: f64 = steady.outside_n[standing].iter().sum();
-        if part.iter().all(|v| !v.held) && force_n.abs() > MOVES_M_PER_S2 * mass_kg {
-            let text = format!(
-                "the forces on the vehicles that stand come to {}, which would move them: a brake holds a standing vehicle and does not \
-                 push it; leave brake_force out there, or hold an end",
-                shown(units, force_n, Dimension::Force)
-            );
-            found.push(("standing-part-moves", text));
-        }
-    }
     let loses = extras.laws.iter().any(Law::has_friction) || extras.dashpot_n_s_per_m.iter().any(|c| *c > 0.0);
     if Motion::of(train, scenario) == Motion::Events && !loses {
         let text = "no coupler absorbs work, so that the draft after the collision includes the whole rebound of the springs; a real \
@@ -201,6 +190,22 @@ fn impact(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
         found.push(("dashpot-at-contact", text));
     }
     found
+}
+
+/// Vehicles that stand before an impact, and that the forces on them would move.
+fn moved(train: &Train, standing: Range<usize>) -> Option<(&'static str, String)> {
+    let part = &train.vehicles()[standing.clone()];
+    let mass_kg: f64 = part.iter().map(|v| v.mass_kg).sum();
+    let force_n: f64 = train.extras().steady.as_ref()?.outside_n[standing].iter().sum();
+    let text = || {
+        format!(
+            "the forces on the vehicles that stand come to {}, which would move them: a brake holds a standing vehicle and does not \
+             push it; leave brake_force out there, or hold an end",
+            shown(train.origin().units, force_n, Dimension::Force)
+        )
+    };
+    let moves = part.iter().all(|v| !v.held) && force_n.abs() > MOVES_M_PER_S2 * mass_kg;
+    moves.then(|| ("standing-part-moves", text()))
 }
 
 /// A horizon that ends before a wave has crossed the train, or, where the forces from outside have stopped changing, before the first

@@ -17,6 +17,7 @@ use crate::findings::Options;
 use crate::report::files::{self, WriteError};
 use crate::solve::Method;
 use crate::solve::responses::Responses;
+use crate::train::hex;
 
 /// Time between looks at whether another worker has made the plan.
 const LOOK: Duration = Duration::from_millis(200);
@@ -69,10 +70,6 @@ impl<I: Serialize> Whole<I> {
         // Nothing of it can fail to be JSON: its maps have numbers as keys, and its numbers are finite.
         hex(&Sha256::digest(serde_json::to_vec(self).unwrap_or_default()))
     }
-}
-
-fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// What is run with these inputs.

@@ -117,7 +117,7 @@ pub struct Request {
     /// Keep every coupler of every case too, in `couplers/`.
     pub couplers: bool,
     /// Bytes of memory for responses that were found; `None`: 320 MiB. Results do not depend on it.
-    pub memo_bytes: Option<usize>,
+    pub response_bytes: Option<usize>,
     /// Who is told how far the run is.
     pub progress: Telling,
 }
@@ -204,7 +204,7 @@ fn take_part(request: &Request, dir: &Path, worker: &Worker) -> Result<Outcome, 
 }
 
 fn responses(request: &Request) -> Responses {
-    Responses::new(request.memo_bytes.unwrap_or(REMEMBERED))
+    Responses::new(request.response_bytes.unwrap_or(REMEMBERED))
 }
 
 /// Joins the parts that workers have written into the same files that one run would have. Of the request only what is to be written

@@ -67,7 +67,7 @@ pub fn can_write(request: &Request) -> Result<(), FleetError> {
         let why = "this trainsafe was built without Parquet: build it with `cargo install --path . --features parquet`";
         return Err(FleetError::Usage(why.to_owned()));
     }
-    // Reports have it; a wrong one is told before anything is computed.
+    // Reports state the date: a SOURCE_DATE_EPOCH that is no date is refused before anything is computed.
     date::today().map(|_| ()).map_err(FleetError::Usage)
 }
 

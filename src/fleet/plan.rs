@@ -21,7 +21,7 @@ const CHUNKS: u64 = 1000;
 const FEWEST_CASES: u64 = 8;
 const MOST_CASES: u64 = 500;
 
-/// Loads and ratings of a chain from which on its response is worth finding.
+/// With so many variations of loads and ratings of one chain, or more, its response is computed once and shared.
 const LEAST_REPEATS: usize = 10;
 /// About what the response of a chain takes in memory, bytes per square of its springs, and what those of a train may.
 const SPRING_BYTES: usize = 64;

@@ -1,6 +1,6 @@
 //! What a report says, as data: Markdown and HTML are written from it.
 
-/// A part of a report that stands by itself.
+/// One element of a report: a heading, a paragraph, a table or a figure.
 pub enum Block {
     /// The heading of the whole.
     Title(String),

@@ -135,7 +135,8 @@ fn kept(cascade: &CascadeFindings) -> String {
     }
 }
 
-/// From when on the sequence is not decided, and the beginning of a sentence about what is left if it is supposed to hold.
+/// A sentence that says from when on the sequence is not decided, and the first words of the next one, which tells the pieces that are left
+/// if that coupler holds.
 fn open(cascade: &CascadeFindings, later: usize) -> Option<String> {
     let from = cascade.undecided_from_s?;
     let Some(coupler) = cascade.undecided_coupler else {

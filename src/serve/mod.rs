@@ -98,7 +98,7 @@ impl Server {
         let unreadable = |e| InputError::of_file(train, format!("the file cannot be read: {e}"), "");
         let mut bytes = [0; 16];
         getrandom::fill(&mut bytes).map_err(|e| io::Error::other(e.to_string()))?;
-        let token: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
+        let token: String = crate::train::hex(&bytes);
         // Told as `check` tells it.
         Files::default().main(train)?;
         let real = train.canonicalize().map_err(unreadable)?;

@@ -11,6 +11,7 @@ use super::{Refusal, State};
 use crate::consist::Files;
 use crate::error::{InputError, printable_path};
 use crate::report::{between_writes, files};
+use crate::train::hex;
 
 /// The train file as it was read.
 #[derive(Serialize)]
@@ -58,8 +59,4 @@ pub(super) fn save(state: &State, asked: &Save) -> Result<String, Refusal> {
     file.as_file().sync_all().map_err(|e| failed(&e))?;
     file.persist(&state.real).map_err(|e| failed(&e.error))?;
     Ok(hex(&Sha256::digest(content.as_bytes())))
-}
-
-fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -148,7 +148,7 @@ impl View<'_> {
         for block in self.range.start / BLOCK..self.range.end.div_ceil(BLOCK) {
             let norm = self.norms[block];
             let from = block * BLOCK;
-            let open = sift(self, search, from, norm, last);
+            let open = sift(self, [&search.levels, &search.crossings], from, norm, last);
             if any_opens(open) {
                 for s in (from..from + BLOCK).filter(|s| open[s - from] > 0.0) {
                     search.consider(&self.step, s, self.remainders[1][s], norm, at);
@@ -160,14 +160,21 @@ impl View<'_> {
     }
 }
 
-/// How far the quick bounds of a block's springs over the step pass what matters.
+/// How far the quick bounds of a block's springs over the step pass what matters: per sign and spring what G, or -G, has to pass, and what
+/// it has to pass where it rises through the whole step.
 #[inline(always)]
-fn sift(view: &View, search: &Search, from: usize, norm: f64, last: bool) -> [f64; BLOCK] {
+pub(super) fn sift(
+    view: &View,
+    [levels, crossings]: [&[Vec<f64>; 2]; 2],
+    from: usize,
+    norm: f64,
+    last: bool,
+) -> [f64; BLOCK] {
     let (f0, f1) = (block(view.force[0], from + 1), block(view.force[1], from + 1));
     let (q0, q1) = (block(view.bend[0], from + 1), block(view.bend[1], from + 1));
     let remainder = block(&view.remainders[0], from);
-    let (high, low) = (block(&search.levels[0], from), block(&search.levels[1], from));
-    let (over, under) = (block(&search.crossings[0], from), block(&search.crossings[1], from));
+    let (high, low) = (block(&levels[0], from), block(&levels[1], from));
+    let (over, under) = (block(&crossings[0], from), block(&crossings[1], from));
     let mut open = [0.0; BLOCK];
     for l in 0..BLOCK {
         let (level, crossing) = ([high[l], low[l]], [over[l], under[l]]);
@@ -183,7 +190,7 @@ fn total([a, b, c, d, e, f, g, h]: [f64; BLOCK]) -> f64 {
 
 /// `BLOCK` numbers of a row from a place on.
 #[inline(always)]
-pub(super) fn block(row: &[f64], from: usize) -> [f64; BLOCK] {
+fn block(row: &[f64], from: usize) -> [f64; BLOCK] {
     let mut out = [0.0; BLOCK];
     out.copy_from_slice(&row[from..from + BLOCK]);
     out

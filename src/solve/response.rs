@@ -11,8 +11,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::between::{Step, jet, piece};
 use super::local::{Local, Point};
-use super::motion::{BLOCK, Motion, any_opens, bracket, least_slope, opening};
-use super::propagator::{self, See, View, block, march};
+use super::motion::{BLOCK, Motion, any_opens, bracket, least_slope};
+use super::propagator::{self, See, View, march, sift};
 use super::watch::{Side, SpringPeaks, searched};
 use super::{Ask, Method, Solution, Wanted, Work};
 use crate::chain::Scene;
@@ -112,8 +112,8 @@ impl UnitResponse {
         records + rows + size_of_val(self.steps.as_slice()) + self.records.len() * of_spring
     }
 
-    /// Extremes of every spring of a scene whose response this is; `None` where its bound is over the tolerance, or a spring stands at
-    /// its rating before the event, as near as forces are known.
+    /// Extremes of every spring of a scene whose response this is; `None` where its bound is over the tolerance, or a spring's force
+    /// before the event is its rating, or less by no more than a few bounds.
     pub fn solution(&self, scene: &Scene, ask: &Ask, way: Way) -> Option<Solution> {
         let size = scene.force.abs();
         let bound = self.bound_of(scene, way);
@@ -301,7 +301,7 @@ impl See for Recorder<'_> {
         let mut any = false;
         for number in view.range.start / BLOCK..view.range.end.div_ceil(BLOCK) {
             let from = number * BLOCK;
-            let open = sift(view, &self.levels, from, view.norms[number]);
+            let open = sift(view, [&self.levels; 2], from, view.norms[number], false);
             if any_opens(open) {
                 for spring in (from..from + BLOCK).filter(|s| open[s - from] > 0.0) {
                     any |= self.record(view, spring, view.norms[number]);
@@ -312,21 +312,6 @@ impl See for Recorder<'_> {
             self.keep(view);
         }
     }
-}
-
-/// How far the quick bounds of a block's springs over the step pass their levels.
-#[inline(always)]
-fn sift(view: &View, levels: &[Vec<f64>; 2], from: usize, norm: f64) -> [f64; BLOCK] {
-    let (f0, f1) = (block(view.force[0], from + 1), block(view.force[1], from + 1));
-    let (q0, q1) = (block(view.bend[0], from + 1), block(view.bend[1], from + 1));
-    let remainder = block(&view.remainders[0], from);
-    let (high, low) = (block(&levels[0], from), block(&levels[1], from));
-    let mut open = [0.0; BLOCK];
-    for l in 0..BLOCK {
-        let level = [high[l], low[l]];
-        open[l] = opening([f0[l], f1[l]], [q0[l], q1[l]], norm * remainder[l], level, level, false);
-    }
-    open
 }
 
 impl Recorder<'_> {

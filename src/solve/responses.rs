@@ -3,8 +3,9 @@
 //! Whether a scene is solved from a response depends on the scene and on what is shared, never on what is remembered: a result is
 //! the same to the last bit in whatever order and on however many threads.
 //!
-//! An equal chain is brought to mass 1 and stiffness 1, times in units of `sqrt(mass / stiffness)`. Of it and its mirror image (counted from
-//! the other end, where forward is backward, while tension stays tension) the one whose source is nearer to its tail stands for both.
+//! An equal chain is brought to mass 1 and stiffness 1, times in units of `sqrt(mass / stiffness)`. Its mirror image is the same chain
+//! counted from the other end: forward becomes backward there, and tension stays tension. Of the two, the one whose source is nearer to
+//! the tail is solved, and the other's forces follow from it.
 
 use std::borrow::Cow;
 use std::collections::HashMap;

@@ -96,6 +96,11 @@ pub struct Source {
     pub sha256: [u8; 32],
 }
 
+/// Bytes in hexadecimal digits, as checksums are written.
+pub(crate) fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
 impl Train {
     /// What reports call it.
     pub fn name(&self) -> &str {

@@ -262,9 +262,9 @@ fn a_run_goes_on_only_with_what_it_began_with() {
 fn what_is_remembered_changes_no_byte() {
     let folder = folder();
     write_fleet(&folder.path().join("trains"), 12, 7);
-    let run = |name: &str, memo_bytes: Option<usize>| {
+    let run = |name: &str, response_bytes: Option<usize>| {
         let paths = vec![folder.path().join("trains")];
-        let request = Request { paths, memo_bytes, ..Request::default() };
+        let request = Request { paths, response_bytes, ..Request::default() };
         let out = folder.path().join(name);
         let outcome = trainsafe::fleet::run(&request, &out).expect("a run");
         (outcome.scenes, results(&out))
@@ -287,10 +287,10 @@ fn a_study_of_loads_and_ratings_marches_each_chain_once() {
     };
     let loads = vary("load.uniform", "0.2 MN", "0.8 MN") + &vary("coupler.rated_load", "0.9 MN", "1.4 MN");
     let study = format!("trains = [\"trains/train-0001.toml\"]\nsamples = 30\n{loads}");
-    let run = |name: &str, study: &str, memo_bytes: Option<usize>| {
+    let run = |name: &str, study: &str, response_bytes: Option<usize>| {
         let path = folder.path().join(format!("{name}.toml"));
         fs::write(&path, study).expect("a study");
-        let request = Request { paths: vec![path], memo_bytes, ..Request::default() };
+        let request = Request { paths: vec![path], response_bytes, ..Request::default() };
         let out = folder.path().join(name);
         let outcome = trainsafe::fleet::run(&request, &out).expect("a run");
         (outcome.scenes, fs::read(out.join("fleet.csv")).expect("rows"))

@@ -13,6 +13,16 @@ use trainsafe::solve::{Ask, Method, Wanted, closed_form, fronts, modal, propagat
 /// The share of the largest rating that a force may be off by.
 pub const TOLERANCE: f64 = 1e-9;
 
+/// Everything, in scenes in units of their own forces.
+pub const EVERYTHING: Ask = Ask {
+    tolerance: TOLERANCE,
+    method: None,
+    verdict_only: false,
+    all_time_bound: false,
+    wanted: Wanted::Everything,
+    mark: None,
+};
+
 /// The nearest `f64` to a decimal of many digits.
 #[derive(Clone, Copy, Debug)]
 pub struct Digits(pub f64);

@@ -29,7 +29,7 @@ fn labels(groups: &[(&str, usize)]) -> Vec<String> {
 fn no_two_vehicles_have_the_same_name() {
     assert_eq!(labels(&[("car 1", 1), ("car", 2), ("car 2", 1)]), ["car 1", "car 3", "car 4", "car 2"]);
     assert_eq!(labels(&[("loco", 1), ("car", 1), ("car", 2)]), ["loco", "car 1", "car 2", "car 3"]);
-    // What is numbered round another label is told.
+    // A number that is left out because another vehicle has that label gives a doubt.
     let told = |groups: &[(&str, usize)]| {
         let doubts = read(&vehicles(groups)).expect("a train").origin().doubts.clone();
         doubts.into_iter().filter(|d| d.code == "label-numbers").map(|d| d.text).collect::<Vec<_>>()

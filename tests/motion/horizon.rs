@@ -100,7 +100,7 @@ fn what_a_short_horizon_does_not_see_is_told() {
     }
 }
 
-/// A given horizon that ends before the wave is back is told by its end of the first passage, once, and only there.
+/// A given horizon that ends before the first passage does gives one doubt, which names the end of the passage; other horizons give none.
 #[test]
 fn a_horizon_within_the_first_passage_is_told() {
     let pulse = "force = \"1 kN\"\nduration = \"2 s\"\n";

@@ -1,20 +1,12 @@
 //! Scenes from responses: within the bounds of their own solutions, the same bits remembered or not, and no more work than chains.
 
+use crate::scenes::EVERYTHING;
 use proptest::prelude::*;
 use trainsafe::accuracy::campaign::scene;
 use trainsafe::chain::{Chain, Scene};
 use trainsafe::solve::responses::{Responses, Shared};
 use trainsafe::solve::watch::SpringPeaks;
 use trainsafe::solve::{Ask, Method, Solution, Wanted, solve};
-
-const ASK: Ask = Ask {
-    tolerance: 1e-9,
-    method: None,
-    verdict_only: false,
-    all_time_bound: false,
-    wanted: Wanted::Everything,
-    mark: None,
-};
 
 /// An equal chain whose last mass is pulled.
 fn equal(masses: usize, held_head: bool, rating: f64) -> Scene {
@@ -117,7 +109,7 @@ proptest! {
         seed in 0u64..1_000_000, load in -2.0..2.0f64, share in 0.02..1.1f64, kind in 0usize..5, part in 0.1..0.9f64
     ) {
         let bare = scene(seed);
-        let ask = Ask { mark: Some(part * bare.horizon), ..ASK };
+        let ask = Ask { mark: Some(part * bare.horizon), ..EVERYTHING };
         let scene = loaded(&bare, &ask, [load, share], kind);
         let responses = Responses::new(1 << 26);
         let shared = |ask: &Ask| Shared::EveryChain(&responses).solve(&scene, ask).expect("a solution");
@@ -153,7 +145,7 @@ proptest! {
         let scene = equal(masses, held, rating);
         let responses = Responses::new(1 << 22);
         let solved = |of: &Responses, scene: &Scene| {
-            let solution = Shared::EqualChains(of).solve(scene, &ASK).expect("a solution");
+            let solution = Shared::EqualChains(of).solve(scene, &EVERYTHING).expect("a solution");
             (peaks(&solution.springs), solution.error_bound)
         };
         let first = solved(&responses, &scene);
@@ -172,7 +164,7 @@ fn a_chain_is_marched_once_for_each_source() {
     let mut scene = equal(40, true, 1.4);
     scene.chain.mass[7] = 2.0;
     let responses = Responses::new(1 << 26);
-    let solve = |scene: &Scene| Shared::EveryChain(&responses).solve(scene, &ASK).expect("a solution");
+    let solve = |scene: &Scene| Shared::EveryChain(&responses).solve(scene, &EVERYTHING).expect("a solution");
     for step in 1..=100 {
         let load = 0.013 * f64::from(step);
         let of_load = |f: &f64| load * f;
@@ -195,7 +187,7 @@ fn a_chain_is_marched_once_for_each_source() {
     }
     assert_eq!(responses.counts(), (102, 4));
     // Where only equal chains are shared it has its own solution.
-    Shared::EqualChains(&responses).solve(&scene, &ASK).expect("a solution");
+    Shared::EqualChains(&responses).solve(&scene, &EVERYTHING).expect("a solution");
     assert_eq!(responses.counts(), (102, 5));
 }
 
@@ -204,7 +196,7 @@ fn a_chain_is_marched_once_for_each_source() {
 fn an_equal_chain_in_other_units_is_known() {
     let responses = Responses::new(1 << 20);
     let solve = |scene: &Scene, tolerance: f64| {
-        Shared::EqualChains(&responses).solve(scene, &Ask { tolerance, ..ASK }).expect("a solution")
+        Shared::EqualChains(&responses).solve(scene, &Ask { tolerance, ..EVERYTHING }).expect("a solution")
     };
     let scene = equal(9, true, 1.0);
     let first = solve(&scene, 1e-9);
@@ -229,11 +221,11 @@ fn a_spring_at_its_rating_is_solved_by_itself() {
     let mut scene = equal(12, false, 3.0);
     scene.rated_draft[4] = scene.initial[4];
     let responses = Responses::new(1 << 20);
-    let shared = Shared::EqualChains(&responses).solve(&scene, &ASK).expect("a solution");
-    let own = solve(&scene, &ASK).expect("a solution");
+    let shared = Shared::EqualChains(&responses).solve(&scene, &EVERYTHING).expect("a solution");
+    let own = solve(&scene, &EVERYTHING).expect("a solution");
     assert_eq!((peaks(&shared.springs), shared.error_bound), (peaks(&own.springs), own.error_bound));
     // A bound over the tolerance is no reason to give less than the best method can.
-    let strict = Ask { tolerance: 1e-18, ..ASK };
+    let strict = Ask { tolerance: 1e-18, ..EVERYTHING };
     scene.rated_draft[4] = 3.0;
     let of = |solution: Solution| (solution.method, solution.error_bound);
     let shared = Shared::EqualChains(&responses).solve(&scene, &strict).expect("a solution");

@@ -1,5 +1,6 @@
 //! Asked for the worst alone: what a row of a fleet says is the same to the bit, for a small part of the looks.
 
+use crate::scenes::EVERYTHING;
 use proptest::prelude::*;
 use trainsafe::accuracy::campaign::{row::WorstRow, scene};
 use trainsafe::chain::{Chain, Scene};
@@ -7,15 +8,6 @@ use trainsafe::solve::responses::{Responses, Shared};
 use trainsafe::solve::watch::SpringPeaks;
 use trainsafe::solve::{Ask, Method, Solution, Wanted, solve};
 
-/// Scenes in units of their own forces.
-const EVERYTHING: Ask = Ask {
-    tolerance: 1e-9,
-    method: None,
-    verdict_only: false,
-    all_time_bound: false,
-    wanted: Wanted::Everything,
-    mark: None,
-};
 const WORST: Ask = Ask { wanted: Wanted::Worst, ..EVERYTHING };
 
 fn solved(scene: &Scene, ask: &Ask) -> Solution {

@@ -215,12 +215,6 @@ impl Watch {
         self.side_mut(spring, negative).near |= near;
     }
 
-    /// A side that has certainly passed its rating by a time, be the first such instant known or not.
-    pub fn mark_over(&mut self, spring: usize, negative: bool, until: f64) {
-        let until = until.min(self.horizon);
-        self.side_mut(spring, negative).first_over.get_or_insert(until);
-    }
-
     fn side_mut(&mut self, spring: usize, negative: bool) -> &mut Side {
         let peaks = &mut self.peaks[spring];
         if negative { &mut peaks.buff } else { &mut peaks.draft }
@@ -274,7 +268,8 @@ impl Watch {
     /// `exact` gives the force at one instant, a sum of two numbers, as well as the method can.
     pub fn note(&mut self, spring: usize, negative: bool, local: &Local, end: f64, exact: impl Fn(Dd) -> f64) {
         let level = self.level(spring, negative);
-        if self.see(spring, negative, local, [end, level], exact) {
+        let over = self.see(spring, negative, local, [end, level], exact);
+        if over && self.peaks[spring].side(negative).first_over.is_none() {
             self.note_crossing(spring, negative, local);
         }
     }

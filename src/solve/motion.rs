@@ -27,8 +27,8 @@ pub struct Motion {
     pub behind: Vec<f64>,
     /// `k_i (p_i / m_i - p_{i+1} / m_{i+1})` for a unit outside force p on the source.
     pub drive: Vec<f64>,
-    /// `1 / k_i`
-    pub compliance: Vec<f64>,
+    /// `1 / sqrt(k_i)`
+    root: Vec<f64>,
     /// Bounds on `(A G)_i` and `(A^2 G)_i` per unit of the norm of `G_i / sqrt(k_i)`.
     row: Vec<[f64; 2]>,
 }
@@ -55,8 +55,27 @@ impl Motion {
             (ahead[i] + behind[i]) * first[i] + ahead[i] * before + behind[i] * after
         };
         let row = (0..springs).map(|i| [first[i], second(i)]).collect();
-        let compliance = chain.stiffness.iter().map(|k| 1.0 / k).collect();
-        Motion { ahead, behind, drive, compliance, row }
+        let root = chain.stiffness.iter().map(|k| 1.0 / k.sqrt()).collect();
+        Motion { ahead, behind, drive, root, row }
+    }
+
+    /// A bound on the norm of `h^2 G''` over a spring and the next two on either side during a step, from its negatives at both ends
+    /// (spring s at s + 1) and the two bounds of the spring's block.
+    ///
+    /// What is n springs beyond the next two needs n powers of X to come there.
+    #[inline(always)]
+    pub fn norm_around(&self, spring: usize, bend: [&[f64]; 2], [norm, mut beyond]: [f64; 2]) -> f64 {
+        let mut near = [0.0; 2];
+        let range = spring.saturating_sub(SHELLS + 1)..(spring + SHELLS + 2).min(self.root.len());
+        let rows = bend[0][range.start + 1..].iter().zip(&bend[1][range.start + 1..]);
+        for (s, (root, (q0, q1))) in range.clone().zip(self.root[range].iter().zip(rows)) {
+            let (q0, q1) = (root * q0.abs(), root * q1.abs());
+            match s.abs_diff(spring) {
+                0..=2 => near = [near[0] + q0 * q0, near[1] + q1 * q1],
+                apart => beyond += FROM_POWERS[apart - 2] * q0.max(q1),
+            }
+        }
+        (FROM_POWERS[0] * near[0].max(near[1]).sqrt() + beyond).min(norm)
     }
 
     /// The two remainders of every spring over steps of `width`, per unit of the local norm of `h^2 G''`; whole blocks of springs.
@@ -77,22 +96,23 @@ fn row_norm(ahead: &[f64], behind: &[f64], stiffness: &[f64], i: usize) -> f64 {
 
 /// Springs whose norms are taken together.
 pub const BLOCK: usize = 8;
-/// Blocks on either side beyond which a step brings little of a motion to two springs beside a block: what comes from there takes 7
-/// powers of X or more.
+/// Blocks on either side beyond which a step brings little of a motion to two springs beside a block, by 7 powers of X.
 const NEAR: usize = 1;
-/// How much it brings from there, at most: the rest of the series of `1 / cos(theta/2)` at the largest phase, from those powers on. Its
-/// terms are all positive, and as large as those of any instant between the ends.
-pub const FROM_OUTSIDE: f64 = 5.28e-5;
-/// Blocks beyond which it brings next to nothing: 23 powers or more.
+/// Blocks beyond which it brings next to nothing, by 23 powers: at most so much.
 pub const FAR: usize = 3;
 const FROM_AFAR: f64 = 3e-15;
-/// `1 / cos(PHASE / 2)`, rounded up.
-pub const GROWTH: f64 = 1.37;
+/// What a step at the largest phase brings by so many powers of X or more: the rest of the series of `1 / cos(theta/2)`, whose terms
+/// are all positive and as large as those of any instant between the ends.
+const FROM_POWERS: [f64; SHELLS + 1] =
+    [1.367, 0.367, 8.55e-2, 1.96e-2, 4.46e-3, 1.02e-3, 2.32e-4, 5.28e-5, 1.21e-5, 2.75e-6, 6.26e-7];
+/// Springs beyond the next two whose motion is taken one by one.
+const SHELLS: usize = 10;
 
-/// Bounds on the norm of `h^2 G''` around blocks during a step, `L` side by side, from squared norms at its two ends: those of
-/// the blocks from `FAR` before to `FAR` behind, and of all blocks together.
+/// Bounds on the norm of `h^2 G''` over blocks and two springs beside them during a step, `L` side by side, and on what comes over the next
+/// two of a block's springs from more than [`SHELLS`] springs beyond; from squared norms at the step's two ends: those of the blocks
+/// from `FAR` before to `FAR` behind, and of all blocks together.
 #[inline(always)]
-pub fn local_norms<const L: usize>(around: [[[f64; L]; 2 * FAR + 1]; 2], all: [[f64; L]; 2]) -> [f64; L] {
+pub fn local_norms<const L: usize>(around: [[[f64; L]; 2 * FAR + 1]; 2], all: [[f64; L]; 2]) -> [[f64; L]; 2] {
     let (mut near, mut far) = ([[0.0; L]; 2], [[0.0; L]; 2]);
     for end in 0..2 {
         for (n, block) in around[end].iter().enumerate() {
@@ -103,10 +123,12 @@ pub fn local_norms<const L: usize>(around: [[[f64; L]; 2 * FAR + 1]; 2], all: [[
         }
     }
     let more = |a: f64, b: f64| if a > b { a } else { b };
-    let mut norms = [0.0; L];
+    let mut norms = [[0.0; L]; 2];
     for l in 0..L {
-        let (near, far) = (more(near[0][l], near[1][l]), more(far[0][l], far[1][l]));
-        norms[l] = GROWTH * near.sqrt() + FROM_OUTSIDE * far.sqrt() + FROM_AFAR * (all[0][l] + all[1][l]).sqrt();
+        let (near, far) = (more(near[0][l], near[1][l]).sqrt(), more(far[0][l], far[1][l]).sqrt());
+        let afar = FROM_AFAR * (all[0][l] + all[1][l]).sqrt();
+        norms[0][l] = FROM_POWERS[0] * near + FROM_POWERS[7] * far + afar;
+        norms[1][l] = FROM_POWERS[SHELLS] * far + afar;
     }
     norms
 }
@@ -146,7 +168,7 @@ pub fn any_opens<const L: usize>(open: [f64; L]) -> bool {
 }
 
 /// Lower and upper bound of the largest value over a step, from `G`, `h^2 G''`, `h^4 G''''` at both ends and the remainder.
-#[inline]
+#[inline(always)]
 pub fn bracket([left, right]: [[f64; 3]; 2], remainder: f64) -> [f64; 2] {
     let rise = right[0] - left[0];
     // Slopes of the cubic that has these values and second derivatives.
@@ -162,7 +184,7 @@ pub fn bracket([left, right]: [[f64; 3]; 2], remainder: f64) -> [f64; 2] {
 ///
 /// The remainder's second derivative is that of the shorter series for `h^2 G''`, `5 / 384` of the same maximum, and the
 /// remainder vanishes at both ends: its slope is at most half of that.
-#[inline]
+#[inline(always)]
 pub fn least_slope([left, right]: [[f64; 3]; 2], remainder: f64) -> f64 {
     let first = right[0] - left[0] - left[1] / 3.0 - right[1] / 6.0;
     let last = first + 0.5 * (left[1] + right[1]);
@@ -192,9 +214,10 @@ mod tests {
             terms.push(term);
         }
         let rest = |from: usize| terms[from..].iter().rev().sum::<f64>();
-        for (from, bound) in [(0, GROWTH), (7, FROM_OUTSIDE), (23, FROM_AFAR)] {
-            assert!(rest(from) <= bound && bound < 2.0 * rest(from), "{from}: {:e} {bound:e}", rest(from));
+        for (from, bound) in FROM_POWERS.iter().enumerate() {
+            assert!(rest(from) <= *bound && *bound < 1.01 * rest(from), "{from}: {} {bound}", rest(from));
         }
+        assert!(rest(23) <= FROM_AFAR && FROM_AFAR < 2.0 * rest(23));
     }
 
     /// For G = sin(theta x + phase) the bracket holds its largest value over 0 <= x <= 1, and is as narrow as its remainder says.

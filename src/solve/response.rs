@@ -301,10 +301,10 @@ impl See for Recorder<'_> {
         let mut any = false;
         for number in view.range.start / BLOCK..view.range.end.div_ceil(BLOCK) {
             let from = number * BLOCK;
-            let open = sift(view, [&self.levels; 2], from, view.norms[number], false);
+            let open = sift(view, [&self.levels; 2], from, view.norms[0][number], false);
             if any_opens(open) {
                 for spring in (from..from + BLOCK).filter(|s| open[s - from] > 0.0) {
-                    any |= self.record(view, spring, view.norms[number]);
+                    any |= self.record(view, spring, view.norms[0][number]);
                 }
             }
         }
@@ -320,7 +320,7 @@ impl Recorder<'_> {
     fn record(&mut self, view: &View, spring: usize, norm: f64) -> bool {
         let step = &view.step;
         let at = |end: usize, s: usize| view.force[end][s + 1];
-        let ends = [0, 1].map(|end| jet(self.motion, step, spring, |s| at(end, s)));
+        let ends = [0, 1].map(|end| jet(self.motion, step, spring, view.force[end], view.bend[end]));
         let remainder = view.remainders[1][spring] * norm;
         let mut any = false;
         for negative in [false, true] {

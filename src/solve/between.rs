@@ -486,7 +486,7 @@ fn pieces(motion: &Motion, of: &[(usize, Step, &[[f64; WINDOW]; 2])]) -> Vec<Loc
             }
         }
     }
-    let coefficients = pulp::Arch::new().dispatch(w);
+    let coefficients = pulp::Arch::new().dispatch(&mut w);
     let local = |(lane, (_, step, _)): (usize, &(usize, Step, _))| {
         let mut coefficient = [0.0; COEFFICIENTS];
         coefficient.iter_mut().zip(&coefficients).for_each(|(c, lanes)| *c = lanes[lane]);
@@ -509,12 +509,12 @@ struct Windows {
 type Row = [f64; LANES];
 
 /// Compiled for the widest vector unit at hand.
-impl pulp::WithSimd for Windows {
+impl pulp::WithSimd for &mut Windows {
     type Output = [Row; 2 * DEGREE];
 
     /// Coefficients of the two series at the centres, of the mean and of half the difference in turn.
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(mut self, _: S) -> [Row; 2 * DEGREE] {
+    fn with_simd<S: pulp::Simd>(self, _: S) -> [Row; 2 * DEGREE] {
         let mut out = [[0.0; LANES]; 2 * DEGREE];
         let table = table();
         for power in 0..POWERS {

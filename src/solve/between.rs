@@ -206,31 +206,15 @@ impl<'a> Search<'a> {
     }
 
     /// A step of which a quick bound says that a spring may matter. `force` and `bend` are rows of G and of `-h^2 G''` at both ends,
-    /// in which spring s stands at s + 1; `factor` is the spring's second remainder per unit of norm, and `norms` those of its block.
-    #[inline(always)]
-    pub fn consider(
-        &mut self,
-        step: &Step,
-        spring: usize,
-        factor: f64,
-        norms: [f64; 2],
-        [force, bend]: [[&[f64]; 2]; 2],
-    ) {
+    /// in which spring s stands at s + 1; `remainder` is the spring's second one.
+    #[inline(never)]
+    pub fn consider(&mut self, step: &Step, spring: usize, remainder: f64, [force, bend]: [[&[f64]; 2]; 2]) {
         let ends = [0, 1].map(|end| jet(self.motion, step, spring, force[end], bend[end]));
-        let mut remainder = factor * norms[0];
-        let mut narrowed = false;
         for negative in [false, true] {
             let sign = if negative { -1.0 } else { 1.0 };
             let level = self.levels[usize::from(negative)][spring];
             let [[a, b, c], [d, e, f]] = ends;
             let ends = [[sign * a, sign * b, sign * c], [sign * d, sign * e, sign * f]];
-            if bracket(ends, remainder)[1] <= level {
-                continue;
-            }
-            if !narrowed {
-                narrowed = true;
-                remainder = factor * self.motion.norm_around(spring, bend, norms);
-            }
             let [mut lower, upper] = bracket(ends, remainder);
             if self.is_cut(step) {
                 // What lies behind the horizon does not count.

@@ -27,8 +27,6 @@ pub struct Motion {
     pub behind: Vec<f64>,
     /// `k_i (p_i / m_i - p_{i+1} / m_{i+1})` for a unit outside force p on the source.
     pub drive: Vec<f64>,
-    /// `1 / sqrt(k_i)`
-    root: Vec<f64>,
     /// Bounds on `(A G)_i` and `(A^2 G)_i` per unit of the norm of `G_i / sqrt(k_i)`.
     row: Vec<[f64; 2]>,
 }
@@ -55,27 +53,7 @@ impl Motion {
             (ahead[i] + behind[i]) * first[i] + ahead[i] * before + behind[i] * after
         };
         let row = (0..springs).map(|i| [first[i], second(i)]).collect();
-        let root = chain.stiffness.iter().map(|k| 1.0 / k.sqrt()).collect();
-        Motion { ahead, behind, drive, root, row }
-    }
-
-    /// A bound on the norm of `h^2 G''` over a spring and the next two on either side during a step, from its negatives at both ends
-    /// (spring s at s + 1) and the two bounds of the spring's block.
-    ///
-    /// What is n springs beyond the next two comes from so many springs away.
-    #[inline(always)]
-    pub fn norm_around(&self, spring: usize, bend: [&[f64]; 2], [norm, mut beyond]: [f64; 2]) -> f64 {
-        let mut near = [0.0; 2];
-        let range = spring.saturating_sub(SHELLS + 1)..(spring + SHELLS + 2).min(self.root.len());
-        let rows = bend[0][range.start + 1..].iter().zip(&bend[1][range.start + 1..]);
-        for (s, (root, (q0, q1))) in range.clone().zip(self.root[range].iter().zip(rows)) {
-            let (q0, q1) = (root * q0.abs(), root * q1.abs());
-            match s.abs_diff(spring) {
-                0..=2 => near = [near[0] + q0 * q0, near[1] + q1 * q1],
-                apart => beyond += FROM_SPRINGS[apart - 2] * q0.max(q1),
-            }
-        }
-        (FROM_SPRINGS[0] * near[0].max(near[1]).sqrt() + beyond).min(norm)
+        Motion { ahead, behind, drive, row }
     }
 
     /// The two remainders of every spring over steps of `width`, per unit of the local norm of `h^2 G''`; whole blocks of springs.
@@ -113,6 +91,8 @@ const FROM_SPRINGS: [f64; SHELLS + 2] =
     [1.367, 0.196, 1.29e-2, 8.35e-4, 5.4e-5, 3.49e-6, 2.26e-7, 1.46e-8, 9.39e-10, 6.07e-11, 3.92e-12, 2.54e-13];
 /// Springs beyond the next two whose motion is taken one by one.
 const SHELLS: usize = 10;
+/// Zeros before a row of springs' sizes, and behind it at least.
+pub const MARGIN: usize = SHELLS + 2;
 
 /// Bounds on the norm of `h^2 G''` over blocks and two springs beside them during a step, `L` side by side, and on what comes over the next
 /// two of a block's springs from more than [`SHELLS`] springs beyond; from squared norms at the step's two ends: those of the blocks
@@ -135,6 +115,32 @@ pub fn local_norms<const L: usize>(around: [[[f64; L]; 2 * FAR + 1]; 2], all: [[
         let afar = FROM_AFAR * (all[0][l] + all[1][l]).sqrt();
         norms[0][l] = FROM_SPRINGS[0] * near + FROM_SPRINGS[7] * far + afar;
         norms[1][l] = FROM_SPRINGS[SHELLS + 1] * far + afar;
+    }
+    norms
+}
+
+/// Bounds on the norm of `h^2 G''` during a step over every spring of a block and the next two on either side: from its size
+/// `|h^2 G''| / sqrt(k)` at both ends in every spring, the block's first at `from`, and the two bounds of [`local_norms`].
+#[inline(always)]
+pub fn norms_around(sizes: [&[f64]; 2], from: usize, [norm, beyond]: [f64; 2]) -> [f64; BLOCK] {
+    let more = |a: f64, b: f64| if a > b { a } else { b };
+    let (mut near, mut beyond) = ([[0.0; BLOCK]; 2], [beyond; BLOCK]);
+    for place in 0..=2 * MARGIN {
+        let mut size = [[0.0; BLOCK]; 2];
+        (0..2).for_each(|end| size[end].copy_from_slice(&sizes[end][from + place..from + place + BLOCK]));
+        let apart = place.abs_diff(MARGIN);
+        for l in 0..BLOCK {
+            if apart <= 2 {
+                (0..2).for_each(|end| near[end][l] += size[end][l] * size[end][l]);
+            } else {
+                beyond[l] += FROM_SPRINGS[apart - 2] * more(size[0][l], size[1][l]);
+            }
+        }
+    }
+    let mut norms = [norm; BLOCK];
+    for l in 0..BLOCK {
+        let narrow = FROM_SPRINGS[0] * more(near[0][l], near[1][l]).sqrt() + beyond[l];
+        norms[l] = if narrow < norm { narrow } else { norm };
     }
     norms
 }

@@ -22,7 +22,7 @@ use std::sync::OnceLock;
 use super::between::{PHASE, Search, Step};
 use super::dd::Dd;
 use super::foresee::{self, Levels};
-use super::motion::{BLOCK, FAR, Motion, any_opens, local_norms, opening};
+use super::motion::{BLOCK, FAR, MARGIN, Motion, any_opens, local_norms, norms_around, opening};
 use super::path::Path;
 use super::series::{polynomial, sine_over_root};
 use super::watch::SpringPeaks;
@@ -178,29 +178,41 @@ impl View<'_> {
         let last = search.is_last(&self.step);
         let at = |end: usize, s: usize| self.force[end][s + 1];
         for block in self.range.start / BLOCK..self.range.end.div_ceil(BLOCK) {
-            let norms = self.norms.map(|of_block| of_block[block]);
-            let from = block * BLOCK;
-            let open = sift(self, [&search.levels, &search.crossings], from, norms[0], last);
-            if any_opens(open) {
-                for s in (from..from + BLOCK).filter(|s| open[s - from] > 0.0) {
-                    search.consider(&self.step, s, self.remainders[1][s], norms, [self.force, self.bend]);
-                }
+            let Some((open, remainders)) = sift(self, [&search.levels, &search.crossings], block, last) else {
+                continue;
+            };
+            for l in (0..BLOCK).filter(|&l| open[l] > 0.0) {
+                search.consider(&self.step, block * BLOCK + l, remainders[l], [self.force, self.bend]);
             }
         }
         search.departures(&self.step, at);
     }
 }
 
-/// How far the quick bounds of a block's springs over the step pass what matters: per sign and spring what G, or -G, has to pass, and what
-/// it has to pass where it rises through the whole step.
+/// How far the quick bounds of a block's springs over the step pass what matters, if one does, and their second remainders: per sign and
+/// spring `levels` is what G, or -G, has to pass, and `crossings` what it has to pass where it rises through the whole step.
 #[inline(always)]
 pub(super) fn sift(
     view: &View,
+    levels: [&[Vec<f64>; 2]; 2],
+    number: usize,
+    last: bool,
+) -> Option<([f64; BLOCK], [f64; BLOCK])> {
+    let norms = view.norms.map(|row| row[number]);
+    let open = passing(view, levels, number, [norms[0]; BLOCK], last);
+    if any_opens(open) { pulp::Arch::new().dispatch(Closer { view, levels, number, norms, last }) } else { None }
+}
+
+/// How far the quick bounds of a block's springs pass what matters, given bounds on the norms around them.
+#[inline(always)]
+fn passing(
+    view: &View,
     [levels, crossings]: [&[Vec<f64>; 2]; 2],
-    from: usize,
-    norm: f64,
+    number: usize,
+    norms: [f64; BLOCK],
     last: bool,
 ) -> [f64; BLOCK] {
+    let from = number * BLOCK;
     let (f0, f1) = (block(view.force[0], from + 1), block(view.force[1], from + 1));
     let (q0, q1) = (block(view.bend[0], from + 1), block(view.bend[1], from + 1));
     let remainder = block(&view.remainders[0], from);
@@ -209,9 +221,32 @@ pub(super) fn sift(
     let mut open = [0.0; BLOCK];
     for l in 0..BLOCK {
         let (level, crossing) = ([high[l], low[l]], [over[l], under[l]]);
-        open[l] = opening([f0[l], f1[l]], [q0[l], q1[l]], norm * remainder[l], level, crossing, last);
+        open[l] = opening([f0[l], f1[l]], [q0[l], q1[l]], norms[l] * remainder[l], level, crossing, last);
     }
     open
+}
+
+/// The same with each spring's own norm; few blocks come so far, so it is compiled apart from the march.
+struct Closer<'a> {
+    view: &'a View<'a>,
+    levels: [&'a [Vec<f64>; 2]; 2],
+    number: usize,
+    norms: [f64; 2],
+    last: bool,
+}
+
+impl pulp::WithSimd for Closer<'_> {
+    type Output = Option<([f64; BLOCK], [f64; BLOCK])>;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
+        let from = self.number * BLOCK;
+        let norms = norms_around(self.view.sizes, from, self.norms);
+        let open = passing(self.view, self.levels, self.number, norms, self.last);
+        let mut remainders = block(&self.view.remainders[1], from);
+        (0..BLOCK).for_each(|l| remainders[l] *= norms[l]);
+        any_opens(open).then_some((open, remainders))
+    }
 }
 
 #[inline(always)]
@@ -295,6 +330,8 @@ pub(super) struct View<'a> {
     /// `q = -h^2 G''` at both ends.
     pub bend: [&'a [f64]; 2],
     pub remainders: &'a [Vec<f64>; 2],
+    /// `|q| / sqrt(k)` at both ends, spring i at i + MARGIN.
+    pub sizes: [&'a [f64]; 2],
     /// The bounds of [`local_norms`], per block of springs.
     pub norms: [&'a [f64]; 2],
     /// Springs that a wave has reached.
@@ -343,7 +380,8 @@ struct State<'a> {
     scene: &'a Scene,
     motion: &'a Motion,
     stiffness: Vec<f64>,
-    compliance: Vec<f64>,
+    /// `1 / sqrt(k)`
+    root: Vec<f64>,
     inverse_mass: Vec<f64>,
     /// G at the beginning and the end of a step, and what its rounding left.
     force: [Vec<f64>; 2],
@@ -354,7 +392,9 @@ struct State<'a> {
     /// `(h / m) (G_{v-1} - G_v + p_v)`
     pull: Vec<f64>,
     bend: [Vec<f64>; 2],
-    /// `sum q_i^2 / k_i` over blocks of springs, at the beginning and the end of a step, the first at FAR; and the norms from it.
+    /// `|q_i| / sqrt(k_i)` at the beginning and the end of a step, the first at MARGIN; the sums of their squares over blocks of springs, the
+    /// first at FAR; and the norms from them.
+    sizes: [Vec<f64>; 2],
     energy: [Vec<f64>; 2],
     norms: [Vec<f64>; 2],
     scratch: [Vec<f64>; 2],
@@ -388,7 +428,7 @@ impl<'a> State<'a> {
         State {
             scene,
             motion,
-            compliance: stiffness.iter().map(|&k| if k > 0.0 { 1.0 / k } else { 0.0 }).collect(),
+            root: stiffness.iter().map(|&k| if k > 0.0 { 1.0 / k.sqrt() } else { 0.0 }).collect(),
             stiffness,
             inverse_mass,
             force: two(),
@@ -397,6 +437,7 @@ impl<'a> State<'a> {
             velocity_rest: zero.clone(),
             pull: zero.clone(),
             bend: two(),
+            sizes: [0, 1].map(|_| vec![0.0; springs.next_multiple_of(BLOCK) + 2 * MARGIN + BLOCK]),
             energy: [0, 1].map(|_| vec![0.0; springs.div_ceil(BLOCK).next_multiple_of(BLOCK) + 2 * FAR]),
             norms: [0, 1].map(|_| vec![0.0; springs.div_ceil(BLOCK).next_multiple_of(BLOCK)]),
             scratch: two(),
@@ -432,6 +473,7 @@ impl<'a> State<'a> {
             share = 1.0;
             self.force.swap(0, 1);
             self.bend.swap(0, 1);
+            self.sizes.swap(0, 1);
             self.energy.swap(0, 1);
             self.drift(&c);
             self.find_bend(&c, force);
@@ -443,6 +485,7 @@ impl<'a> State<'a> {
                 force: [&self.force[0], &self.force[1]],
                 bend: [&self.bend[0], &self.bend[1]],
                 remainders: &remainders,
+                sizes: [&self.sizes[0], &self.sizes[1]],
                 norms: [&self.norms[0], &self.norms[1]],
                 range: self.loud(),
             });
@@ -520,12 +563,13 @@ impl<'a> State<'a> {
             i += BLOCK;
         }
         for number in range.start / BLOCK..range.end.div_ceil(BLOCK) {
-            let (q, compliance) =
-                (block(&self.bend[1], number * BLOCK + 1), block(&self.compliance, number * BLOCK + 1));
-            let mut energy = [0.0; BLOCK];
+            let (q, root) = (block(&self.bend[1], number * BLOCK + 1), block(&self.root, number * BLOCK + 1));
+            let (mut size, mut energy) = ([0.0; BLOCK], [0.0; BLOCK]);
             for l in 0..BLOCK {
-                energy[l] = q[l] * q[l] * compliance[l];
+                size[l] = q[l].abs() * root[l];
+                energy[l] = size[l] * size[l];
             }
+            put(&mut self.sizes[1], MARGIN + number * BLOCK, size, BLOCK);
             self.energy[1][FAR + number] = total(energy);
         }
     }

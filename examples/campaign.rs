@@ -3,7 +3,11 @@
 
 use std::process::ExitCode;
 
-use trainsafe::accuracy::campaign::{self, gears, kinds, kinds::Quantity, kinds::Tally, trains::Kind};
+#[allow(dead_code)] // Tests use more of it.
+#[path = "../tests/campaign/mod.rs"]
+mod campaign;
+
+use campaign::{gears, kinds, kinds::Quantity, kinds::Tally, trains::Kind};
 
 fn main() -> ExitCode {
     let (named, numbers): (Vec<String>, Vec<String>) = std::env::args().skip(1).partition(|a| a.starts_with("--"));

@@ -270,7 +270,7 @@ pub struct CouplerFindings {
     pub exceeds: Option<bool>,
     /// The same in draft and in buff alone.
     #[serde(skip)]
-    pub(crate) exceeds_in: [Option<bool>; 2],
+    pub exceeds_in: [Option<bool>; 2],
     /// Largest F and largest -F, N, of either sign: a coupler that is never in tension still has a largest F.
     #[serde(skip)]
     pub(crate) extremes_n: [f64; 2],

@@ -15,7 +15,6 @@
 //! Run times are medians and cover the extremes of all couplers, from the scene to the result.
 
 mod bench;
-pub mod campaign;
 mod figure;
 pub mod gears;
 pub mod peers;

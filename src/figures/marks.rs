@@ -1,6 +1,6 @@
 //! What is drawn at points and along them.
 
-use super::document::{number, paint};
+use super::tags::{number, paint};
 use super::{Color, Point};
 
 /// How a line looks.

@@ -10,12 +10,14 @@ mod marks;
 mod panel;
 mod place;
 mod scale;
+mod tags;
 
 pub use color::{Color, css, ramp};
-pub use document::{Figure, Sample, escaped};
+pub use document::{Figure, Sample};
 pub use marks::{Shape, Stroke};
 pub use panel::{Axis, Panel};
 pub use scale::ticks;
+pub use tags::escaped;
 
 /// A point, in the data's units or in pixels.
 pub type Point = (f64, f64);

@@ -1,29 +1,10 @@
 //! One pair of axes with what is drawn within.
 
-use super::document::{half_width, paint, text};
 use super::marks::{Shape, Stroke, path, rectangle};
-use super::place::{self, Obstacles};
+use super::place::{self, Frame, Obstacles};
 use super::scale::{Scale, log_ticks, ticks};
+use super::tags::{half_width, paint, text};
 use super::{Color, Point};
-
-/// Where a panel's axes are, in pixels.
-#[derive(Clone, Copy, Debug)]
-pub struct Frame {
-    pub left: f64,
-    pub top: f64,
-    pub width: f64,
-    pub height: f64,
-}
-
-impl Frame {
-    pub fn right(self) -> f64 {
-        self.left + self.width
-    }
-
-    pub fn bottom(self) -> f64 {
-        self.top + self.height
-    }
-}
 
 /// How an axis runs and what it is called; an axis without a label has no numbers either, where it lies below the frame.
 pub struct Axis {

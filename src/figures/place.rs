@@ -1,7 +1,25 @@
 //! Where a label stands so that it covers little of what is drawn. All in pixels.
 
 use super::Point;
-use super::panel::Frame;
+
+/// Where a panel's axes are, in pixels.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame {
+    pub left: f64,
+    pub top: f64,
+    pub width: f64,
+    pub height: f64,
+}
+
+impl Frame {
+    pub fn right(self) -> f64 {
+        self.left + self.width
+    }
+
+    pub fn bottom(self) -> f64 {
+        self.top + self.height
+    }
+}
 
 /// Between samples of a line.
 const STEP: f64 = 5.0;

@@ -7,7 +7,7 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use super::claims::{Claims, PLAN};
+use super::claims::{self, Claims, PLAN};
 use super::inputs::Inputs;
 use super::parts::{self, MadeFrom, Run};
 use super::plan::Plan;
@@ -143,7 +143,7 @@ pub fn start(request: &Request, dir: &Path, inputs: &Inputs, new: &Run) -> Resul
         Some(old) if !same && (request.resume || !old.complete) => return Err(another(dir)),
         Some(old) if old.complete && same && goes_on => return Ok(false),
         Some(old) if !old.complete => {}
-        _ => parts::clear(dir)?,
+        _ => clear(dir)?,
     }
     parts::prepare(dir)?;
     let plan = PlanFile { paths: request.paths.clone(), whole: whole(request, inputs) };
@@ -226,4 +226,18 @@ fn plan_name() -> String {
 
 fn plan_path(dir: &Path) -> PathBuf {
     parts::folder(dir).join(plan_name())
+}
+
+/// Removes what an earlier run left, but for the signs of workers that wait for the new one.
+///
+/// # Errors
+/// [`WriteError`] with the path of what would be taken for a part of the new run.
+fn clear(dir: &Path) -> Result<(), FleetError> {
+    let files = |folder: PathBuf| folder.read_dir().into_iter().flatten().flatten().map(|entry| entry.path());
+    let couplers = files(parts::couplers(dir)).filter(|path| path.extension().is_some_and(|e| e == "parquet"));
+    for path in files(parts::folder(dir)).filter(|path| !claims::is_sign(path)).chain(couplers) {
+        fs::remove_file(&path).map_err(|e| WriteError::new(&path, e))?;
+    }
+    let _ = fs::remove_dir(parts::couplers(dir));
+    Ok(())
 }

@@ -7,9 +7,8 @@ use std::time::Duration;
 use rayon::prelude::*;
 
 use super::claims::Claims;
-use super::plan::Plan;
+use super::plan::{Computed, Plan};
 use super::progress::{Progress, Telling};
-use super::rows::Chunk;
 use super::{FleetError, parts};
 
 /// Time between looks at chunks that other workers have.
@@ -44,9 +43,13 @@ pub fn compute(dir: &Path, plan: &Plan, claims: Option<&Claims>, telling: &Telli
         };
         let one = |chunk: Result<usize, FleetError>| {
             let chunk = chunk?;
-            let rows = work(plan, chunk, &progress)?;
-            let failed = rows.failed;
-            parts::keep(dir, chunk, rows)?;
+            let done = work(plan, chunk, &progress)?;
+            #[cfg(feature = "parquet")]
+            if let Some(couplers) = done.couplers {
+                couplers.write(&parts::couplers(dir), chunk)?;
+            }
+            let failed = done.rows.failed;
+            parts::keep(dir, chunk, done.rows.into_bytes())?;
             Ok::<usize, FleetError>(failed)
         };
         let done: Result<Vec<usize>, FleetError> = missing.into_iter().filter_map(turn).par_bridge().map(one).collect();
@@ -61,13 +64,13 @@ pub fn compute(dir: &Path, plan: &Plan, claims: Option<&Claims>, telling: &Telli
     Ok(failed)
 }
 
-/// The rows of a chunk.
+/// A chunk's cases.
 ///
 /// # Errors
 /// As for [`Plan::compute`].
-pub fn work(plan: &Plan, chunk: usize, progress: &Progress) -> Result<Chunk, FleetError> {
-    let rows = plan.compute(chunk)?;
+pub fn work(plan: &Plan, chunk: usize, progress: &Progress) -> Result<Computed, FleetError> {
+    let done = plan.compute(chunk)?;
     let range = plan.range(chunk);
-    progress.add((range.end - range.start) as usize, rows.failed);
-    Ok(rows)
+    progress.add((range.end - range.start) as usize, done.rows.failed);
+    Ok(done)
 }

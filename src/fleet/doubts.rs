@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::plan::Words;
+use super::inputs::Words;
 use super::summary::Summary;
 use crate::train::count;
 

@@ -1,5 +1,6 @@
 //! What a fleet run is given: train files and, where there is one, a study; and what is known of them.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -11,15 +12,17 @@ use super::FleetError;
 use super::base::Base;
 use super::find::{Found, is_study_file};
 use super::names;
-use super::plan::Words;
-use super::rows;
 use super::study::{self, Study};
 use super::survey::{self, Survey};
 use super::variation::{self, Reached, Varied};
 use crate::consist::{self, Files};
 use crate::error::printable_path;
 use crate::findings::Options;
-use crate::train::Source;
+use crate::report::cells::text;
+use crate::train::{Doubt, Source};
+
+/// Doubts by train file and code, each of a variation from 0.
+pub type Words = BTreeMap<(String, String), (usize, Doubt)>;
 
 /// The train files and the study, as they were found at the start. Kept in a plan file, it leaves out what only the first worker tells.
 #[derive(Serialize, Deserialize)]
@@ -130,7 +133,7 @@ impl Inputs {
     /// Words for the doubts about the first variation of each train.
     pub fn words(&self) -> Words {
         let words = |(file, survey): (&PathBuf, &Survey)| {
-            let file = rows::file_cell(file);
+            let file = file_cell(file);
             survey.doubts.clone().into_iter().rev().map(move |d| ((file.clone(), d.code.to_owned()), (0, d)))
         };
         self.files.iter().zip(&self.surveys).flat_map(words).collect()
@@ -211,4 +214,9 @@ impl Inputs {
         }
         base
     }
+}
+
+/// A train file as the rows name it.
+pub fn file_cell(file: &Path) -> String {
+    text(&file.display().to_string())
 }

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use super::parts::{self, Run};
-use super::rows::{self, BACK, ERRORS, FRONT};
+use super::rows::{self, ERRORS};
 use super::summary::Summary;
 use super::{FleetError, begin, claims};
 use crate::report::files::{self, Unnamed};
@@ -12,11 +12,6 @@ use crate::report::files::{self, Unnamed};
 /// The rows of a run.
 pub const ROWS: &str = "fleet.csv";
 const BAD: &str = "errors.csv";
-
-/// Headings of `fleet.csv`.
-pub fn headings(run: &Run) -> Vec<String> {
-    FRONT.map(str::to_owned).into_iter().chain(run.inputs.clone()).chain(BACK.map(str::to_owned)).collect()
-}
 
 /// Writes `fleet.csv` and `errors.csv`, in constant memory but for what the reports sum up.
 ///
@@ -26,7 +21,7 @@ pub fn join(dir: &Path, run: &Run) -> Result<Summary, FleetError> {
     none_is_missing(dir, run)?;
     files::remove_unfinished(dir);
     let mut summary = Summary::new(run.inputs.len());
-    let mut all = begin(dir, ROWS, headings(run))?;
+    let mut all = begin(dir, ROWS, rows::headings(&run.inputs))?;
     let mut bad = begin(dir, BAD, ERRORS.map(str::to_owned).to_vec())?;
     for chunk in 0..run.chunks() {
         let [rows, errors] = parts::paths(dir, chunk);

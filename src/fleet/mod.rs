@@ -34,6 +34,7 @@ mod probability;
 mod progress;
 mod reports;
 mod rows;
+mod section;
 mod sections;
 pub mod spread;
 mod statistics;
@@ -59,9 +60,9 @@ use crate::solve::responses::Responses;
 use begin::{Begun, description, shown};
 use claims::Claims;
 use compute::{compute, work};
-use inputs::Inputs;
+use inputs::{Inputs, Words};
 use parts::Run;
-use plan::{Plan, Words};
+use plan::Plan;
 use progress::Progress;
 use reports::Reports;
 use summary::Summary;
@@ -284,12 +285,12 @@ pub fn stream(request: &Request, out: &mut dyn Write) -> Result<Outcome, FleetEr
     let run = description(request, &inputs);
     let mut summary = Summary::new(run.inputs.len());
     let progress = Progress::new(plan.cases(), &request.progress);
-    let headings = join::headings(&run);
+    let headings = rows::headings(&run.inputs);
     let chunks: Vec<usize> = (0..plan.chunks()).collect();
     for together in chunks.chunks(4 * rayon::current_num_threads()) {
         let done: Vec<_> = together.par_iter().with_max_len(1).map(|&c| work(&plan, c, &progress)).collect();
-        for rows in done {
-            let [rows, errors] = rows?.into_bytes();
+        for done in done {
+            let [rows, errors] = done?.rows.into_bytes();
             summary.add(&rows, &errors);
             let lines = rows::json(&headings, &rows) + &rows::json(&rows::ERRORS, &errors);
             out.write_all(lines.as_bytes()).map_err(FleetError::Output)?;

@@ -17,7 +17,7 @@ use parquet::schema::types::Type;
 use super::parts::Run;
 use super::rows::{FRONT, TEXTS, WHOLE};
 use super::summary::Summary;
-use super::{FleetError, join};
+use super::{FleetError, rows};
 use crate::report::cells::text;
 use crate::report::couplers_csv::{self, Cells as Of};
 use crate::report::files::Unnamed;
@@ -50,7 +50,7 @@ pub enum Cells {
 /// # Errors
 /// A CSV that cannot be read, a file that cannot be written.
 pub fn write(csv: &Path, run: &Run, summary: &Summary, path: &Path) -> Result<(), FleetError> {
-    let headings = join::headings(run);
+    let headings = rows::headings(&run.inputs);
     let is_number = |input: usize| summary.columns[input].iter().all(|x| x.is_finite());
     let mut columns: Vec<Column> = headings
         .iter()

@@ -9,14 +9,11 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::rows::Chunk;
-use super::{FleetError, claims};
+use super::FleetError;
 use crate::report::files::{self, WriteError};
 
 const DESCRIPTION: &str = "fleet-run.json";
 const PARTS: &str = "fleet-parts";
-/// The dataset of couplers, where there is one.
-const COUPLERS: &str = "couplers";
 
 /// What is run, and whether it is done: `fleet-run.json`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -101,6 +98,11 @@ pub fn describe(dir: &Path, run: &Run) -> Result<(), FleetError> {
     Ok(())
 }
 
+/// The folder of the dataset of couplers, where there is one.
+pub fn couplers(dir: &Path) -> PathBuf {
+    dir.join("couplers")
+}
+
 /// The folder of a run's parts.
 pub fn folder(dir: &Path) -> PathBuf {
     dir.join(PARTS)
@@ -129,17 +131,11 @@ pub fn prepare(dir: &Path) -> Result<(), FleetError> {
     Ok(fs::create_dir_all(&parts).map_err(|e| WriteError::new(&parts, e))?)
 }
 
-/// Keeps a chunk's rows. A folder that has gone since the run began is not made again: what was in it is missing.
+/// Keeps a chunk's rows and errors. A folder that has gone since the run began is not made again: what was in it is missing.
 ///
 /// # Errors
 /// [`WriteError`] with the path.
-#[cfg_attr(not(feature = "parquet"), allow(unused_mut))]
-pub fn keep(dir: &Path, chunk: usize, mut rows: Chunk) -> Result<(), FleetError> {
-    #[cfg(feature = "parquet")]
-    if let Some(couplers) = rows.couplers.take() {
-        couplers.write(&dir.join(COUPLERS), chunk)?;
-    }
-    let [rows, errors] = rows.into_bytes();
+pub fn keep(dir: &Path, chunk: usize, [rows, errors]: [Vec<u8>; 2]) -> Result<(), FleetError> {
     let [rows_name, errors_name] = names(chunk);
     files::write_into(&dir.join(PARTS), &[(errors_name, errors), (rows_name, rows)])?;
     Ok(())
@@ -148,18 +144,4 @@ pub fn keep(dir: &Path, chunk: usize, mut rows: Chunk) -> Result<(), FleetError>
 /// Removes the parts; those that stay do no harm to a complete run.
 pub fn remove(dir: &Path) {
     let _ = fs::remove_dir_all(folder(dir));
-}
-
-/// Removes what an earlier run left, but for the signs of workers that wait for the new one.
-///
-/// # Errors
-/// [`WriteError`] with the path of what would be taken for a part of the new run.
-pub fn clear(dir: &Path) -> Result<(), FleetError> {
-    let files = |folder: PathBuf| folder.read_dir().into_iter().flatten().flatten().map(|entry| entry.path());
-    let couplers = files(dir.join(COUPLERS)).filter(|path| path.extension().is_some_and(|e| e == "parquet"));
-    for path in files(folder(dir)).filter(|path| !claims::is_sign(path)).chain(couplers) {
-        fs::remove_file(&path).map_err(|e| WriteError::new(&path, e))?;
-    }
-    let _ = fs::remove_dir(dir.join(COUPLERS));
-    Ok(())
 }

@@ -1,13 +1,12 @@
 //! The work as numbered chunks of cases, the same for every thread, worker and attempt.
 
-use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
 #[cfg(feature = "parquet")]
 use super::couplers::Couplers;
-use super::inputs::Inputs;
-use super::rows::{self, Chunk};
+use super::inputs::{Inputs, Words, file_cell};
+use super::rows::{Chunk, Place};
 use super::variation::Varied;
 use super::{FleetError, REMEMBERED, Request};
 use crate::doubts::doubts;
@@ -44,8 +43,15 @@ pub struct Plan<'a> {
     doubts: Mutex<Words>,
 }
 
-/// Doubts by train file and code, each of a variation from 0.
-pub type Words = BTreeMap<(String, String), (usize, Doubt)>;
+/// What the cases of a chunk come to.
+#[derive(Default)]
+pub struct Computed {
+    /// Their rows.
+    pub rows: Chunk,
+    /// Every coupler of theirs, where they are asked for.
+    #[cfg(feature = "parquet")]
+    pub couplers: Option<Couplers>,
+}
 
 impl<'a> Plan<'a> {
     /// Counts the cases.
@@ -116,25 +122,25 @@ impl<'a> Plan<'a> {
         self.inputs.load(unit / variations, unit % variations)
     }
 
-    /// Computes a chunk's rows.
+    /// Computes a chunk's cases.
     ///
     /// # Errors
     /// As for [`Inputs::load`].
-    pub fn compute(&self, chunk: usize) -> Result<Chunk, FleetError> {
+    pub fn compute(&self, chunk: usize) -> Result<Computed, FleetError> {
         let range = self.range(chunk);
-        let mut rows = Chunk::default();
+        let mut done = Computed::default();
         #[cfg(feature = "parquet")]
         if self.couplers {
-            rows.couplers = Some(Couplers::new(self.inputs.study.as_ref()));
+            done.couplers = Some(Couplers::new(self.inputs.study.as_ref()));
         }
         let mut at = range.start;
         while at < range.end {
             let (unit, index) = self.place(at);
             let count = self.ends[unit].min(range.end) - at;
-            self.unit(unit, index..index + count as usize, &mut rows)?;
+            self.unit(unit, index..index + count as usize, &mut done)?;
             at += count;
         }
-        Ok(rows)
+        Ok(done)
     }
 
     /// Keeps the words of doubts, of each kind those of a train's first variation that has it.
@@ -168,12 +174,12 @@ impl<'a> Plan<'a> {
     }
 
     /// Some cases of a unit.
-    fn unit(&self, unit: usize, range: Range<usize>, rows: &mut Chunk) -> Result<(), FleetError> {
+    fn unit(&self, unit: usize, range: Range<usize>, done: &mut Computed) -> Result<(), FleetError> {
         let variations = self.inputs.variations();
         let (file, variation) = (unit / variations, unit % variations);
         let varied = self.load(unit)?;
         let is_varied = self.inputs.study.is_some() && !self.inputs.fails_as_a_whole(file);
-        let mut place = rows::Place {
+        let mut place = Place {
             file: self.inputs.files[file].display().to_string(),
             variation: is_varied.then_some(variation + 1),
             inputs: varied.cells,
@@ -184,17 +190,17 @@ impl<'a> Plan<'a> {
             Err(error) => {
                 // Told once, with the first of the cases that were to be.
                 if range.start == 0 {
-                    rows.fail(&place, None, &error);
+                    done.rows.fail(&place, None, &error);
                 }
                 return Ok(());
             }
         };
         if let Err(error) = require_case(train.scenarios()) {
-            rows.fail(&place, None, &error.to_string());
+            done.rows.fail(&place, None, &error.to_string());
             return Ok(());
         }
         place.doubts = doubts(&train);
-        let cell = rows::file_cell(&self.inputs.files[file]);
+        let cell = file_cell(&self.inputs.files[file]);
         self.keep(&cell, variation, &place.doubts);
         let shared = self.shared(&train);
         for (scenario, broken) in all_cases(&train).skip(range.start).take(range.len()) {
@@ -203,9 +209,13 @@ impl<'a> Plan<'a> {
                 Ok(case) => {
                     let found = findings::found(&train, scenario, std::slice::from_ref(&case));
                     self.keep(&cell, variation, &found);
-                    rows.add(&place, &train, scenario, &case, &found);
+                    #[cfg(feature = "parquet")]
+                    if let Some(couplers) = &mut done.couplers {
+                        couplers.add(&place, &train, &scenario.name, &case);
+                    }
+                    done.rows.add(&place, &train, scenario, &case, &found);
                 }
-                Err(error) => rows.fail(&place, Some((scenario, broken)), &error.to_string()),
+                Err(error) => done.rows.fail(&place, Some((scenario, broken)), &error.to_string()),
             }
         }
         Ok(())

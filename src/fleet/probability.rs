@@ -1,7 +1,7 @@
 //! What a study says: how often a coupler exceeds, how well that is known, and which inputs it depends on.
 
 use super::parts::Run;
-use super::sections::{LISTED, more, section};
+use super::section::{LISTED, more, section};
 use super::statistics::{clopper_pearson, rank_correlation};
 use super::summary::{Summary, TrainSummary};
 use crate::report::block::{Block, Picture};

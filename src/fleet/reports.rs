@@ -34,7 +34,7 @@ pub fn write(
     let mut reports = Reports::default();
     let mut taken = HashSet::new();
     let files: HashMap<String, usize> =
-        inputs.files.iter().enumerate().map(|(i, file)| (super::rows::file_cell(file), i)).collect();
+        inputs.files.iter().enumerate().map(|(i, file)| (super::inputs::file_cell(file), i)).collect();
     for worst in summary.worst_first().into_iter().take(most) {
         let Some(&file) = files.get(&worst.file) else { continue };
         let variation = worst.worst[0].variation.parse::<usize>().ok();

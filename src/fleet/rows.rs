@@ -97,9 +97,6 @@ pub struct Chunk {
     errors: Lines,
     /// Cases and trains that could not be computed.
     pub failed: usize,
-    /// Every coupler of its cases, where they are asked for.
-    #[cfg(feature = "parquet")]
-    pub couplers: Option<super::couplers::Couplers>,
 }
 
 /// CSV in memory.
@@ -139,10 +136,6 @@ impl Chunk {
         let front = [text(&place.file), text(train.name()), train.vehicles().len().to_string(), whole(place.variation)];
         let inputs = place.inputs.iter().map(|cell| text_or_number(cell));
         let codes = place.codes(scenario, found);
-        #[cfg(feature = "parquet")]
-        if let Some(couplers) = &mut self.couplers {
-            couplers.add(place, train, &scenario.name, case);
-        }
         line(&mut self.rows, front.into_iter().chain(inputs).chain(back(scenario, case, codes)));
     }
 
@@ -155,14 +148,14 @@ impl Chunk {
     }
 }
 
+/// Headings of `fleet.csv`, with those of a study's inputs.
+pub fn headings(inputs: &[String]) -> Vec<String> {
+    FRONT.map(str::to_owned).into_iter().chain(inputs.iter().cloned()).chain(BACK.map(str::to_owned)).collect()
+}
+
 /// Every column but a study's inputs, as one text: a run with others cannot be gone on with.
 pub fn columns() -> String {
     FRONT.iter().chain(&BACK).chain(&ERRORS).copied().collect::<Vec<_>>().join(" ")
-}
-
-/// A train file as the rows name it.
-pub fn file_cell(file: &std::path::Path) -> String {
-    text(&file.display().to_string())
 }
 
 fn back(scenario: &Scenario, case: &CaseFindings, doubts: String) -> [String; BACK.len()] {

@@ -4,15 +4,14 @@
 use super::doubts;
 use super::parts::Run;
 use super::probability;
+use super::section::{LISTED, listed, more, section};
 use super::summary::{CAUSES, Case, Factors, Places, Summary, TrainSummary};
-use crate::report::block::{Block, Picture, Side};
+use crate::report::block::{Block, Picture};
 use crate::report::figures;
 use crate::report::numbers::{digits, down, percent, without_zeros};
 use crate::report::words::count;
 use crate::train::LIMITS;
 
-/// Rows of a table at most.
-pub const LISTED: usize = 50;
 /// Rows of a table of couplers at most.
 const COUPLERS: usize = 20;
 /// What comes after the first passage.
@@ -20,27 +19,6 @@ const LATER: &str = "\"Only later\" means that a rating is exceeded only after t
                      of a real train would reduce.";
 /// The file of the figure of safe factors.
 pub const SAFE_FACTORS: &str = "figure-safe-factors.svg";
-
-/// A section.
-pub fn section(
-    title: &str,
-    text: Vec<String>,
-    figure: Option<Picture>,
-    head: &[&str],
-    rows: Vec<Vec<String>>,
-) -> Vec<Block> {
-    let head: Vec<_> = head.iter().map(|name| (*name, Side::Left)).collect();
-    let mut all = vec![Block::Heading(title.to_owned(), None)];
-    all.extend(text.into_iter().map(Block::plain));
-    all.extend(figure.map(|figure| Block::Figure(None, figure)));
-    all.extend((!rows.is_empty()).then(|| Block::table("", &head, rows)));
-    all
-}
-
-/// A section with a table, if that has rows.
-fn listed(title: &str, text: Vec<String>, head: &[&str], rows: Vec<Vec<String>>) -> Vec<Block> {
-    if rows.is_empty() { Vec::new() } else { section(title, text, None, head, rows) }
-}
 
 /// What stands before the trains: of a study the probabilities and what they depend on, then the safe factors.
 pub fn before(run: &Run, summary: &Summary) -> Vec<Block> {
@@ -257,11 +235,4 @@ fn errors(summary: &Summary) -> Vec<Block> {
     }
     let rows: Vec<_> = summary.errors.iter().map(|e| e.to_vec()).collect();
     listed("Not computed", text, &["file", "what", "error"], rows)
-}
-
-/// Says that a table is cut short.
-pub fn more(text: &mut Vec<String>, all: usize, shown: usize, what: &str) {
-    if all > shown {
-        text.push(format!("The first {shown} of {all} {what}; fleet.csv has all."));
-    }
 }

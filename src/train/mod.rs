@@ -4,6 +4,7 @@
 //! coupler `i` joins vehicle `i` and vehicle `i + 1`. Forces are positive in tension (draft), negative in compression
 //! (buff).
 
+mod build;
 mod checks;
 mod doubt;
 mod event;

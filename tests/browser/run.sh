@@ -18,7 +18,7 @@ if [ ${#missing[@]} -gt 0 ] && ! { installed apt-get && install "${missing[@]}";
     exit 0
 fi
 
-cargo build --quiet --features serve
+cargo build --quiet --features "${FEATURES:-serve}"
 target=$(cargo metadata --format-version 1 --no-deps | sed -n 's/.*"target_directory":"\([^"]*\)".*/\1/p')
 npm ci --no-audit --no-fund --silent
 TRAINSAFE="$target/debug/trainsafe" node --test --test-timeout=600000 report.test.js serve.test.js

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use trainsafe::accuracy::campaign::row::WorstRow;
+use crate::campaign::row::WorstRow;
 use trainsafe::chain::Scene;
 use trainsafe::findings::CaseFindings;
 use trainsafe::solve::{Ask, Method, Solution, Wanted, solve};
@@ -132,7 +132,7 @@ fn a_mark_is_a_horizon_of_its_own() {
     let methods = [None, Some(Method::Fronts), Some(Method::Modal), Some(Method::Propagator)];
     let (mut compared, mut over) = (0, 0);
     for seed in 0..20u64 {
-        let mut scene = trainsafe::accuracy::campaign::scene(seed);
+        let mut scene = crate::campaign::scene(seed);
         let largest = scene.initial.iter().fold(scene.force.abs(), |most, f| most.max(f.abs()));
         let rating = largest * (0.9 + 0.02 * (seed % 40) as f64);
         scene.rated_draft.fill(rating);

@@ -1,5 +1,8 @@
 //! The motion of linear trains against references, bounds, and what must hold for every train.
 
+#[allow(dead_code)] // The example `campaign` prints more of it.
+#[path = "../campaign/mod.rs"]
+mod campaign;
 #[path = "../helpers/scenes.rs"]
 mod scenes;
 

@@ -2,7 +2,7 @@
 //!
 //! All 2,000 scenes: `cargo run --release --example campaign -- 2000`, and with `--kinds` beside it.
 
-use trainsafe::accuracy::campaign::{self, Fault};
+use crate::campaign::{self, Fault};
 use trainsafe::solve::path::Path;
 
 /// Every extreme is within its stated bound of the truth, every verdict is true, every time is the right one.

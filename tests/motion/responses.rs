@@ -1,8 +1,8 @@
 //! Scenes from responses: within the bounds of their own solutions, the same bits remembered or not, and no more work than chains.
 
+use crate::campaign::scene;
 use crate::scenes::EVERYTHING;
 use proptest::prelude::*;
-use trainsafe::accuracy::campaign::scene;
 use trainsafe::chain::{Chain, Scene};
 use trainsafe::solve::responses::{Responses, Shared};
 use trainsafe::solve::watch::SpringPeaks;

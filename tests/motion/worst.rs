@@ -1,8 +1,8 @@
 //! Asked for the worst alone: what a row of a fleet says is the same to the bit, for a small part of the looks.
 
+use crate::campaign::{row::WorstRow, scene};
 use crate::scenes::EVERYTHING;
 use proptest::prelude::*;
-use trainsafe::accuracy::campaign::{row::WorstRow, scene};
 use trainsafe::chain::{Chain, Scene};
 use trainsafe::solve::responses::{Responses, Shared};
 use trainsafe::solve::watch::SpringPeaks;

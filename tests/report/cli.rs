@@ -210,12 +210,14 @@ fn verdict_only_leaves_out_what_cannot_exceed() {
 /// A map that is asked for and not drawn is explained, and only then.
 #[test]
 fn an_impact_has_no_map_and_says_why() {
-    let file = train("hauled-train-on-a-grade.toml");
-    let noted = |args: &[&str]| text(&trainsafe(&[&["analyze", &file, "--json"], args].concat()).stderr);
+    let noted =
+        |file: &str, args: &[&str]| text(&trainsafe(&[&["analyze", &train(file), "--json"], args].concat()).stderr);
     let why = "note: twelve cars couple to the standing rest at 6 mph: --map does nothing for an impact: its safe factor on the speed";
-    assert!(noted(&["--map"]).starts_with(why));
-    assert!(!noted(&[]).contains("note:"));
-    assert!(!noted(&["--map", "--scenario", "the knuckle behind the locomotives breaks"]).contains("note:"));
+    let (hauled, impact) =
+        ("hauled-train-on-a-grade.toml", ["--scenario", "twelve cars couple to the standing rest at 6 mph"]);
+    assert!(noted(hauled, &[&["--map"], &impact[..]].concat()).starts_with(why));
+    assert!(!noted(hauled, &impact).contains("note:"));
+    assert!(!noted("paper-figure-4.toml", &["--map"]).contains("note:"));
 }
 
 /// The same bytes for any number of threads, but for the run times.

@@ -5,6 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
+use rayon::prelude::*;
 use trainsafe::accuracy::{Accuracy, Effort, MethodRow, RowOrigin};
 use trainsafe::solve::Method;
 use trainsafe::{Options, analyze, consist, report};
@@ -27,7 +28,7 @@ static OF_SAMPLE_TRAINS: LazyLock<Vec<OfTrain>> = LazyLock::new(|| {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("trains");
     let files = fs::read_dir(folder).expect("a folder").map(|e| e.expect("an entry").path());
     let trains = files.filter(|path| path.extension().is_some_and(|e| e == "toml"));
-    trains.map(|path| (path.clone(), figures(&path))).collect()
+    trains.par_bridge().map(|path| (path.clone(), figures(&path))).collect()
 });
 
 /// Attributes of a tag: `key="value"` only, each key once.

@@ -1,12 +1,12 @@
 //! What an analysis says of a case, number by number, against the reference march.
 
-use super::super::reference::Real;
-use super::super::reference::march::{March, System, long, march};
 use super::kinds::{Quantity, Tallies, kept, wanted, with_factor};
 use super::trains::{Drawn, DrawnEvent, Kind, Rated, courses};
-use crate::findings::{CaseFindings, CouplerFindings, MapPoint};
-use crate::solve::Wanted;
-use crate::train::SENSES;
+use trainsafe::accuracy::reference::Real;
+use trainsafe::accuracy::reference::march::{March, System, long, march};
+use trainsafe::findings::{CaseFindings, CouplerFindings, MapPoint};
+use trainsafe::solve::Wanted;
+use trainsafe::train::SENSES;
 
 /// One scene's comparisons.
 pub struct Judge<'a> {

@@ -1,13 +1,12 @@
 //! Trains with slack, gears and brakes drawn at random, each from its own seed.
 
 use super::super::draw::Random;
-use crate::law::{Curve, GearRow, Law, Rest};
-use crate::march::{Brakes, Problem};
-use crate::play::Drive;
+use trainsafe::law::{Curve, GearRow, Law, Rest};
+use trainsafe::march::{Brakes, Problem};
+use trainsafe::play::Drive;
 
 /// What happens to a train.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-#[expect(missing_docs, reason = "their names say it")]
 pub enum GearKind {
     Break,
     LetDown,

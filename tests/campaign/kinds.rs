@@ -4,17 +4,16 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use super::super::reference::march::{March, System, march};
 use super::findings::Judge;
 use super::trains::{Drawn, Kind, Rated, draw};
-use crate::consist;
-use crate::findings::{CaseFindings, MapPoint};
-use crate::findings::{Options, analyze};
-use crate::solve::Wanted;
+use trainsafe::accuracy::reference::march::{March, System, march};
+use trainsafe::consist;
+use trainsafe::findings::{CaseFindings, MapPoint};
+use trainsafe::findings::{Options, analyze};
+use trainsafe::solve::Wanted;
 
 /// What is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-#[expect(missing_docs, reason = "their names say it")]
 pub enum Quantity {
     Load,
     Peak,

@@ -6,9 +6,10 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use super::super::gears::exact::GearReference;
-use crate::march::{Bound, MarchOptions, MarchOutcome, Problem, solve};
 pub use trains::{GearKind, draw};
+use trainsafe::accuracy::gears::exact::GearReference;
+use trainsafe::march::{Bound, MarchOptions, MarchOutcome, Problem, solve};
+use trainsafe::solve::dd::Dd;
 
 /// A march ends where its estimate passes this share of the train's largest force.
 const TOLERANCE: f64 = 1e-6;
@@ -123,7 +124,7 @@ fn compared(seed: u64, problem: &Problem) -> GearTally {
     }
     for (i, (exact, found)) in reference.found.largest.iter().zip(&outcome.extremes).enumerate() {
         for (side, found) in [found.draft.force_n, -found.buff.force_n].into_iter().enumerate() {
-            let error = super::super::bench::difference(found, exact[side]);
+            let error = if found.is_finite() { (Dd::from(found) - exact[side]).abs().hi } else { f64::INFINITY };
             let ratio = error / outcome.error_n[i][side];
             tally.peaks += 1;
             tally.ratios.push(ratio);

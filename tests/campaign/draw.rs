@@ -1,8 +1,8 @@
 //! Scenes drawn at random, each from its own seed.
 
-use super::super::reference::Extreme;
-use crate::chain::{Chain, Scene};
-use crate::solve::path::Path;
+use trainsafe::accuracy::reference::Extreme;
+use trainsafe::chain::{Chain, Scene};
+use trainsafe::solve::path::Path;
 
 /// Largest phase of the fastest mode over the horizon, for 30 springs: what a method that resolves every mode can follow in
 /// a second. Longer horizons are cut to it, but for trains whose fast modes are few and far above the others.

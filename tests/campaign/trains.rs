@@ -2,13 +2,12 @@
 
 use std::fmt::Write as _;
 
-use super::super::reference::Real;
-use super::super::reference::march::{Course, March, System, long};
 use super::draw::Random;
+use trainsafe::accuracy::reference::Real;
+use trainsafe::accuracy::reference::march::{Course, March, System, long};
 
 /// A kind of scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-#[expect(missing_docs, reason = "their names say it")]
 pub enum Kind {
     Break,
     Rectangle,

@@ -1,9 +1,9 @@
 //! One method's extremes held against the reference.
 
-use super::super::reference::{Extreme, Reference, ReferenceError};
-use crate::chain::Scene;
-use crate::solve::local::Point;
-use crate::solve::watch::{Side, SpringPeaks};
+use trainsafe::accuracy::reference::{Extreme, Reference, ReferenceError};
+use trainsafe::chain::Scene;
+use trainsafe::solve::local::Point;
+use trainsafe::solve::watch::{Side, SpringPeaks};
 
 /// Springs of a scene whose times are checked too: each costs several evaluations in long arithmetic.
 const TIMED: usize = 3;

@@ -1,8 +1,8 @@
 //! What a row of a fleet needs of a solution: the same whether all couplers were asked for or the worst alone.
 
-use crate::chain::Scene;
-use crate::solve::local::Point;
-use crate::solve::{Method, Solution};
+use trainsafe::chain::Scene;
+use trainsafe::solve::local::Point;
+use trainsafe::solve::{Method, Solution};
 
 /// Part of a solution that a row depends on.
 #[derive(Clone, Debug, PartialEq)]

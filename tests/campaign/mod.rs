@@ -10,13 +10,13 @@ pub mod trains;
 
 use rayon::prelude::*;
 
-use super::reference::{Reference, ReferenceError};
-use crate::chain::Scene;
-use crate::solve::responses::{Responses, Shared};
-use crate::solve::watch::SpringPeaks;
-use crate::solve::{Ask, Method, Solution, Wanted};
 pub use draw::{scene, with_ratings};
 pub use judge::{Fault, Verdict, judge};
+use trainsafe::accuracy::reference::{Reference, ReferenceError};
+use trainsafe::chain::Scene;
+use trainsafe::solve::responses::{Responses, Shared};
+use trainsafe::solve::watch::SpringPeaks;
+use trainsafe::solve::{Ask, Method, Solution, Wanted};
 
 /// How a scene is solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -143,8 +143,12 @@ impl Frame {
 
     /// Puts the exact largest forces in.
     fn finish(mut self, train: &Train, case: &CaseFindings, of: Of) -> Field {
-        for c in case.couplers.iter().filter(|_| of == Of::Event) {
-            let peaks = [(c.peak_draft_n, c.peak_draft_time_s), (c.peak_buff_n, c.peak_buff_time_s)];
+        for c in &case.couplers {
+            let peaks = match (of, &c.cascade) {
+                (Of::Event, _) => [(c.peak_draft_n, c.peak_draft_time_s), (c.peak_buff_n, c.peak_buff_time_s)],
+                (Of::Cascade, Some(p)) => [(p.peak_draft_n, p.peak_draft_time_s), (p.peak_buff_n, p.peak_buff_time_s)],
+                _ => continue,
+            };
             for (force_n, time_s) in peaks.into_iter().filter_map(|(f, t)| Some((f?, t?))) {
                 if let Some(column) = self.field.column(time_s) {
                     let row = (c.coupler - 1) / self.field.couplers_per_row;

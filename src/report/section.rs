@@ -84,7 +84,9 @@ fn verdict(train: &Train, scenario: &ScenarioFindings, index: usize, several: bo
     let next = match cascade::sentence(scenario) {
         next if next.is_empty() => next,
         next if cascade::brief(scenario).is_empty() => next,
-        next => next + " The rest of this section covers the event alone and ignores the later breaks.",
+        next => {
+            next + " But for the tables of these breaks and of the forces with them, this section covers the event alone and ignores the later breaks."
+        }
     };
     let name = if several { String::new() } else { format!("Scenario \"{}\". ", scenario.name) };
     let event = source.map(|s| words::event(train, s)).unwrap_or_default();
@@ -229,7 +231,23 @@ fn sequence(case: &CaseFindings, units: UnitSystem) -> Vec<Block> {
         ("energy set free", Right),
     ];
     let breaks = found.breaks.iter().collect();
-    table("Couplers that break, in order", head, breaks, ROWS, JSON, |b| cascade::row(b, found, units))
+    let mut all = table("Couplers that break, in order", head, breaks, ROWS, JSON, |b| cascade::row(b, found, units));
+    if !found.breaks.is_empty() {
+        let head: Head = &[
+            ("coupler", Right),
+            ("between", Left),
+            ("demand", Right),
+            ("capacity", Right),
+            ("utilisation", Right),
+            ("peak at", Right),
+            ("utilisation if no other breaks", Right),
+        ];
+        let caption =
+            "Largest force of every coupler when these break, up to its own break, the largest utilisation first";
+        let row = |of| cascade::force_row(of, found, units);
+        all.extend(table(caption, head, cascade::forces(case), ROWS, CSV, row));
+    }
+    all
 }
 
 /// A table of the first of some items, if there are any, and how many more there are; a file may have all.

@@ -238,16 +238,12 @@ fn a_study_varies_a_brake_application() {
         without.contains("scenario[0].emergency.wave reaches nothing in train.toml: its scenario[0] has no emergency"),
         "{without}"
     );
-    let at_once =
-        hauled(GEARS, "emergency = { wave = \"290 m/s\", build_up = [[\"0 s\", \"100 %\"], [\"0 s\", \"100 %\"]] }\n");
-    let alike = refused(&at_once, "emergency.build_up", "\"50 %\", \"100 %\"");
+    let other = refused(&train, "service.build_up", "\"50 %\", \"100 %\"");
     assert!(
-        alike.contains(
-            "scenario[0].emergency.build_up reaches nothing in train.toml: none of its values changes the train"
-        ),
-        "{alike}"
+        other.contains("scenario[0].service.build_up reaches nothing in train.toml: its scenario[0] has no service"),
+        "{other}"
     );
-    assert!(refused(&train, "emergency.build_up", "\"2 s\"").contains("build_up"));
+    assert!(refused(&train, "emergency.build_up", "\"2 s\"").contains("a unit of time"));
 }
 
 /// A gap at a parted coupler closes again, and the parts push each other.

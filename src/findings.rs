@@ -20,7 +20,7 @@ mod safe_speed;
 mod stop;
 pub(crate) mod variants;
 
-pub use cascade::{CascadeBreak, CascadeFindings};
+pub use cascade::{CascadeBreak, CascadeFindings, CascadeWorst};
 pub(crate) use case::case_findings;
 pub(crate) use doubts_found::found;
 pub(crate) use estimate::case_estimate_s;
@@ -28,7 +28,7 @@ pub use estimate::{estimate_s, memory_bytes};
 pub use evidence::Evidence;
 pub(crate) use field::larger;
 pub use field::{Field, Of, field};
-pub use first_passage::FirstPassage;
+pub use first_passage::PeakForces;
 pub use history::{history, rod_history};
 pub use idle_options::idle_options;
 pub use limits::{LimitFindings, LimitInSense};
@@ -279,7 +279,10 @@ pub struct CouplerFindings {
     /// Over which rating it is then, `"draft"` or `"buff"`.
     pub first_exceeds_in: Option<&'static str>,
     /// The same over the first passage.
-    pub first_passage: Option<FirstPassage>,
+    pub first_passage: Option<PeakForces>,
+    /// The same in the train whose couplers break one after the other, up to the break of this one; where the scenario asks for it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cascade: Option<PeakForces>,
     /// An estimate of the error of its largest forces, N, where there is no proof.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error_estimate_n: Option<f64>,
@@ -607,6 +610,7 @@ fn coupler_findings(train: &Train, index: usize, seen: &Seen, all_time_bound_n: 
         first_exceeds_s: first.map(|(t, _)| t),
         first_exceeds_in: first.map(|(_, sense)| sense),
         first_passage: None,
+        cascade: None,
         error_estimate_n: None,
         all_time_bound_n,
         limits: None,

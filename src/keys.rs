@@ -105,6 +105,8 @@ pub(crate) struct Shape {
     pub(crate) keys: &'static [Key],
     /// Of these keys exactly one is there; empty where there is no such choice.
     pub(crate) exactly_one: &'static [&'static str],
+    /// Of these keys at most one is there.
+    pub(crate) at_most_one: &'static [&'static str],
     /// It has at least so many keys.
     pub(crate) least: usize,
     /// The key by whose word others belong to the table or not, and the words.
@@ -122,7 +124,7 @@ pub(crate) struct Variant {
 
 impl Shape {
     pub(crate) const fn new(name: &'static str, about: &'static str, keys: &'static [Key]) -> Shape {
-        Shape { name, about, keys, exactly_one: &[], least: 0, variants: None }
+        Shape { name, about, keys, exactly_one: &[], at_most_one: &[], least: 0, variants: None }
     }
 
     pub(crate) fn key(&self, name: &str) -> Option<&'static Key> {

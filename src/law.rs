@@ -61,7 +61,7 @@ pub enum CurveProblem {
     )]
     Unloading(usize),
     /// A gear that never resists.
-    #[error("the loading force is 0 in every row")]
+    #[error("its loading force is 0 in every row, so that it moves without force")]
     NoForce,
 }
 
@@ -168,6 +168,11 @@ impl Curve {
     /// Force of loading at which it closes.
     pub(crate) fn closes_at_n(&self) -> f64 {
         self.rows.last().map_or(0.0, |row| row.loading_n)
+    }
+
+    /// Stiffness in loading over the whole stroke, N/m: what it rises by, over the travel.
+    pub(crate) fn mean_n_per_m(&self) -> f64 {
+        (self.closes_at_n() - self.rows[0].loading_n) / self.stroke_m()
     }
 
     /// Share of the work of a full stroke that is lost to friction.

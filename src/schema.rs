@@ -58,6 +58,9 @@ fn table(shape: &Shape) -> Value {
         let choices = shape.exactly_one.iter().map(|key| json!({ "required": [key] }));
         add("oneOf", choices.collect());
     }
+    if !shape.at_most_one.is_empty() {
+        add("not", json!({ "required": shape.at_most_one }));
+    }
     if let Some((key, variants)) = shape.variants {
         add("allOf", variants.iter().map(|v| rule(shape, key, v)).collect());
     }

@@ -18,7 +18,7 @@ use super::sheet::{Record, Sheet};
 use super::tree::{Read, Table, Value};
 use crate::error::{InputError, Problem, Problems, printable_path, quoted};
 use crate::keys::Sign;
-use crate::train::{Application, Doubt, Forcing, Vehicle};
+use crate::train::{Application, Doubt, Forcing, Vehicle, more};
 use crate::units::{self, Amount, Dimension, one_of, shown_time};
 
 /// Names of applications.
@@ -37,6 +37,19 @@ fn preset(name: &'static str, emergency: bool) -> Application {
         _ => (250.0, vec![[0.0, 0.0], [4.0, 1.0]]),
     };
     Application { name: Some(name), wave_m_per_s, build_up }
+}
+
+/// The table that a named application of `emergency` or `service` stands for; `None` for another word.
+pub(crate) fn application_table(key: &str, name: &str) -> Option<toml::Table> {
+    let Application { wave_m_per_s, build_up, .. } =
+        preset(PRESETS.into_iter().find(|known| *known == name)?, key == "emergency");
+    let row = |&[time_s, share]: &[f64; 2]| vec![format!("{time_s} s"), format!("{} %", 100.0 * share)];
+    let rows: Vec<Vec<String>> = build_up.iter().map(row).collect();
+    Some(
+        [("wave".to_owned(), format!("{wave_m_per_s} m/s").into()), ("build_up".to_owned(), rows.into())]
+            .into_iter()
+            .collect(),
+    )
 }
 
 /// Reads `emergency` or `service`.
@@ -108,6 +121,9 @@ const LATE_S: f64 = 60.0;
 /// The largest share of a schedule that was probably written as shares of 1.
 const FAINT: f64 = 0.01 + 1e-9;
 
+/// A schedule that starts with a change of more than this share of the largest effort jumps.
+const JUMP: f64 = 0.01;
+
 /// The columns of a throttle schedule.
 const COLUMNS: [&str; 4] = ["time", "share", "force", "vehicle"];
 
@@ -164,6 +180,22 @@ fn schedule(
              event, not from a logger's clock"
         );
         doubts.push(Doubt::of_train("throttle-starts-late", text));
+    }
+    let jumps = |course: &&Forcing| {
+        let effort_n = |change_n: f64| (traction_n[course.vehicle] + change_n).abs();
+        let largest_n = course.points.iter().map(|p| effort_n(p[1])).fold(effort_n(0.0), f64::max);
+        course.points[0][1].abs() > JUMP * largest_n
+    };
+    let mut jumping = courses.iter().filter(jumps);
+    if let Some(first) = jumping.next() {
+        let text = format!(
+            "the schedule {name} starts with another tractive effort than that before the event: that of {}{} jumps at {}; begin it \
+             with a row of the effort before the event",
+            vehicles[first.vehicle].label,
+            more(jumping.count(), "vehicle"),
+            shown_time(first.points[0][0])
+        );
+        doubts.push(Doubt::of_train("throttle-jumps", text));
     }
     let left = courses.iter().flat_map(|c| c.points.iter().map(|p| 1.0 + p[1] / traction_n[c.vehicle]));
     let most = left.fold(0.0, f64::max);

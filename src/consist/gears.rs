@@ -76,7 +76,12 @@ impl Gear {
     }
 
     fn told(&self, bad: CurveProblem) -> [String; 2] {
-        let help = "travel rises from 0 from row to row, no force falls, and unloading is at most loading";
+        let help = match bad {
+            CurveProblem::NoForce => {
+                "give the forces of loading with their unit; travel without force is slack = \"25 mm\""
+            }
+            _ => "travel rises from 0 from row to row, no force falls, and unloading is at most loading",
+        };
         [format!("{}: {}", self.name, bad.renumbered(|row| self.numbers[row - 1])), help.to_owned()]
     }
 }

@@ -46,6 +46,7 @@ impl<'v> Labels<'v> {
         }
         let numbered = |v: &&Vehicle| {
             let number = v.label.strip_prefix(label).and_then(|rest| rest.strip_prefix(' '));
+            let number = number.map(|n| n.strip_prefix('(').and_then(|n| n.strip_suffix(')')).unwrap_or(n));
             number.is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()))
         };
         let some: Vec<&Vehicle> = vehicles.iter().filter(numbered).collect();

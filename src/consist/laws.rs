@@ -68,6 +68,11 @@ impl LawKeys {
         Ok(keys)
     }
 
+    /// Whether it has a stiffness or a gear, one of which every coupler needs.
+    pub(super) fn gives_force(&self) -> bool {
+        self.stiffness_n_per_m.is_some() || self.gear.is_some()
+    }
+
     /// Whether it says anything.
     pub(super) fn gives_anything(&self) -> bool {
         *self != LawKeys::default()

@@ -30,6 +30,7 @@ use toml::de::DeTable;
 use crate::error::{InputError, Problem};
 use crate::train::{Origin, Train};
 
+pub(crate) use brakes::application_table;
 pub use describe::describe;
 pub(crate) use describe::of_parts;
 pub(crate) use describe_laws::{application, laws, place, response_sentences as response};

@@ -6,7 +6,7 @@ use crate::units::{Dimension, shown};
 
 /// Every doubt about a train's laws, and keys that change nothing in it.
 pub(super) fn of_train(train: &Train) -> Vec<Doubt> {
-    let found = [closed(train), elastic(train), no_memory(train)];
+    let found = [closed(train), elastic(train), soft_solid(train), no_memory(train)];
     found.into_iter().flatten().chain(without_brakes(train)).collect()
 }
 
@@ -53,6 +53,27 @@ fn elastic(train: &Train) -> Option<Doubt> {
         more(all.count(), "coupler")
     );
     Some(Doubt::of_train("slack-without-friction", text))
+}
+
+/// Parts in series with a gear that give more than the gear itself: solid_stiffness is probably another stiffness.
+fn soft_solid(train: &Train) -> Option<Doubt> {
+    let soft = |law: &Law| match law {
+        Law::Gear { solid_n_per_m, draft, buff, .. } => {
+            let own_n_per_m = draft.mean_n_per_m().max(buff.mean_n_per_m());
+            (*solid_n_per_m < own_n_per_m).then_some([*solid_n_per_m, own_n_per_m])
+        }
+        Law::Elastic { .. } => None,
+    };
+    let mut all = train.extras().laws.iter().enumerate().filter_map(|(i, law)| Some((i, soft(law)?)));
+    let (first, stiffness) = all.next()?;
+    let [solid, own] = stiffness.map(|k| shown(train.origin().units, k, Dimension::Stiffness));
+    let text = format!(
+        "the solid_stiffness of coupler {}{} is {solid}, softer than its gear, {own} over the whole stroke in loading; it is that of the \
+         parts in series with the gear, when it is locked or closed: check the number and its unit",
+        first + 1,
+        more(all.count(), "coupler")
+    );
+    Some(Doubt::of_train("soft-solid-stiffness", text))
 }
 
 /// A pull before that no coupler remembers.

@@ -117,7 +117,7 @@ pub(crate) fn case_findings(
         solved;
     let ending = marched.as_ref().and_then(|m| m.ending);
     let horizon_s = ending.map_or(horizon_s, |end| end.at_s);
-    let cascade = cascade::find(train, scenario, broken, horizon_s, options)?;
+    let cascade = cascade::find(train, scenario, broken, horizon_s, options)?.map(|found| found.note(&mut couplers));
     let search = || load_search::find(train, scenario, broken, horizon_s, options);
     let load_factor_search = marched.as_ref().and_then(|_| search());
     let margin_n = march::margin_n(error_bound_n, error_estimate_n);

@@ -1,5 +1,7 @@
 //! Force in every coupler over time: what a picture of the wave shows.
 
+use std::collections::HashMap;
+
 use super::CaseFindings;
 use crate::march::{self, MarchOptions};
 use crate::play::Rule;
@@ -49,6 +51,8 @@ pub struct Field {
     pub times_s: Vec<f64>,
     /// Utilisation with the force's sign (draft positive), by rows from the head; no number where there is no coupler.
     pub share: Vec<f32>,
+    /// Of each row, whether all its couplers have slack; empty where the slack of couplers means nothing.
+    pub slack: Vec<bool>,
 }
 
 impl Field {
@@ -60,6 +64,16 @@ impl Field {
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.share.len() / self.times_s.len()
+    }
+
+    /// Whether couplers of these rows with this utilisation are open: their force is zero while they pass their slack.
+    pub fn is_open(&self, mut rows: impl Iterator<Item = usize>, share: f32) -> bool {
+        share == 0.0 && rows.all(|row| self.slack.get(row) == Some(&true))
+    }
+
+    /// Whether any coupler is open at any time.
+    pub fn opens(&self) -> bool {
+        (0..self.rows()).any(|row| self.row(row).iter().any(|share| self.is_open(row..=row, *share)))
     }
 
     /// The largest utilisation.
@@ -83,7 +97,7 @@ impl Field {
         let times_s: Vec<f64> = self.times_s.chunks(by).map(middle).collect();
         let fold = |of: &[f32]| of.iter().copied().fold(f32::NAN, larger);
         let share = (0..self.rows()).flat_map(|r| self.row(r).chunks(by).map(fold)).collect();
-        Field { times_s, share, instants_per_column: self.instants_per_column * by, ..*self }
+        Field { times_s, share, slack: self.slack.clone(), instants_per_column: self.instants_per_column * by, ..*self }
     }
 
     fn keep(&mut self, row: usize, column: usize, share: f32) {
@@ -124,7 +138,10 @@ impl Frame {
         let instants_per_column = times_s.len().div_ceil((KEPT / rows).min(MOST_KEPT));
         let columns: Vec<f64> = times_s.chunks(instants_per_column).map(middle).collect();
         let share = vec![f32::NAN; rows * columns.len()];
-        Some(Frame { times_s, field: Field { couplers_per_row, instants_per_column, times_s: columns, share } })
+        Some(Frame {
+            times_s,
+            field: Field { couplers_per_row, instants_per_column, times_s: columns, share, slack: vec![] },
+        })
     }
 
     fn see(&mut self, train: &Train, instant: usize, coupler: usize, force_n: f64) {
@@ -135,16 +152,31 @@ impl Frame {
     /// From the forces of every coupler at the instants, N; not numbers after the end of the march.
     pub fn of_march(mut self, train: &Train, case: &CaseFindings, histories_n: &[Vec<f64>], of: Of) -> Field {
         let broken = case.broken_coupler.map(|b| b - 1).filter(|_| of == Of::Event);
+        let breaks = case.cascade.iter().filter(|_| of == Of::Cascade).flat_map(|c| &c.breaks);
+        let parted_s: HashMap<usize, f64> = breaks.map(|b| (b.coupler - 1, b.time_s)).collect();
         for (i, forces_n) in histories_n.iter().enumerate().filter(|(i, _)| Some(*i) != broken) {
-            forces_n.iter().enumerate().filter(|(_, f)| f.is_finite()).for_each(|(t, f)| self.see(train, t, i, *f));
+            let parted_s = parted_s.get(&i).copied().unwrap_or(f64::INFINITY);
+            for (t, force_n) in forces_n.iter().enumerate().filter(|(_, f)| f.is_finite()) {
+                // What has parted is not open, and pushes only where its vehicles meet again.
+                if *force_n != 0.0 || self.times_s[t] < parted_s {
+                    self.see(train, t, i, *force_n);
+                }
+            }
         }
+        let has_slack: Vec<bool> = train.extras().laws.iter().map(|law| law.slack_m() > 0.0).collect();
+        self.field.slack =
+            has_slack.chunks(self.field.couplers_per_row).map(|row| row.iter().all(|has| *has)).collect();
         self.finish(train, case, of)
     }
 
     /// Puts the exact largest forces in.
     fn finish(mut self, train: &Train, case: &CaseFindings, of: Of) -> Field {
-        for c in case.couplers.iter().filter(|_| of == Of::Event) {
-            let peaks = [(c.peak_draft_n, c.peak_draft_time_s), (c.peak_buff_n, c.peak_buff_time_s)];
+        for c in &case.couplers {
+            let peaks = match (of, &c.cascade) {
+                (Of::Event, _) => [(c.peak_draft_n, c.peak_draft_time_s), (c.peak_buff_n, c.peak_buff_time_s)],
+                (Of::Cascade, Some(p)) => [(p.peak_draft_n, p.peak_draft_time_s), (p.peak_buff_n, p.peak_buff_time_s)],
+                _ => continue,
+            };
             for (force_n, time_s) in peaks.into_iter().filter_map(|(f, t)| Some((f?, t?))) {
                 if let Some(column) = self.field.column(time_s) {
                     let row = (c.coupler - 1) / self.field.couplers_per_row;

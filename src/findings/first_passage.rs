@@ -14,9 +14,9 @@ use super::{CouplerFindings, of_number};
 use crate::scenario;
 use crate::train::{Scenario, Train};
 
-/// One coupler's largest forces over the first passage, t = 0 included.
+/// One coupler's largest forces over the first passage, or in a cascade up to its own break; t = 0 included.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct FirstPassage {
+pub struct PeakForces {
     /// Largest tension, N, positive; `None` if it is not in tension.
     pub peak_draft_n: Option<f64>,
     /// When, s after the event.
@@ -27,17 +27,28 @@ pub struct FirstPassage {
     pub peak_buff_time_s: Option<f64>,
     /// Over its rating in either sign; `None`: not decided.
     pub exceeds: Option<bool>,
+    /// Of a cascade, an estimate of the error of these forces, N, where there is no proof.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error_estimate_n: Option<f64>,
 }
 
-impl FirstPassage {
-    fn of(c: &CouplerFindings) -> FirstPassage {
-        FirstPassage {
+impl PeakForces {
+    pub(super) fn of(c: &CouplerFindings) -> PeakForces {
+        PeakForces {
             peak_draft_n: c.peak_draft_n,
             peak_draft_time_s: c.peak_draft_time_s,
             peak_buff_n: c.peak_buff_n,
             peak_buff_time_s: c.peak_buff_time_s,
             exceeds: c.exceeds,
+            error_estimate_n: None,
         }
+    }
+
+    /// The force of the largest utilisation, N, when it is, s, and that utilisation; `None` for a coupler that is never loaded.
+    pub fn most_used(&self, c: &CouplerFindings) -> Option<(f64, f64, f64)> {
+        let draft = self.peak_draft_n.zip(self.peak_draft_time_s).map(|(n, at_s)| (n, at_s, n / c.rated_draft_n));
+        let buff = self.peak_buff_n.zip(self.peak_buff_time_s).map(|(n, at_s)| (n, at_s, -n / c.rated_buff_n));
+        [draft, buff].into_iter().flatten().reduce(|a, b| if b.2 > a.2 { b } else { a })
     }
 }
 
@@ -67,7 +78,7 @@ pub(super) fn note(
     error_n: f64,
 ) -> Passage {
     let told = |couplers: &mut [CouplerFindings]| {
-        couplers.iter_mut().for_each(|c| c.first_passage = Some(FirstPassage::of(c)));
+        couplers.iter_mut().for_each(|c| c.first_passage = Some(PeakForces::of(c)));
     };
     let Some(mut within) = within else {
         told(couplers);

@@ -61,21 +61,10 @@ pub(super) fn solved(
     }
     let problem = problem(train, scenario, broken, horizon_s);
     let outcome = march::solve(&problem, &ask(train, options));
-    let estimated = matches!(outcome.bound, Bound::Estimated(_));
-    let before_n = scenario::initial_force_n(train, &scenario.event);
-    let findings = |of: &[Extremes], error_n: &[[f64; 2]]| {
-        let others = (0..of.len()).filter(|i| Some(*i) != broken);
-        let one = |i: usize| CouplerFindings {
-            initial_force_n: before_n[i],
-            error_estimate_n: error_n.get(i).filter(|_| estimated).map(|n| n[0].max(n[1])),
-            ..coupler_findings(train, i, &seen(train, &outcome, i, of[i], error_n.get(i)), None)
-        };
-        others.map(one).collect::<Vec<CouplerFindings>>()
-    };
-    let couplers = findings(&outcome.extremes, &outcome.error_n);
+    let couplers = of_couplers(train, scenario, broken, &outcome, false);
     let (error_bound_n, error_estimate_n) = errors(&outcome.bound);
     let error_n = error_n(error_bound_n, error_estimate_n);
-    let to_mark = findings(&outcome.to_mark, &outcome.error_to_mark_n);
+    let to_mark = of_couplers(train, scenario, broken, &outcome, true);
     let to_mark = Within { worst: worst(&to_mark, 0..to_mark.len(), error_n), couplers: to_mark };
     Ok(Solved {
         method: "march",
@@ -95,6 +84,28 @@ pub(super) fn ending(outcome: &MarchOutcome) -> Option<Ending> {
     let stop = outcome.stopped.map(|(vehicle, at_s)| Ending { at_s, stopped_vehicle: Some(vehicle + 1) });
     let lost = outcome.predictable_until_s.map(|at_s| Ending { at_s, stopped_vehicle: None });
     [stop, lost].into_iter().flatten().reduce(|a, b| if b.at_s < a.at_s { b } else { a })
+}
+
+/// Every coupler but the one that the event breaks, over all of a march or up to its mark.
+pub(super) fn of_couplers(
+    train: &Train,
+    scenario: &Scenario,
+    broken: Option<usize>,
+    outcome: &MarchOutcome,
+    to_mark: bool,
+) -> Vec<CouplerFindings> {
+    let estimated = matches!(outcome.bound, Bound::Estimated(_));
+    let before_n = scenario::initial_force_n(train, &scenario.event);
+    let (extremes, error_n) = match to_mark {
+        true => (&outcome.to_mark, &outcome.error_to_mark_n),
+        false => (&outcome.extremes, &outcome.error_n),
+    };
+    let one = |i: usize| CouplerFindings {
+        initial_force_n: before_n[i],
+        error_estimate_n: error_n.get(i).filter(|_| estimated).map(|n| n[0].max(n[1])),
+        ..coupler_findings(train, i, &seen(train, outcome, i, extremes[i], error_n.get(i)), None)
+    };
+    (0..extremes.len()).filter(|i| Some(*i) != broken).map(one).collect()
 }
 
 /// What is seen of one coupler's force.

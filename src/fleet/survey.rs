@@ -237,7 +237,9 @@ fn keeps_cases(key: &Key) -> bool {
         None => key.leaf != "vehicles",
         Some("coupler" | "coupler_override") => !["stiffness", "at"].contains(&key.leaf),
         Some("vehicle") => ["label", "length"].contains(&key.leaf),
-        Some("scenario") => ["name", "horizon", "force", "duration", "rise", "fall", "speed"].contains(&key.leaf),
+        Some("scenario") => {
+            ["name", "horizon", "force", "duration", "rise", "fall", "speed", "wave", "build_up"].contains(&key.leaf)
+        }
         _ => false,
     }
 }

@@ -106,11 +106,20 @@ proptest! {
 
     /// A cycle that stays inside the lock leaves no trace: the force along the rest of the path is the same.
     #[test]
-    fn cycles_inside_the_lock(path in prop::collection::vec(-0.12..0.12f64, 1..12), at in any::<prop::sample::Index>(), share in 0.0..1.0f64) {
-        let rows = [[0., 0., 0.], [7., 120., 60.], [38., 680., 172.], [114., 1350., 300.], [149., 2520., 360.]];
-        let row = |r: &[f64; 3]| GearRow { travel_m: r[0] / 1e3, loading_n: r[1] * 1e3, unloading_n: r[2] * 1e3 };
-        let gear = Curve::new(rows.iter().map(row).collect()).expect("a table");
-        let law = Law::Gear { solid_n_per_m: 2e8, slack_m: 0.025, draft: gear.clone(), buff: gear };
+    fn cycles_inside_the_lock(
+        path in prop::collection::vec(-0.12..0.12f64, 1..12),
+        (at, share) in (any::<prop::sample::Index>(), 0.0..1.0f64),
+        (rows, preload_n) in (prop::collection::vec((0.002..0.05f64, 1e4..7e5f64, 0.0..1.0f64), 1..5), prop_oneof![Just(0.0), 0.0..5e4f64]),
+        (solid_n_per_m, slack_m) in (60e6..260e6f64, prop_oneof![Just(0.0), 0.0..0.04f64]),
+    ) {
+        let mut table = vec![GearRow { travel_m: 0.0, loading_n: preload_n, unloading_n: 0.5 * preload_n }];
+        for (n, &(travel, rise, share)) in rows.iter().enumerate() {
+            let loading_n = table[n].loading_n + rise;
+            let unloading_n = table[n].unloading_n + share * (loading_n - table[n].unloading_n);
+            table.push(GearRow { travel_m: table[n].travel_m + travel, loading_n, unloading_n });
+        }
+        let gear = Curve::new(table).expect("a table");
+        let law = Law::Gear { solid_n_per_m, slack_m, draft: gear.clone(), buff: gear };
         let at = at.index(path.len());
         let (mut plain, mut cycled) = (Coupler::new(&law, &Rest::default()), Coupler::new(&law, &Rest::default()));
         let mut last = 0.0;

@@ -1,8 +1,8 @@
 //! What the report says of couplers that break one after the other.
 
-use super::numbers::{force, time};
+use super::numbers::{force, force_unit, given_force_in, percent, time};
 use super::words::{count, moment, sense};
-use crate::findings::{CascadeBreak, CascadeFindings, CaseFindings, ScenarioFindings};
+use crate::findings::{CascadeBreak, CascadeFindings, CaseFindings, CouplerFindings, PeakForces, ScenarioFindings};
 use crate::train::LIMITS;
 use crate::units::UnitSystem;
 
@@ -208,5 +208,46 @@ pub fn row(b: &CascadeBreak, cascade: &CascadeFindings, units: UnitSystem) -> Ve
         format!("{} in {}", force(units, b.force_n, 0.0), sense(b.force_n)),
         (if b.breaks_at == LIMITS[2] { "ultimate load" } else { "rating" }).to_owned(),
         units.energy(b.energy_j),
+    ]
+}
+
+/// A coupler with its largest force in the cascade, N, when it is, s, and its utilisation.
+type Force<'a> = (&'a CouplerFindings, &'a PeakForces, (f64, f64, f64));
+
+/// The couplers with their largest forces in the cascade, worst first.
+pub fn forces(case: &CaseFindings) -> Vec<Force<'_>> {
+    let mut all: Vec<Force> = case
+        .couplers
+        .iter()
+        .filter_map(|c| Some((c, c.cascade.as_ref()?)))
+        .filter_map(|(c, peaks)| Some((c, peaks, peaks.most_used(c)?)))
+        .collect();
+    all.sort_by(|a, b| b.2.2.total_cmp(&a.2.2));
+    all
+}
+
+/// A row of them.
+pub fn force_row(
+    (c, peaks, (force_n, at_s, utilisation)): Force,
+    cascade: &CascadeFindings,
+    units: UnitSystem,
+) -> Vec<String> {
+    let error_n = peaks.error_estimate_n.unwrap_or(cascade.error_bound_n);
+    let of_time = |b: &&CascadeBreak| b.coupler == c.coupler && b.time_s == at_s;
+    let mark = match cascade.breaks.iter().find(of_time) {
+        _ if at_s >= cascade.certain_until_s() => " (not decided)",
+        Some(_) => " (breaks)",
+        None if peaks.exceeds.is_none() => " (not decided)",
+        None => "",
+    };
+    let rating = if force_n < 0.0 { c.rated_buff_n } else { c.rated_draft_n };
+    vec![
+        c.coupler.to_string(),
+        c.between.join(", "),
+        format!("{} in {}", force(units, force_n, error_n), sense(force_n)),
+        given_force_in(force_unit(units, force_n), rating),
+        format!("{} %{mark}", percent(utilisation)),
+        time(at_s),
+        format!("{} %", percent(c.utilisation)),
     ]
 }

@@ -91,6 +91,9 @@ struct Forces {
     instants_per_column: usize,
     /// N per unit of the numbers.
     unit_n: f64,
+    /// Of each row, whether a force of 0 is that of a coupler that passes its slack; empty where none does.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    slack: Vec<bool>,
     /// Rows from the head, columns in time: 16-bit numbers, low byte first, in base64; the smallest stands for none.
     forces: String,
 }
@@ -210,11 +213,15 @@ fn breaks(shown: &Shown) -> Option<Breaks> {
     Some(Breaks { broken: cases.iter().filter_map(|c| c.broken_coupler).collect(), unit_n, forces })
 }
 
-/// Forces as 16-bit numbers, low byte first, in base64, and N per unit of them; the smallest number stands for none.
+/// Forces as 16-bit numbers, low byte first, in base64, and N per unit of them; the smallest number stands for none, and 0 for 0 alone.
 fn packed(force: &[f64]) -> (f64, String) {
     let most = force.iter().filter(|f| !f.is_nan()).fold(0.0, |m: f64, f| m.max(f.abs()));
     let unit_n = most / f64::from(i16::MAX);
-    let number = |f: &f64| if f.is_nan() { i16::MIN } else { (f / unit_n).round() as i16 };
+    let number = |f: &f64| match (f / unit_n).round() as i16 {
+        _ if f.is_nan() => i16::MIN,
+        0 if *f != 0.0 => f.signum() as i16,
+        number => number,
+    };
     (unit_n, STANDARD.encode(force.iter().flat_map(|f| number(f).to_le_bytes()).collect::<Vec<u8>>()))
 }
 
@@ -239,5 +246,6 @@ fn forces(shown: &Shown, field: &Field, values: usize) -> Option<Forces> {
         instants_per_column: field.instants_per_column,
         unit_n,
         forces,
+        slack: if field.opens() { field.slack } else { vec![] },
     })
 }

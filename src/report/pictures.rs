@@ -114,8 +114,9 @@ impl<'a> Shown<'a> {
             String::new()
         };
         let rod = if rod.is_some() { " Below it the elastic rod on the same scale." } else { "" };
+        let open = if field.opens() { ", grey where it is open" } else { "" };
         format!(
-            "{what}{part}, as a share of its rating: draft blue, buff orange, outlined in black where the force exceeds \
+            "{what}{part}, as a share of its rating: draft blue, buff orange{open}, outlined in black where the force exceeds \
              the rating. Each pixel shows the largest share among the couplers and instants that it covers.{rod}"
         )
     }

@@ -46,7 +46,8 @@
     const n = forces.columns;
     const force = unpack(forces, n);
     const times = Array.from({ length: n }, (_, i) => forces.from_s + i * forces.step_s);
-    return { rows, times, force, row: (r) => times.map((_, i) => force(r, i)), folded: forces.instants_per_column };
+    return { rows, times, force, row: (r) => times.map((_, i) => force(r, i)),
+      open: (r, i) => forces.slack !== undefined && forces.slack[r] && force(r, i) === 0, folded: forces.instants_per_column };
   }
 
   // Above this the 16-bit numbers leave no doubt that a force is over its rating, %.
@@ -154,7 +155,8 @@
     if (wave) parts.push(heading("Force over time" + scene.when));
     parts.push(element("div", { className: "bar" }, label(select, "Coupler"), select), said);
     if (wave) parts.push(over_time, heading("Force by place and time" + scene.when), element("p", { className: "note",
-      textContent: "As a share of the rating: draft blue, buff orange, outlined where the force exceeds the rating. Click for that coupler and that instant." }), map);
+      textContent: "As a share of the rating: draft blue, buff orange, outlined where the force exceeds the rating" +
+        (scene.wave.slack ? "; grey where a coupler is open (it passes its slack, without force)" : "") + ". Click for that coupler and that instant." }), map);
     place.append(...parts);
     place.hidden = false;
 
@@ -303,16 +305,20 @@
     function mapTraces() {
       const panel = (field, axis, bar) => {
         const z = places.map((p) => (by.has(p) ? field.row(p - 1).map((f) => (f === null ? null : 100 * share(by.get(p), f))) : field.times.map(() => null)));
-        const text = z.map((row, r) => row.map((s) => (s === null ? "" : percent(s / 100))));
+        const open = z.map((row, r) => row.map((s, i) => (s !== null && field.open(r, i) ? 1 : null)));
+        const text = z.map((row, r) => row.map((s, i) => (s === null ? "" : open[r][i] ? "open: it passes its slack" : percent(s / 100) + " of its rating")));
         const forces = z.map((row, r) => row.map((s, i) => (s === null ? "" : force(field.force(r, i)))));
         const x = field.times.map((t) => t / clock);
         const heat = { type: "heatmap", x, y: places, z, text, customdata: forces, colorscale: scale(), zmid: 0, zmin: -most, zmax: most, yaxis: axis, showscale: bar,
           colorbar: { title: { text: "share of the rating, %", side: "bottom" }, orientation: "h", yref: "container", y: 0, yanchor: "bottom", thickness: 12, outlinewidth: 0, len: 0.8 }, hoverongaps: false,
-          hovertemplate: "coupler %{y}, %{x:.4g} " + clockName + "<br>%{customdata}<br>%{text} of its rating<extra>" + (bar ? "" : "elastic rod") + "</extra>" };
+          hovertemplate: "coupler %{y}, %{x:.4g} " + clockName + "<br>%{customdata}<br>%{text}<extra>" + (bar ? "" : "elastic rod") + "</extra>" };
+        const layers = [heat];
+        if (open.some((row) => row.includes(1))) layers.push({ type: "heatmap", x, y: places, z: open, yaxis: axis, showscale: false, hoverinfo: "skip",
+          colorscale: [[0, color("slack")], [1, color("slack")]] });
         const cells = z.length * x.length;
         const passes = z.some((row) => row.some((s) => Math.abs(s) > OVER));
-        if (!passes || z.length < 2 || cells > 120000) return [heat];
-        return [heat, { type: "contour", x, y: places, z: z.map((row) => row.map((s) => (s === null ? 0 : Math.abs(s)))), yaxis: axis, showscale: false, hoverinfo: "skip",
+        if (!passes || z.length < 2 || cells > 120000) return layers;
+        return [...layers, { type: "contour", x, y: places, z: z.map((row) => row.map((s) => (s === null ? 0 : Math.abs(s)))), yaxis: axis, showscale: false, hoverinfo: "skip",
           contours: { start: OVER, end: OVER, size: 1, coloring: "none" }, line: { color: color("text"), width: 1, smoothing: 0 } }];
       };
       let most = 0;

@@ -54,7 +54,7 @@ pub fn section(
         all.extend(every(train, cases));
     }
     all.extend(titled("Method", methods(cases)));
-    let accuracy = accuracy(cases, train.origin().units);
+    let accuracy = accuracy(train, cases);
     all.push(Block::titled("Accuracy", format!("{accuracy} Run time {}.", run_time(cases))));
     all
 }
@@ -84,7 +84,9 @@ fn verdict(train: &Train, scenario: &ScenarioFindings, index: usize, several: bo
     let next = match cascade::sentence(scenario) {
         next if next.is_empty() => next,
         next if cascade::brief(scenario).is_empty() => next,
-        next => next + " The rest of this section covers the event alone and ignores the later breaks.",
+        next => {
+            next + " But for the tables of these breaks and of the forces with them, this section covers the event alone and ignores the later breaks."
+        }
     };
     let name = if several { String::new() } else { format!("Scenario \"{}\". ", scenario.name) };
     let event = source.map(|s| words::event(train, s)).unwrap_or_default();
@@ -229,7 +231,23 @@ fn sequence(case: &CaseFindings, units: UnitSystem) -> Vec<Block> {
         ("energy set free", Right),
     ];
     let breaks = found.breaks.iter().collect();
-    table("Couplers that break, in order", head, breaks, ROWS, JSON, |b| cascade::row(b, found, units))
+    let mut all = table("Couplers that break, in order", head, breaks, ROWS, JSON, |b| cascade::row(b, found, units));
+    if !found.breaks.is_empty() {
+        let head: Head = &[
+            ("coupler", Right),
+            ("between", Left),
+            ("demand", Right),
+            ("capacity", Right),
+            ("utilisation", Right),
+            ("peak at", Right),
+            ("utilisation if no other breaks", Right),
+        ];
+        let caption =
+            "Largest force of every coupler when these break, up to its own break, the largest utilisation first";
+        let row = |of| cascade::force_row(of, found, units);
+        all.extend(table(caption, head, cascade::forces(case), ROWS, CSV, row));
+    }
+    all
 }
 
 /// A table of the first of some items, if there are any, and how many more there are; a file may have all.
@@ -382,9 +400,10 @@ fn run_time(cases: &[CaseFindings]) -> String {
     if cases.len() > 1 { format!("{total}, summed over {} cases", cases.len()) } else { total }
 }
 
-fn accuracy(cases: &[CaseFindings], units: UnitSystem) -> String {
+fn accuracy(train: &Train, cases: &[CaseFindings]) -> String {
+    let units = train.origin().units;
     if cases.iter().any(|c| c.error_estimate_n.is_some()) {
-        return estimate(cases, units) + &endings(cases);
+        return estimate(cases, units) + &endings(train, cases);
     }
     let bound = cases.iter().map(|c| c.error_bound_n).fold(0.0, f64::max);
     let asked = cases.iter().map(|c| c.tolerance_n).fold(0.0, f64::max);
@@ -395,7 +414,7 @@ fn accuracy(cases: &[CaseFindings], units: UnitSystem) -> String {
          and the search for peaks between instants ({met}: {}).",
         write(bound),
         write(asked)
-    ) + &endings(cases)
+    ) + &endings(train, cases)
 }
 
 /// What the accuracy of a computation is not.
@@ -417,7 +436,7 @@ fn estimate(cases: &[CaseFindings], units: UnitSystem) -> String {
 }
 
 /// Where marches end before their horizon, and why.
-fn endings(cases: &[CaseFindings]) -> String {
+fn endings(train: &Train, cases: &[CaseFindings]) -> String {
     let lost = cases.iter().filter_map(|c| c.predictable_until_s).reduce(f64::min);
     let stopped = cases.iter().filter_map(|c| Some((c.stopped_at_s?, c.stopped_vehicle?)));
     let stopped = stopped.reduce(|a, b| if b.0 < a.0 { b } else { a });
@@ -431,8 +450,9 @@ fn endings(cases: &[CaseFindings]) -> String {
     }
     if let Some((at_s, vehicle)) = stopped {
         text += &format!(
-            " The report ends {of_cases}at {}: vehicle {vehicle} would come to a stand then, and a standing vehicle is not computed.",
-            time(at_s)
+            " The report ends {of_cases}at {}: {} would come to a stand then, and a standing vehicle is not computed.",
+            time(at_s),
+            train.place_of(vehicle)
         );
     }
     text

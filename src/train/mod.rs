@@ -113,6 +113,12 @@ impl Train {
         &self.vehicles
     }
 
+    /// A vehicle by its number, from 1, with its label where that says more: `vehicle 9 (car 8)`.
+    pub(crate) fn place_of(&self, number: usize) -> String {
+        let (place, label) = (format!("vehicle {number}"), &self.vehicles[number - 1].label);
+        if *label == place { place } else { format!("{place} ({label})") }
+    }
+
     /// Length over couplers, m, and whether held vehicles without a length are left out of it; `None` where one that is not held has none.
     pub(crate) fn length_m(&self) -> Option<(f64, bool)> {
         let counted = |v: &&Vehicle| !v.held || v.length_m.is_some();

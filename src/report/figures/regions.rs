@@ -61,6 +61,7 @@ mod tests {
             instants_per_column: 1,
             times_s: (0..5).map(f64::from).collect(),
             share: share.concat(),
+            slack: vec![],
         };
         let regions = over_rating(&field);
         assert_eq!(regions, [Region { size: (2, 2), peak: (1, 2) }, Region { size: (1, 1), peak: (2, 4) }]);

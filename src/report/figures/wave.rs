@@ -17,6 +17,7 @@ const EACH: f64 = 250.0;
 const THIN: f64 = 9.0;
 const APART: f64 = 14.0;
 const FORCE: Stroke = Stroke::solid(Color::Ink, 5.0);
+const OPEN: Stroke = Stroke::solid(Color::Slack, 12.0);
 
 /// What is marked over the picture, in couplers from 1 at the head and seconds.
 #[derive(Default)]
@@ -59,6 +60,9 @@ pub fn wave(field: &Field, rod: Option<&Field>, marks: &Marks, since: &str, coup
         figure.add(panel);
     }
     explain(&mut figure, marks, over);
+    if field.opens() {
+        figure.explain("open: passing its slack, without force", Sample::Line(OPEN));
+    }
     color_bar(&mut figure, most);
     figure.svg()
 }

@@ -14,6 +14,7 @@ pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
         options: options(&args.solver),
         worker: args.work.then(Worker::new),
         couplers: args.couplers,
+        units: args.units.asked(),
         resume: args.resume,
         formats: args.format.iter().filter_map(|name| FleetFormat::from_name(name)).collect(),
         reports: args.reports,

@@ -12,7 +12,7 @@ mod spellings;
 
 use std::fmt;
 
-pub use reader::{Unit, UnitSystem, digits, rounded, shown, shown_time, unit_for, without_zeros};
+pub use reader::{Unit, UnitSystem, digits, rounded, shown, shown_in, shown_time, unit_for, without_zeros};
 
 use refusal::{bad, no_number, right_units, with_units, wrong_unit};
 

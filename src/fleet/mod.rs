@@ -57,6 +57,7 @@ use crate::error::{InputError, printable_path};
 use crate::findings::{Options, Stopped};
 use crate::report::files::WriteError;
 use crate::solve::responses::Responses;
+use crate::units::UnitSystem;
 use begin::{Begun, description, shown};
 use claims::Claims;
 use compute::{compute, work};
@@ -115,6 +116,8 @@ pub struct Request {
     pub formats: Vec<FleetFormat>,
     /// Trains, the worst, whose full reports are written as well.
     pub reports: usize,
+    /// Units of the page and of full reports; `None`: SI in the page, and each train's own in its report.
+    pub units: Option<UnitSystem>,
     /// Keep every coupler of every case too, in `couplers/`.
     pub couplers: bool,
     /// Bytes of memory for responses that were found; `None`: 320 MiB. Results do not depend on it.
@@ -314,13 +317,13 @@ fn finish(
     let summary = if known { join::summarise(dir, run)? } else { join::join(dir, run)? };
     let reports = match (request.reports, inputs) {
         (0, _) => Reports::default(),
-        (most, Some(inputs)) => reports::write(dir, inputs, &request.options, &summary, most)?,
+        (most, Some(inputs)) => reports::write(dir, inputs, request, &summary, most)?,
         (_, None) => {
             let why = format!("{} is joined already, and its plan is gone", printable_path(dir));
             return Err(FleetError::Usage(format!("{why}: for reports give the paths, with --resume and --reports")));
         }
     };
-    let report = outputs::write(dir, run, &summary, &request.formats, &reports.links)?;
+    let report = outputs::write(dir, run, &summary, request, &reports.links)?;
     if !known {
         outputs::remove_others(dir, &request.formats);
         parts::describe(dir, &Run { complete: true, ..run.clone() })?;

@@ -11,14 +11,17 @@ use crate::error::harmless;
 use crate::figures::{css, escaped};
 use crate::report::block::{Block, Table};
 use crate::report::html::{inline, spans};
-use crate::report::numbers::{digits, percent};
+use crate::report::numbers::{Unit, digits, force_unit, percent};
 use crate::report::words::count;
+use crate::units::UnitSystem;
 
 /// Trains in the table, and trains with their worst cases, at most.
 const LISTED: usize = 10_000;
 const DETAILED: usize = 1000;
 /// Bytes of each of the two at most.
 const MOST_BYTES: usize = 10 << 20;
+/// A force, N, in whose unit those of a table are written, from the smallest train to the largest: kN or kip.
+const LARGE_N: f64 = 1e5;
 /// Characters of a name at most.
 const LONGEST: usize = 200;
 
@@ -49,12 +52,21 @@ struct Trains<'a> {
     causes: &'a [usize],
     /// Links to the reports of some, by their files.
     reports: &'a HashMap<String, String>,
+    /// Of forces.
+    unit: Unit,
 }
 
 /// The page; `reports` has the links to the reports of some trains, by their files.
-pub fn page(run: &Run, summary: &Summary, before: &[Block], reports: &HashMap<String, String>, date: &str) -> String {
+pub fn page(
+    run: &Run,
+    summary: &Summary,
+    before: &[Block],
+    reports: &HashMap<String, String>,
+    units: UnitSystem,
+    date: &str,
+) -> String {
     let trains = summary.worst_first();
-    let all = Trains { causes: &sections::causes(summary), reports };
+    let all = Trains { causes: &sections::causes(summary), reports, unit: force_unit(units, LARGE_N) };
     let (details, detailed) = written(trains.iter().take(DETAILED).enumerate().map(|(i, t)| all.details(i, t)));
     let rows = trains.iter().take(LISTED).enumerate().map(|(i, t)| all.row(i, t, i < detailed));
     let (rows, listed) = written(rows);
@@ -172,16 +184,17 @@ impl Trains<'_> {
         let later = if later > 0 { format!(", {later} of them only after the first passage") } else { String::new() };
         let report =
             self.link(train, "Report of the worst case's train").map_or_else(String::new, |link| format!(" {link}"));
-        let names =
-            ["worst coupler", "utilisation, %", "force, kN", "when, s", "couplers that exceed"].map(str::to_owned);
+        let force = format!("force, {}", self.unit.name);
+        let names = ["worst coupler", "utilisation, %", &force, "when, s", "couplers that exceed"].map(str::to_owned);
         let factors = self.causes.iter().map(|&i| format!("safe factor on the {}", CAUSES[i].1));
         let head = names.into_iter().chain(factors).map(|name| format!("<th scope=\"col\"{NUMBER}>{name}</th>"));
         format!(
-            "<details id=\"train-{number}\"><summary><bdi>{name}</bdi></summary>\n\
+            "<details id=\"train-{number}\"{open}><summary><bdi>{name}</bdi></summary>\n\
              <p><bdi>{file}</bdi>: {exceed} of {cases} cases exceed{later}.{report} <a href=\"#trains\">Back to the table</a></p>\n\
              <div class=\"table\"><table><thead><tr><th scope=\"col\">case</th>{head}</tr></thead><tbody>\n{rows}</tbody></table></div>\n\
              </details>\n",
             number = index + 1,
+            open = if index == 0 { " open" } else { "" },
             name = clean_html(&train.name),
             file = clean_html(&train.file),
             head = head.collect::<String>(),
@@ -195,7 +208,7 @@ impl Trains<'_> {
             format!("<tr{}><th scope=\"row\"><bdi>{}</bdi></th>", class(over), clean_html(&sections::case_words(case))),
             number(&case.coupler),
             format!("<td class=\"number worst\">{}</td>", percent(case.utilisation)),
-            number(&digits(case.force_n / 1e3, 0.0, 4)),
+            number(&digits(case.force_n / self.unit.size, 0.0, 4)),
             number(&digits(case.time_s, 0.0, 4)),
             number(&case.exceeding),
             self.causes.iter().map(|&i| number(&sections::factor(&case.safe, i))).collect(),

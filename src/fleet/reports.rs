@@ -3,10 +3,10 @@
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
-use super::FleetError;
 use super::inputs::Inputs;
 use super::summary::Summary;
-use crate::findings::{self, Options};
+use super::{FleetError, Request};
+use crate::findings;
 use crate::report;
 
 const FOLDER: &str = "trains";
@@ -27,7 +27,7 @@ pub struct Reports {
 pub fn write(
     dir: &Path,
     inputs: &Inputs,
-    options: &Options,
+    request: &Request,
     summary: &Summary,
     most: usize,
 ) -> Result<Reports, FleetError> {
@@ -47,7 +47,11 @@ pub fn write(
             Some(text) => train.with_text(&text),
             None => train,
         };
-        let analysis = match findings::analyze(&train, options) {
+        let train = match request.units {
+            Some(units) => train.with_units(units),
+            None => train,
+        };
+        let analysis = match findings::analyze(&train, &request.options) {
             Ok(analysis) => analysis,
             Err(e) => {
                 reports.missing.push(format!("no report of {}: {e}", worst.file));

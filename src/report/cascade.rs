@@ -1,6 +1,6 @@
 //! What the report says of couplers that break one after the other.
 
-use super::numbers::{force, force_unit, given_force_in, percent, time};
+use super::numbers::{Unit, force, force_in, force_unit, given_force_in, percent, time};
 use super::words::{count, moment, sense};
 use crate::findings::{CascadeBreak, CascadeFindings, CaseFindings, CouplerFindings, PeakForces, ScenarioFindings};
 use crate::train::LIMITS;
@@ -193,7 +193,7 @@ fn of_many(cascades: &[(&CaseFindings, &CascadeFindings)]) -> String {
 }
 
 /// A row of the sequence.
-pub fn row(b: &CascadeBreak, cascade: &CascadeFindings, units: UnitSystem) -> Vec<String> {
+pub fn row(b: &CascadeBreak, cascade: &CascadeFindings, units: UnitSystem, unit: Unit) -> Vec<String> {
     let apart = if b.time_uncertainty_s > SEEN * b.time_s {
         format!(" ± {}", time(b.time_uncertainty_s))
     } else {
@@ -205,7 +205,7 @@ pub fn row(b: &CascadeBreak, cascade: &CascadeFindings, units: UnitSystem) -> Ve
         format!("{}{}{supposed}", b.coupler, if b.together { " (with others)" } else { "" }),
         b.between.join(", "),
         // It breaks at this load, however well the instant is known.
-        format!("{} in {}", force(units, b.force_n, 0.0), sense(b.force_n)),
+        format!("{} in {}", force_in(unit, b.force_n, 0.0), sense(b.force_n)),
         (if b.breaks_at == LIMITS[2] { "ultimate load" } else { "rating" }).to_owned(),
         units.energy(b.energy_j),
     ]

@@ -173,12 +173,11 @@ fn figure(scenario: Option<usize>, picture: &Picture) -> String {
 fn table(table: &Table, heading: &str) -> String {
     let heading = escaped(heading);
     let caption = match (table.title, table.caption.as_str()) {
-        (_, "") => heading.clone(),
         ("", caption) => escaped(caption),
         (title, caption) => escaped(&format!("{title}. {caption}")),
     };
     // Apart from that of the same table of another scenario.
-    let label = if table.caption.is_empty() { heading } else { format!("{heading}: {caption}") };
+    let label = if caption.is_empty() { heading.clone() } else { format!("{heading}: {caption}") };
     let class = |column: usize| match table.head.get(column) {
         Some((_, Side::Right)) => " class=\"right\"",
         _ => "",
@@ -193,12 +192,17 @@ fn table(table: &Table, heading: &str) -> String {
     };
     let row = |cells: &Vec<String>| format!("<tr>{}</tr>\n", cells.iter().enumerate().map(cell).collect::<String>());
     let rows: String = table.rows.iter().map(row).collect();
+    let titled =
+        if caption.is_empty() { String::new() } else { format!("<caption><span>{caption}</span></caption>\n") };
     let framed = format!(
-        "<div class=\"table\" role=\"region\" aria-label=\"{label}\" tabindex=\"0\">\n<table>\n<caption><span>{caption}</span></caption>\n\
+        "<div class=\"table\" role=\"region\" aria-label=\"{label}\" tabindex=\"0\">\n<table>\n{titled}\
          {head}<tbody>\n{rows}</tbody>\n</table>\n</div>\n"
     );
     match table.rows.len() > LONG {
-        true => format!("<details>\n<summary>{caption}</summary>\n{framed}</details>\n"),
+        true => format!(
+            "<details>\n<summary>{}</summary>\n{framed}</details>\n",
+            if caption.is_empty() { heading } else { caption }
+        ),
         false => framed,
     }
 }

@@ -125,7 +125,7 @@ pub fn documents(train: &Train, analysis: &Analysis, formats: &[Format]) -> io::
 
 /// What is drawn of each scenario, and the report.
 fn told<'a>(train: &'a Train, analysis: &'a Analysis) -> (Vec<Option<Shown<'a>>>, Vec<Block>) {
-    let shown: Vec<Option<Shown>> = analysis.scenarios.iter().map(|s| Shown::new(train, s)).collect();
+    let shown = Shown::all(train, &analysis.scenarios);
     let blocks = content::content(train, analysis, &shown);
     (shown, blocks)
 }

@@ -119,7 +119,8 @@ pub fn unit_for(units: &[Unit], value: f64) -> Unit {
     found.copied().unwrap_or(units[0])
 }
 
-/// A quantity that was given, from SI, as its reader writes it: up to six digits, no trailing zeros.
+/// A quantity that was given, from SI, as its reader writes it, without trailing zeros: up to six digits where they are all of it,
+/// and four of one that was converted from another unit or computed.
 ///
 /// ```
 /// use trainsafe::units::{Dimension, UnitSystem, shown};
@@ -127,12 +128,20 @@ pub fn unit_for(units: &[Unit], value: f64) -> Unit {
 /// assert_eq!(shown(UnitSystem::Us, 129_727.4, Dimension::Mass), "143 US tons");
 /// ```
 pub fn shown(system: UnitSystem, value: f64, dimension: Dimension) -> String {
-    written(system.units(dimension), value, 6)
+    shown_in(unit_for(system.units(dimension), value), value)
+}
+
+/// The same in a unit that others beside it have.
+pub fn shown_in(unit: Unit, value: f64) -> String {
+    let value = value / unit.size;
+    let six = digits(value, 0.0, 6);
+    let whole = six.parse().is_ok_and(|shown: f64| (shown - value).abs() <= 1e-9 * value.abs());
+    format!("{} {}", without_zeros(&if whole { six } else { digits(value, 0.0, 4) }), unit.name)
 }
 
 /// The same of a time, which is written alike in all units.
 pub fn shown_time(value_s: f64) -> String {
-    written(TIME, value_s, 6)
+    shown_in(unit_for(TIME, value_s), value_s)
 }
 
 /// The same to three digits, of a limit that is a round number in SI.
@@ -194,7 +203,7 @@ mod tests {
     #[test]
     fn a_reader_of_us_units_gets_them() {
         assert_eq!(shown(US, 286_000.0 * LB, Dimension::Mass), "143 US tons");
-        assert_eq!(shown(US, 16.9173e6, Dimension::Stiffness), "96.6003 kip/in");
+        assert_eq!(shown(US, 16.9173e6, Dimension::Stiffness), "96.6 kip/in");
         assert_eq!(shown(US, 16.1544, Dimension::Length), "53 ft");
         assert_eq!(shown(US, 0.0254, Dimension::Length), "1 in");
         assert_eq!(shown(US, 2.68224, Dimension::Speed), "6 mph");

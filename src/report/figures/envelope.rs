@@ -77,7 +77,7 @@ pub fn envelope(train: &Train, scenario: &ScenarioFindings, name: &str) -> Strin
     let narrow = draw_ratings(&mut panel, train, &reach, unit);
     figure.explain("rated", Sample::Line(RATED));
     if marked {
-        figure.explain("exceeds its rating", Sample::Mark(Shape::Diamond, Color::Over));
+        figure.explain("over its rating", Sample::Mark(Shape::Diamond, Color::Over));
     }
     reach.tell(&mut panel, train.origin().units);
     if let [case] = &scenario.cases[..]

@@ -18,6 +18,7 @@ pub use history::history;
 pub use hysteresis::hysteresis;
 pub use influences::influences;
 pub use map::map;
+pub use regions::{over_rating, rows_over};
 pub use safe_factors::safe_factors;
 pub use wave::{Marks, wave};
 

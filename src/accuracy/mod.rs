@@ -62,7 +62,7 @@ impl Default for AccuracyOptions {
     }
 }
 
-/// Whose a method is.
+/// A method's origin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RowOrigin {
     /// One of this crate's.
@@ -78,7 +78,7 @@ pub enum RowOrigin {
 /// One method at one setting.
 #[derive(Clone, Debug)]
 pub struct MethodRow {
-    /// Whose it is.
+    /// Its origin.
     pub origin: RowOrigin,
     /// Its name.
     pub method: &'static str,

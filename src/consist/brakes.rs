@@ -28,7 +28,7 @@ pub(super) const PRESETS: [&str; 3] = ["AAR", "UIC G", "UIC P"];
 pub(super) const BUILD_UP: [(&str, Dimension, Sign); 2] =
     [("time", Dimension::Time, Sign::NotNegative), ("share", Dimension::Share, Sign::NotNegative)];
 
-/// The named application; `emergency`, or a service one.
+/// The named application: an emergency or a service one.
 fn preset(name: &'static str, emergency: bool) -> Application {
     let (wave_m_per_s, build_up) = match (name, emergency) {
         ("AAR", true) => (290.0, vec![[0.0, 0.0], [1.5, 0.3], [8.0, 1.0]]),
@@ -76,7 +76,7 @@ fn points(value: &Value) -> Read<Vec<[f64; 2]>> {
     Ok(rows.iter().map(|row| [row[0], row[1]]).collect())
 }
 
-/// Tractive efforts that change after the event, as changes of the force on each vehicle.
+/// Changes of tractive efforts after the event, as forces on vehicles over time.
 pub(super) fn efforts(
     table: &Table,
     vehicles: &[Vehicle],
@@ -118,8 +118,8 @@ fn cut_power(table: &Table) -> Read<[f64; 2]> {
 /// A schedule that starts later than this after the event, s, is probably on another clock.
 const LATE_S: f64 = 60.0;
 
-/// The largest share of a schedule that was probably written as shares of 1.
-const FAINT: f64 = 0.01 + 1e-9;
+/// If no share is larger, the schedule was probably written in shares of 1.
+const LARGEST_DOUBTFUL_SHARE: f64 = 0.01 + 1e-9;
 
 /// A schedule that starts with a change of more than this share of the largest effort jumps.
 const JUMP: f64 = 0.01;
@@ -199,7 +199,7 @@ fn schedule(
     }
     let left = courses.iter().flat_map(|c| c.points.iter().map(|p| 1.0 + p[1] / traction_n[c.vehicle]));
     let most = left.fold(0.0, f64::max);
-    if sheet.columns[1].is_some() && most > 0.0 && most <= FAINT {
+    if sheet.columns[1].is_some() && most > 0.0 && most <= LARGEST_DOUBTFUL_SHARE {
         let text =
             format!("no share of the schedule {name} is over 1 %: were shares of 1 meant, such as 0.5 for 50 %?");
         doubts.push(Doubt::of_train("faint-throttle", text));
@@ -207,7 +207,7 @@ fn schedule(
     Ok((courses, doubts))
 }
 
-/// Adds a row of the schedule to the courses of the vehicles that it is of.
+/// Adds a row of the schedule to the courses of its vehicles.
 fn row(
     sheet: &Sheet,
     record: &Record,

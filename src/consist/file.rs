@@ -1,4 +1,4 @@
-//! A train file's tables into a train.
+//! Makes a train from a train file's tables.
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
@@ -20,10 +20,10 @@ use crate::train::{
 };
 use crate::units::{Amount, UnitSystem};
 
-/// Reads the whole train, going on after a problem as far as what follows can be judged without it.
+/// Reads the whole train; after a problem it reads on as far as it can.
 ///
-/// A value that was wrong is replaced by some right one so that the rest is still looked at. The train is good only if no
-/// problem has been noted. `rows` are those of the table that the file's `vehicles` names.
+/// A wrong value is replaced by a valid one, so that the rest is still checked. The train is valid only if no problem
+/// has been noted. `rows` are those of the table that the file's `vehicles` names.
 /// `each` gives each coupler a `[coupler]` of its own.
 pub(super) fn train(
     found: &Found,
@@ -79,7 +79,7 @@ pub(super) fn train(
         Err(reported) => (Err(reported), PulledTo::None),
     };
     let asked = root.get("units").map(|value| value.word()).transpose()?.and_then(UnitSystem::from_name);
-    // Of problems; those of the report are counted once all is read.
+    // Units of messages; those of the report are chosen at the end.
     let units = asked.unwrap_or_else(|| found.units());
     let spec = TrainSpec {
         origin: Origin { units, ..Origin::default() },
@@ -102,7 +102,7 @@ pub(super) fn train(
     let scenarios = scenarios::read(root, &context)?;
     by_label.extend(labels.named.take());
     drop(labels);
-    for problem in train.take(scenarios) {
+    for problem in train.set_scenarios(scenarios) {
         places.note(problem);
     }
     let units = asked.unwrap_or_else(|| found.units());
@@ -112,12 +112,12 @@ pub(super) fn train(
     Ok(train.with_origin(origin))
 }
 
-/// Where the file says what is wrong with the train.
+/// Finds the place in the file of a problem with the train.
 struct Places<'f> {
     found: &'f Found,
     root: &'f Table<'f>,
     overridden: Overridden,
-    /// What has been noted, by its place: all couplers that have it from there are wrong in the same way.
+    /// Places and messages that have been noted: a wrong value of many couplers is reported once.
     told: HashSet<(Option<Range<usize>>, String)>,
 }
 
@@ -138,7 +138,7 @@ impl Places<'_> {
         })
     }
 
-    /// The place of a key, and whose it is where the place does not say so.
+    /// The place of a key, and words for its coupler where the place does not show it.
     fn place(&self, key: &str) -> (Option<Range<usize>>, String) {
         let of_coupler = key.strip_prefix("coupler[").and_then(|rest| rest.split_once("]."));
         let Some((i, keys)) = of_coupler.and_then(|(i, keys)| Some((i.parse::<usize>().ok()?, keys))) else {
@@ -159,7 +159,7 @@ fn specs(ratings: Vec<Ratings>) -> Vec<CouplerSpec> {
     let mut before: Option<LawKeys> = None;
     for r in ratings {
         let again = all.last().filter(|_| before.as_ref() == Some(&r.law)).map(|coupler| coupler.law.clone());
-        // What is wrong has been noted where it is given, or replaced.
+        // A wrong law has been noted or replaced before.
         let law = again.unwrap_or_else(|| r.law.law().unwrap_or(Law::linear(1.0)));
         let rated_buff_n = match r.buff {
             Amount::Si(value) => value,
@@ -205,7 +205,7 @@ impl OwnKeys {
         rated || law.gives_anything() || damping_n_s_per_m.is_some()
     }
 
-    /// Puts it in the place of what a coupler had; a share of the draft rating is one of `[coupler]`'s.
+    /// Overrides a coupler's values; a share in `rated_load` is of `[coupler]`'s.
     fn apply(&self, base: &Ratings, coupler: &mut Ratings) {
         if self.law.gives_anything() {
             coupler.law = self.law.or(&coupler.law);
@@ -223,7 +223,7 @@ impl OwnKeys {
     }
 }
 
-/// A `limits` table: a capacity of its own is of both senses, but where the table of a sense has another.
+/// A `limits` table: its capacities are of both senses, unless its table of a sense gives another.
 fn limits(value: &Value) -> Read<Limits> {
     let table = value.table()?;
     let both = capacities(value, &table);
@@ -252,7 +252,7 @@ fn capacities(value: &Value, table: &Table) -> Read<[Option<f64>; 3]> {
     Ok([fatigue?, proof?, ultimate?])
 }
 
-/// The ratings that hold unless overridden; a share in `buff` is of whichever draft rating the coupler has.
+/// A coupler's values so far; a share in `buff` is of the coupler's own draft rating.
 #[derive(Clone)]
 struct Ratings {
     law: LawKeys,

@@ -1,4 +1,4 @@
-//! Doubts about slack, gears, the pull before and brakes.
+//! Doubts about slack, gears, the earlier pull and brakes.
 
 use crate::law::{Curve, Law};
 use crate::train::{Doubt, Scenario, Train, more};
@@ -6,11 +6,11 @@ use crate::units::{Dimension, shown};
 
 /// Every doubt about a train's laws, and keys that change nothing in it.
 pub(super) fn of_train(train: &Train) -> Vec<Doubt> {
-    let found = [closed(train), elastic(train), soft_solid(train), no_memory(train)];
+    let found = [closed(train), slack_without_friction(train), soft_solid(train), pulled_to_unused(train)];
     found.into_iter().flatten().chain(without_brakes(train)).collect()
 }
 
-/// A gear that the load, or the pull before, has closed.
+/// A gear that the load, or the earlier pull, has closed.
 fn closed(train: &Train) -> Option<Doubt> {
     let force_n = |i: usize| {
         train.history_n(i).into_iter().fold(train.initial_force_n()[i], |a, f| if f.abs() > a.abs() { f } else { a })
@@ -35,7 +35,7 @@ fn closed(train: &Train) -> Option<Doubt> {
 }
 
 /// A gear that loses nothing at small forces, beside slack: vehicles rattle in it, and small differences grow.
-fn elastic(train: &Train) -> Option<Doubt> {
+fn slack_without_friction(train: &Train) -> Option<Doubt> {
     let begins_elastic = |curve: &Curve| {
         let rows = curve.rows();
         rows[1].loading_n > 0.0 && rows[..2].iter().all(|row| row.loading_n == row.unloading_n)
@@ -76,8 +76,8 @@ fn soft_solid(train: &Train) -> Option<Doubt> {
     Some(Doubt::of_train("soft-solid-stiffness", text))
 }
 
-/// A pull before that no coupler remembers.
-fn no_memory(train: &Train) -> Option<Doubt> {
+/// An earlier pull that changes no force.
+fn pulled_to_unused(train: &Train) -> Option<Doubt> {
     let remembers = |(law, load_n): (&Law, &f64)| law.has_friction() && *load_n >= 0.0;
     let depends = train.extras().laws.iter().zip(train.initial_force_n()).any(remembers);
     let text =

@@ -12,7 +12,7 @@ pub enum Color {
     Card,
     /// Text, axes, ratings.
     Ink,
-    /// What stands back: the load before the event, help lines, other programs' methods.
+    /// What matters less: the load before the event, help lines, other programs' methods.
     Quiet,
     /// Forces in draft.
     Draft,
@@ -47,7 +47,7 @@ pub const CLASS: &str = "trainsafe-figure";
 /// Sizes of text in pixels of the figure, on a wide screen and on a narrow one.
 pub const TEXT_SIZE: f64 = 15.0;
 pub const LARGE_TEXT: f64 = 20.0;
-/// Utilisation from the largest buff over none to the largest draft, as red, green, blue: darker the nearer to its end.
+/// Colours of utilisations from the largest buff through zero to the largest draft, darker toward both ends.
 const RAMP: [[u8; 3]; 7] =
     [[110, 36, 0], [213, 94, 0], [250, 196, 110], [255, 255, 255], [134, 196, 236], [0, 114, 178], [0, 50, 92]];
 /// Turns a light picture into one for a dark page: the lightness is inverted, the hue stays.

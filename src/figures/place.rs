@@ -21,12 +21,12 @@ impl Frame {
     }
 }
 
-/// Between samples of a line.
+/// Distance of a line's samples.
 const STEP: f64 = 5.0;
 /// Half the height of a label with some room.
 const HALF_HEIGHT: f64 = 13.0;
 
-/// Points along what is drawn, a few pixels apart: a steep stretch counts for its length, a dense one for no more.
+/// Points along what is drawn, a few pixels apart: a line counts by its length, not by its data points.
 pub struct Obstacles {
     frame: Frame,
     points: Vec<Point>,
@@ -53,7 +53,7 @@ impl Obstacles {
         }
     }
 
-    /// How many points a text around a middle covers, and many where it leaves the frame.
+    /// How many points a text around a middle covers; far more if it leaves the frame.
     fn covered(&self, middle: Point, half: f64) -> f64 {
         let covers = |p: &&Point| (p.0 - middle.0).abs() < half + 6.0 && (p.1 - middle.1).abs() < HALF_HEIGHT;
         let f = self.frame;

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use serde::Serialize;
 
-use super::{CouplerFindings, GapClosure, Options, PeakForces, Seen, coupler_findings, of_number, worst};
+use super::{CouplerFindings, CouplerPeaks, GapClosure, Options, PeakForces, coupler_findings, of_number, worst};
 use crate::march;
 use crate::play::Rule;
 use crate::scenario::{self, Motion, Scales};
@@ -25,9 +25,9 @@ pub struct CascadeFindings {
     pub pieces: Vec<[usize; 2]>,
     /// Couplers that certainly pass their breaking load in buff and are kept, counted from 1.
     pub kept_in_buff: Vec<usize>,
-    /// From when on the sequence is not decided, s: a coupler came within the error bound of its breaking load, or stood there before
-    /// the event, and whether it breaks, or breaks before another, cannot be told. Later breaks are those of a train in which it holds
-    /// until it is certainly over that load.
+    /// From when on the sequence is not decided, s: a coupler came within the error bound of its breaking load, or was
+    /// there before the event, and whether it breaks, or breaks before another, is not known. Later breaks are those
+    /// of a train in which it holds until it is certainly over that load.
     pub undecided_from_s: Option<f64>,
     /// That coupler, counted from 1.
     pub undecided_coupler: Option<usize>,
@@ -52,7 +52,7 @@ pub struct CascadeFindings {
 }
 
 impl CascadeFindings {
-    /// What every force is within, N: proven, or else estimated.
+    /// Error of every force, N: proven, or else estimated.
     pub fn error_n(&self) -> f64 {
         super::march::error_n(self.error_bound_n, self.error_estimate_n)
     }
@@ -119,7 +119,7 @@ impl Found {
 pub struct CascadeBreak {
     /// When, s after the event; 0 if the load alone is over its rating.
     pub time_s: f64,
-    /// Its exact instant is no further away than this, s; of a march an estimate, like that of its forces.
+    /// Error bound of this instant, s; of a march an estimate, like that of its forces.
     pub time_uncertainty_s: f64,
     /// Counted from 1.
     pub coupler: usize,
@@ -129,10 +129,10 @@ pub struct CascadeBreak {
     pub force_n: f64,
     /// The key that gives the load at which it breaks: `ultimate`, `rated_load` or `rated_buff`.
     pub breaks_at: &'static str,
-    /// Others break at the same instant, as near as can be told.
+    /// Others break at the same instant, within its error.
     pub together: bool,
-    /// Elastic energy that it gives up, J, not negative; of a gear what it would have given back. Of a march none in buff, where the
-    /// vehicles go on pushing each other.
+    /// Elastic energy that it releases, J, not negative; of a gear that of its unloading. Of a march 0 in buff, where
+    /// the vehicles still push each other.
     pub energy_j: f64,
 }
 
@@ -155,7 +155,7 @@ pub(super) fn find(
     }
     let scales = Scales::of(train);
     let mut play = scenario::play(train, scenario, broken, horizon_s, scenario.cascade);
-    // What is kept in buff is judged by the load that would break it.
+    // Couplers kept in buff are judged by their breaking load.
     play.scene.rated_buff = play.break_at.iter().map(|[_, buff]| *buff).collect();
     let outcome = taylor::solve(&play)?;
     let loads = |i: usize| scenario::break_loads(train, i);
@@ -179,13 +179,13 @@ pub(super) fn find(
     let gone = |i: usize| Some(i) == broken || breaks.iter().any(|b| b.coupler == i + 1);
     let at_its_load = at_breaking_load(train, scenario, broken).map(|i| (i, 0.0));
     let open = at_its_load.or(outcome.open);
-    // What comes after the sequence is in doubt is certain of no coupler.
+    // Once the sequence is undecided, nothing is certain.
     let certain = open.map_or(f64::INFINITY, |(_, t)| t);
     let over = |i: &usize| !gone(*i) && outcome.springs[*i].buff.first_over.is_some_and(|t| t < certain);
     let kept_in_buff = (0..train.couplers().len()).filter(over).map(|i| i + 1).collect();
     let error_bound_n = outcome.error_bound * scales.force_n;
     let seen = |(i, peaks): (usize, &SpringPeaks)| {
-        let Seen { largest, error_n, .. } = Seen::new(peaks, &scales, error_bound_n);
+        let CouplerPeaks { largest, error_n, .. } = CouplerPeaks::new(peaks, &scales, error_bound_n);
         let ratings = [train.couplers()[i].rated_draft_n, train.couplers()[i].rated_buff_n];
         let exceeds = [0, 1].map(|side| {
             let (at_s, over_n) = (largest[side].1, largest[side].0 - ratings[side]);
@@ -193,7 +193,7 @@ pub(super) fn find(
             let is_known = over_n.abs() > error_bound_n || at_s == 0.0;
             is_known.then_some(over_n > 0.0)
         });
-        coupler_findings(train, i, &Seen { largest, exceeds, first_over_s: [None; 2], error_n }, None)
+        coupler_findings(train, i, &CouplerPeaks { largest, exceeds, first_over_s: [None; 2], error_n }, None)
     };
     let couplers = outcome.springs.iter().enumerate().filter(|(i, _)| Some(*i) != broken).map(seen).collect();
     let found = CascadeFindings {
@@ -281,7 +281,7 @@ fn marched(train: &Train, scenario: &Scenario, broken: Option<usize>, horizon_s:
     Found::new(found, super::march::of_couplers(train, scenario, broken, &outcome, false))
 }
 
-/// First and last vehicle, counted from 1, of what hangs together.
+/// First and last vehicle, counted from 1, of each piece.
 fn pieces(vehicles: usize, gone: impl Fn(usize) -> bool) -> Vec<[usize; 2]> {
     let mut first = 1;
     let mut pieces = Vec::new();

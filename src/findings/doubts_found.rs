@@ -41,7 +41,7 @@ fn closing_gears(train: &Train, scenario: &Scenario, cases: &[CaseFindings]) -> 
     Some(Doubt::of_scenario("gear-closes", scenario, text))
 }
 
-/// The end of what can be told of a motion in which small differences grow.
+/// The end of known forces, where small differences grow.
 fn not_predictable(scenario: &Scenario, cases: &[CaseFindings]) -> Option<Doubt> {
     let mut ends = cases.iter().filter_map(|c| c.predictable_until_s);
     let first = ends.next()?;

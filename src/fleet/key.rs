@@ -137,7 +137,7 @@ impl Key {
         self.measure.map(|measure| measure.of)
     }
 
-    /// The same with what it can be.
+    /// The same with sign and share.
     pub(super) fn measure(&self) -> Option<Measure> {
         self.measure
     }

@@ -1,4 +1,4 @@
-//! What is made of the rows of a complete run: the files that were asked for, in constant memory but for the summary.
+//! Writes the files that were asked for from a complete run's rows, in constant memory but for the summary.
 
 use std::collections::HashMap;
 use std::fs;

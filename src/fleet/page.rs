@@ -1,6 +1,6 @@
 //! `fleet.html`: the trains as a table to sort and search, and the worst cases of each, in one file that needs nothing else.
 //!
-//! Of a large fleet it has as much as a browser can carry, and says so.
+//! Of a large fleet it shows what a browser can handle, and says so.
 
 use std::collections::HashMap;
 
@@ -128,7 +128,7 @@ pub fn page(
     )
 }
 
-/// As many texts as a page can carry, and how many these are.
+/// The first texts, as [`MOST_BYTES`] allow, and their number.
 fn written(texts: impl Iterator<Item = String>) -> (String, usize) {
     let (mut all, mut count) = (String::new(), 0);
     for text in texts {
@@ -231,7 +231,7 @@ fn class(class: &str) -> String {
     if class.is_empty() { String::new() } else { format!(" class=\"{class}\"") }
 }
 
-/// A safe factor that something bounds.
+/// A safe factor, if it is finite.
 fn finite(safe: &Factors, cause: usize) -> Option<f64> {
     safe[cause].filter(|f| f.is_finite())
 }
@@ -275,7 +275,7 @@ fn table(table: &Table, heading: &str) -> String {
     )
 }
 
-/// The class of what has so many exceedances, and so many cases that are not decided.
+/// The CSS class for so many exceedances and undecided cases.
 fn state(over: usize, open: usize) -> &'static str {
     match (over, open) {
         (1.., _) => "over",
@@ -284,7 +284,7 @@ fn state(over: usize, open: usize) -> &'static str {
     }
 }
 
-/// A text of a bounded length with nothing in it that is obeyed rather than shown.
+/// A text of limited length without control characters.
 fn clean(text: &str) -> String {
     match text.char_indices().nth(LONGEST) {
         Some((end, _)) => harmless(&text[..end]) + "…",

@@ -39,7 +39,7 @@ pub fn write(
         let Some(&file) = files.get(&worst.file) else { continue };
         let variation = worst.worst[0].variation.parse::<usize>().ok();
         let varied = inputs.load(file, variation.map_or(0, |v| v - 1))?;
-        // It was one when its rows were made.
+        // It was valid in the run.
         let Ok(train) = varied.train else { continue };
         // A table that was read can be written.
         let text = varied.tree.and_then(|tree| toml::to_string(&tree).ok());
@@ -68,7 +68,7 @@ pub fn write(
     Ok(reports)
 }
 
-/// A folder named after a train file, in letters that mean the same in a link, that no other train has.
+/// A unique name for the folder of a train file, in letters that a link can have as they are.
 fn folder(file: &Path, variation: Option<usize>, taken: &mut HashSet<String>) -> String {
     let stem = file.file_stem().unwrap_or_default().to_string_lossy();
     let plain = |c: char| if c.is_ascii_alphanumeric() || "-_".contains(c) { c } else { '_' };

@@ -4,11 +4,11 @@ use statrs::function::erf::{erfc, erfc_inv};
 
 use crate::units::{self, Amount, Dimension};
 
-/// The largest probability that a distribution may have where its key cannot be, such as a strength below zero: a millionth,
-/// less than the 95 % interval of ten thousand draws can show by a factor of 300.
-pub const TRACE: f64 = 1e-6;
+/// The largest probability that a distribution may have of impossible values, such as a strength below zero: a
+/// millionth, 300 times less than the 95 % interval of ten thousand draws can show.
+pub const LARGEST_IMPOSSIBLE: f64 = 1e-6;
 
-/// Values of a list that are looked at beforehand, at most.
+/// Values of a list that are tried before the run.
 const PROBES: usize = 20;
 
 /// What a varied key ranges over.
@@ -158,7 +158,7 @@ impl Spread {
         match self {
             Spread::Values(list) => list[((p * list.len() as f64) as usize).min(list.len() - 1)].clone(),
             Spread::Distribution { law, dimension, share, .. } => {
-                // The lowest draws of a distribution with a trace below zero are all the same possible one.
+                // Draws below zero, and as many above it, are all replaced by one possible value.
                 let least = 2.0 * self.impossible();
                 written(law.quantile(p.max(least)), *dimension, *share)
             }

@@ -6,9 +6,9 @@ use crate::findings::{CascadeBreak, CascadeFindings, CaseFindings, CouplerFindin
 use crate::train::LIMITS;
 use crate::units::UnitSystem;
 
-/// An uncertainty of a time that its digits show, as a share of it.
+/// Smallest uncertainty of a time that is shown, as a share of it.
 const SEEN: f64 = 1e-4;
-/// Pieces told one by one; more are counted.
+/// Pieces listed at most; more are counted.
 const TOLD: usize = 8;
 
 /// What breaks after the event and what is left of the train; empty where the scenario has no cascade.
@@ -51,7 +51,7 @@ pub fn supposed(scenario: &ScenarioFindings) -> String {
     })
 }
 
-/// Couplers that break after the event, as a cell: a number, or of how many breaks; empty for none.
+/// Couplers that break after the event, as a cell: their number, or after how many breaks; or empty.
 pub fn brief(scenario: &ScenarioFindings) -> String {
     let further: Vec<usize> =
         scenario.cases.iter().filter_map(|c| Some(c.cascade.as_ref()?.breaks.len())).filter(|n| *n > 0).collect();

@@ -4,7 +4,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 
-use super::figures::reach::Reach;
+use super::figures::reach::ForceAxis;
 use super::figures::{over_rating, rows_over};
 use super::numbers::{Unit, force_unit, time_unit};
 use super::pictures::Shown;
@@ -172,7 +172,7 @@ fn peaks(c: &CouplerFindings, before_n: f64) -> Peaks<'_> {
         peak_buff_n: c.peak_buff_n,
         peak_buff_time_s: c.peak_buff_time_s,
         exceeds: c.exceeds,
-        reach_n: rounded(Reach::new(forces, &[c.rated_draft_n], &[c.rated_buff_n]).range),
+        reach_n: rounded(ForceAxis::new(forces, &[c.rated_draft_n], &[c.rated_buff_n]).range),
     }
 }
 
@@ -182,14 +182,14 @@ fn rounded((low, high): (f64, f64)) -> (f64, f64) {
     (four(low), four(high))
 }
 
-/// The axis of the forces of all cases and before the event, and of the ratings that do not press them flat.
+/// The axis of the forces of all cases and before the event, and of ratings that leave them visible.
 fn reach(shown: &Shown, before_n: &[f64]) -> (f64, f64) {
     let all = shown.findings.cases.iter().flat_map(|case| &case.couplers);
     let peaks = all.flat_map(|c| [c.peak_draft_n, c.peak_buff_n]).flatten();
     let couplers = shown.train.couplers();
     let draft: Vec<f64> = couplers.iter().map(|c| c.rated_draft_n).collect();
     let buff: Vec<f64> = couplers.iter().map(|c| c.rated_buff_n).collect();
-    rounded(Reach::new(peaks.chain(before_n.iter().copied()), &draft, &buff).range)
+    rounded(ForceAxis::new(peaks.chain(before_n.iter().copied()), &draft, &buff).range)
 }
 
 fn largest(shown: &Shown) -> Vec<Largest> {

@@ -42,7 +42,7 @@ fn entries<'a>(case: &'a CaseFindings, c: &'a CouplerFindings) -> impl Iterator<
     c.limits.iter().flat_map(|l| &l.by_sense).map(move |l| (case, c, l))
 }
 
-/// How many couplers of these are so, whatever the case.
+/// How many couplers pass a test in any case.
 fn couplers(entries: &[Entry], test: impl Fn(&LimitInSense) -> bool) -> usize {
     let mut numbers: Vec<usize> = entries.iter().filter(|(.., l)| test(l)).map(|(_, c, _)| c.coupler).collect();
     numbers.sort_unstable();

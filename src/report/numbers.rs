@@ -56,7 +56,7 @@ pub fn brief_time(value_s: f64) -> String {
     text.split_once(' ').map_or_else(|| text.clone(), |(number, unit)| format!("{} {unit}", without_zeros(number)))
 }
 
-/// A share as a percentage of three digits, and as many more as it takes to keep it on its side of 100 %.
+/// A share as a percentage of three digits, and more where it would else be rounded to 100 %.
 pub fn percent(share: f64) -> String {
     let value = 100.0 * share;
     let is_100 = |text: &String| text.parse() == Ok(100.0);

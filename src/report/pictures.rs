@@ -111,7 +111,7 @@ impl<'a> Shown<'a> {
         all
     }
 
-    /// Of which break, where there are many.
+    /// Which break, if there are many.
     pub fn when(&self) -> String {
         match self.case.broken_coupler.filter(|_| self.findings.cases.len() > 1) {
             Some(b) => format!(", when coupler {b} breaks"),

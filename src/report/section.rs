@@ -452,7 +452,7 @@ fn accuracy(train: &Train, cases: &[CaseFindings]) -> String {
     ) + &endings(train, cases)
 }
 
-/// What the accuracy of a computation is not.
+/// End of a sentence about accuracy.
 const NOT_OF_A_TRAIN: &str = "is that of the computation, not the difference between the model and a real train.";
 
 /// The accuracy of marches for which nothing is proven.

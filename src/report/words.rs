@@ -302,7 +302,7 @@ fn meetings(case: &CaseFindings) -> String {
 
 const LOSSES: &str = "after reflections from the ends, which the losses of a real train reduce";
 
-/// What is to be said of exceedances after the first passage: a march has what losses and brakes the file gives.
+/// Words for exceedances after the first passage: a march includes the file's losses and brakes.
 fn later_ones(case: &CaseFindings) -> &'static str {
     if case.method == "march" { "after it" } else { LOSSES }
 }

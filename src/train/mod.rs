@@ -93,7 +93,7 @@ pub struct Origin {
 pub struct Source {
     /// Its path, as the train file or the user names it.
     pub path: PathBuf,
-    /// SHA-256 of its bytes; of what stands in the way, where it could not be read.
+    /// SHA-256 of its bytes; of the error's text, where it could not be read.
     pub sha256: [u8; 32],
 }
 

@@ -25,12 +25,12 @@ const fn unit(name: &'static str, size: f64) -> Unit {
     Unit { name, size }
 }
 
-/// By definition: N, kg and m.
+/// By definition, in N, kg, m.
 const LBF: f64 = 4.448_221_615_260_5;
 const LB: f64 = 0.453_592_37;
 const INCH: f64 = 0.0254;
 
-/// Times are written alike in both systems, and grades and shares.
+/// Times, grades and shares have the same units in both systems.
 const TIME: &[Unit] = &[unit("µs", 1e-6), unit("ms", 1e-3), unit("s", 1.0)];
 const GRADE: &[Unit] = &[unit("\u{2030}", 1e-3), unit("%", 1e-2)];
 const SHARE: &[Unit] = &[unit("%", 1e-2)];
@@ -112,7 +112,7 @@ fn us(dimension: Dimension) -> &'static [Unit] {
     }
 }
 
-/// The largest unit that the value reaches, or the smallest there is; of nothing the first that is as large as SI's own.
+/// The largest unit that the value reaches, or else the smallest; for 0 the first of at least one SI unit.
 pub fn unit_for(units: &[Unit], value: f64) -> Unit {
     let fits = |u: &&Unit| if value == 0.0 { u.size >= 1.0 } else { value.abs() >= u.size };
     let found = if value == 0.0 { units.iter().find(fits) } else { units.iter().rev().find(fits) };
@@ -139,7 +139,7 @@ pub fn shown_in(unit: Unit, value: f64) -> String {
     format!("{} {}", without_zeros(&if whole { six } else { digits(value, 0.0, 4) }), unit.name)
 }
 
-/// The same of a time, which is written alike in all units.
+/// The same of a time, which needs no system.
 pub fn shown_time(value_s: f64) -> String {
     shown_in(unit_for(TIME, value_s), value_s)
 }

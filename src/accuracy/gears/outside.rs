@@ -9,7 +9,7 @@ use crate::solve::dd::Dd;
 pub struct GearCourse {
     /// From 0.
     pub vehicle: usize,
-    /// How it goes.
+    /// The force over time.
     pub shape: Shape,
     /// Of a brake that a parting sets off: when it begins to act, s.
     wave_s: Option<f64>,
@@ -129,8 +129,8 @@ impl Outside {
     }
 }
 
-/// Steady forces without the common acceleration; what leaves 1e-12 of the largest force beside the couplers' forces at t = 0 is in
-/// balance with them, by the contract of a problem.
+/// Steady forces without the common acceleration; one within 1e-12 of the largest force from balance with the
+/// couplers' forces at t = 0 is taken as in balance.
 fn steady(problem: &Problem) -> Vec<Dd> {
     let n = problem.mass_kg.len();
     let sum = |of: &[f64]| of.iter().fold(Dd::ZERO, |sum, x| sum + Dd::from(*x));

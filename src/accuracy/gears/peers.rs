@@ -38,7 +38,7 @@ pub enum GearPeer {
     },
 }
 
-/// The phase of steps of methods whose own error is not of their steps.
+/// Phase of the steps of methods whose error has another cause.
 const FINE: f64 = 0.03;
 /// The same of smoothed friction, which is stiff.
 const STIFF: f64 = 0.5;
@@ -254,7 +254,7 @@ impl Run<'_> {
     }
 }
 
-/// A state and so much of each of some rates.
+/// A state plus multiples of rates.
 fn moved(state: &State, parts: &[(f64, &State)]) -> State {
     let mut next = state.clone();
     for (share, rates) in parts {

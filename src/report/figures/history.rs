@@ -1,6 +1,6 @@
 //! Force against time of one coupler, with the elastic rod's beside it, as in [P] figures 4 and 5.
 
-use super::reach::Reach;
+use super::reach::ForceAxis;
 use super::{HEIGHT, RATED, ROD};
 use crate::figures::{Axis, Color, Figure, Panel, Point, Sample, Shape, Stroke};
 use crate::findings::{CaseFindings, CouplerFindings, Evidence};
@@ -14,7 +14,7 @@ const LINE: f64 = 2.0;
 /// The force in the worst coupler of a case over time, as SVG.
 pub fn history(train: &Train, case: &CaseFindings, c: &CouplerFindings, evidence: &Evidence, name: &str) -> String {
     let Evidence { times_s: times, force_n: chain, rod_force_n: rod, .. } = evidence;
-    let reach = Reach::new(chain.iter().chain(rod).copied(), &[c.rated_draft_n], &[c.rated_buff_n]);
+    let reach = ForceAxis::new(chain.iter().chain(rod).copied(), &[c.rated_draft_n], &[c.rated_buff_n]);
     let unit = force_unit(train.origin().units, reach.largest());
     let clock = time_unit(times.last().copied().unwrap_or(1.0));
     let points = |forces: &[f64]| -> Vec<Point> {
@@ -35,7 +35,7 @@ pub fn history(train: &Train, case: &CaseFindings, c: &CouplerFindings, evidence
         panel.line(&points(rod), ROD);
         figure.explain("elastic rod", Sample::Line(ROD));
     }
-    // A line along the rating is not over it.
+    // A line on the rating is not over it.
     let aside = LINE / HEIGHT * (reach.range.1 - reach.range.0);
     draw_chain(&mut figure, &mut panel, &chain, [rated[0] + aside, rated[1] - aside].map(|r| r / unit.size));
     figure.explain("rated", Sample::Line(RATED));
@@ -77,7 +77,7 @@ fn mark_peaks(
     }
 }
 
-/// The force, each stretch in the colour of its sense, and over that what is above the first height or below the second.
+/// The force, each stretch in the colour of its sense, and in another what is above `draft` or below `buff`.
 fn draw_chain(figure: &mut Figure, panel: &mut Panel, chain: &[Point], [draft, buff]: [f64; 2]) {
     const MOST: f64 = f64::MAX;
     let stretches = [

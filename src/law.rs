@@ -265,7 +265,7 @@ impl Law {
     }
 
     /// Whether the force is proportional to the elongation.
-    pub fn is_linear(&self) -> bool {
+    pub(crate) fn is_linear(&self) -> bool {
         matches!(self, Law::Elastic { draft_n_per_m, buff_n_per_m, slack_m } if draft_n_per_m == buff_n_per_m && *slack_m == 0.0)
     }
 

@@ -134,7 +134,7 @@ impl Drive {
     }
 
     /// When it starts to differ from 0; infinite without a force.
-    pub fn begins_at(&self) -> f64 {
+    pub(crate) fn begins_at(&self) -> f64 {
         match self {
             Drive::HalfSine { .. } => 0.0,
             Drive::Lines(points) => match points.iter().position(|p| p[1] != 0.0) {
@@ -145,7 +145,7 @@ impl Drive {
     }
 
     /// When its magnitude is first the largest.
-    pub fn peaks_at(&self) -> f64 {
+    pub(crate) fn peaks_at(&self) -> f64 {
         match self {
             Drive::HalfSine { duration, .. } => 0.5 * duration,
             Drive::Lines(points) => {

@@ -20,9 +20,9 @@ use refusal::{bad, no_number, right_units, with_units, wrong_unit};
 ///
 /// Between this and [`LARGEST`] the square of any frequency squared, `(k/m)^2`, is a normal double, whatever masses and
 /// stiffnesses meet in one train, and so is every ratio of forces.
-pub const SMALLEST: f64 = 1e-30;
+pub(crate) const SMALLEST: f64 = 1e-30;
 /// Largest magnitude that is taken, in SI units; see [`SMALLEST`].
-pub const LARGEST: f64 = 1e30;
+pub(crate) const LARGEST: f64 = 1e30;
 
 /// What a quantity measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -114,7 +114,7 @@ impl Dimension {
     }
 
     /// The size of that unit: 0.01 for a grade or a share, which are reported in per cent, else 1.
-    pub fn si_size(self) -> f64 {
+    pub(crate) fn si_size(self) -> f64 {
         if self.is_in_per_cent() { 0.01 } else { 1.0 }
     }
 

@@ -103,7 +103,7 @@ impl Peer {
     }
 
     /// Accelerations that a march is going to compute; a guess where the method chooses its steps.
-    pub fn estimated_accelerations(self, scene: &Scene) -> f64 {
+    pub(crate) fn estimated_accelerations(self, scene: &Scene) -> f64 {
         let per_radian = match self {
             Peer::Newmark { phase } | Peer::Verlet { phase } => 1.0 / phase,
             Peer::RungeKutta4 { phase } => 4.0 / phase,

@@ -73,7 +73,7 @@ pub struct Reference {
 
 impl Reference {
     /// Largest error of a force, relative to the sum of its modes' amplitudes.
-    pub const DIGITS: f64 = 1e-32;
+    pub(crate) const DIGITS: f64 = 1e-32;
 
     /// Finds and verifies the modes of a scene.
     ///

@@ -143,12 +143,12 @@ impl Key {
     }
 
     /// Whether every coupler can have its own value.
-    pub fn of_every_coupler(&self) -> bool {
+    pub(crate) fn of_every_coupler(&self) -> bool {
         self.table == Some("coupler")
     }
 
     /// Whether every vehicle of a group can have its own value.
-    pub fn of_every_vehicle(&self) -> bool {
+    pub(crate) fn of_every_vehicle(&self) -> bool {
         self.table == Some("vehicle") && self.measure.is_some()
     }
 

@@ -83,7 +83,7 @@ impl Study {
     }
 
     /// How many variations have the same masses, stiffnesses and events but for their forces.
-    pub fn chain_repeats(&self) -> usize {
+    pub(crate) fn chain_repeats(&self) -> usize {
         let is_load = |input: &&Input| {
             let table = input.key.table.unwrap_or_default();
             LOADS.iter().any(|(of, leaves)| *of == table && leaves.contains(&input.key.leaf))

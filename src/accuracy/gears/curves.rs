@@ -110,7 +110,7 @@ impl Curves {
     }
 
     /// Whether the curves are one over an interval.
-    pub fn is_one(&self, interval: usize) -> bool {
+    pub(crate) fn is_one(&self, interval: usize) -> bool {
         let [upper, lower] = &self.lines[interval];
         let at = |n: Option<usize>| n.and_then(|n| self.knots.get(n)).map(|&q| (upper.at(q) - lower.at(q)).abs().hi);
         let apart = at(interval.checked_sub(1)).unwrap_or(0.0).max(at(Some(interval)).unwrap_or(0.0));

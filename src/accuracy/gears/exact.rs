@@ -61,7 +61,7 @@ pub struct TooManySteps {
 
 impl GearReference {
     /// Largest step times the largest rate, of the two marches.
-    pub const PHASE: [f64; 2] = [0.8, 0.61];
+    pub(crate) const PHASE: [f64; 2] = [0.8, 0.61];
 
     /// Of a problem up to its horizon, with forces at instants, in order.
     ///

@@ -113,12 +113,12 @@ impl Outside {
     }
 
     /// The first kink of any force after `t`, if there is one.
-    pub fn kink(&self, t: Dd) -> Option<Dd> {
+    pub(crate) fn kink(&self, t: Dd) -> Option<Dd> {
         self.courses.iter().filter_map(|c| c.kink(t)).reduce(|a, b| if b < a { b } else { a })
     }
 
     /// Adds the forces just after `t` in double precision; half sines included.
-    pub fn add_at(&self, t: f64, forces: &mut [f64]) {
+    pub(crate) fn add_at(&self, t: f64, forces: &mut [f64]) {
         for course in &self.courses {
             forces[course.vehicle] += match course.shape {
                 Shape::HalfSine(peak, duration) if t < duration => peak * (std::f64::consts::PI * t / duration).sin(),

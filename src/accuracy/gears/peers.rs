@@ -93,7 +93,7 @@ impl GearPeer {
     }
 
     /// Whether it differs from the others only where there is friction.
-    pub fn needs_friction(self) -> bool {
+    pub(crate) fn needs_friction(self) -> bool {
         matches!(self, GearPeer::Smoothed { .. } | GearPeer::Softened { .. })
     }
 
@@ -107,7 +107,7 @@ impl GearPeer {
     }
 
     /// Accelerations that a march is going to compute; a guess where the method chooses its steps.
-    pub fn estimated_accelerations(self, problem: &Problem) -> f64 {
+    pub(crate) fn estimated_accelerations(self, problem: &Problem) -> f64 {
         let per_radian = match self {
             GearPeer::Verlet { phase } => 1.0 / phase,
             GearPeer::RungeKutta4 { phase } => 4.0 / phase,

@@ -17,6 +17,7 @@ mod map;
 mod march;
 mod safe_factor;
 mod safe_speed;
+mod solved;
 mod stop;
 pub(crate) mod variants;
 

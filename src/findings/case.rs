@@ -2,7 +2,8 @@
 
 use std::time::Instant;
 
-use super::general::{self, PeriodFindings, Solved};
+use super::general;
+use super::solved::{Marched, PeriodFindings, Solved};
 use super::{
     CaseFindings, CouplerFindings, CouplerPeaks, GapClosure, Options, RodFindings, ask, cascade, coupler_findings,
     first_passage, largest_rating_n, limits, load_search, march, safe_factor, safe_speed, worst,
@@ -164,7 +165,7 @@ pub(crate) fn case_findings(
     })
 }
 
-fn closures(marched: Option<&march::Marched>) -> Vec<GapClosure> {
+fn closures(marched: Option<&Marched>) -> Vec<GapClosure> {
     let one = |&(coupler, time_s): &(usize, f64)| GapClosure { coupler: coupler + 1, time_s };
     marched.map_or_else(Vec::new, |m| m.closures.iter().map(one).collect())
 }

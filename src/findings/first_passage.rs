@@ -9,7 +9,7 @@
 
 use serde::Serialize;
 
-use super::general::PeriodFindings;
+use super::solved::PeriodFindings;
 use super::{CouplerFindings, of_number};
 use crate::scenario;
 use crate::train::{Scenario, Train};

@@ -1,6 +1,6 @@
 //! Cases that steps of force on an undamped chain at rest cannot represent: the whole train by Taylor series.
 
-use super::march::Marched;
+use super::solved::{PeriodFindings, Solved};
 use super::{CouplerFindings, CouplerPeaks, Options, coupler_findings, worst};
 use crate::chain::Scene;
 use crate::play::Rule;
@@ -8,32 +8,6 @@ use crate::scenario::{self, Scales};
 use crate::solve::watch::SpringPeaks;
 use crate::solve::{Ask, Method, Solution, SolveError, damped_modes, taylor};
 use crate::train::{Event, Scenario, Train};
-
-/// What was found of every coupler.
-pub(super) struct Solved {
-    pub method: &'static str,
-    pub reason: String,
-    /// Infinite where nothing is proven.
-    pub error_bound_n: f64,
-    /// Where nothing is proven.
-    pub error_estimate_n: Option<f64>,
-    pub couplers: Vec<CouplerFindings>,
-    /// Index of the one with the largest utilisation, of equal ones the first.
-    pub worst: Option<usize>,
-    /// Couplers that were left out, with their all-time bounds, N.
-    pub left_out: Vec<(usize, f64)>,
-    /// What was found up to the mark; `None` without one.
-    pub to_mark: Option<PeriodFindings>,
-    /// What only a march finds; `None` for other methods.
-    pub marched: Option<Marched>,
-}
-
-/// What was found of every coupler within a part of the horizon.
-pub(super) struct PeriodFindings {
-    pub couplers: Vec<CouplerFindings>,
-    /// As in [`Solved`].
-    pub worst: Option<usize>,
-}
 
 /// Extremes of every coupler but the broken one.
 ///

@@ -1,6 +1,6 @@
 //! Cases that are marched from event to event: couplers with slack or gears, brakes, changing tractive efforts.
 
-use super::general::{PeriodFindings, Solved};
+use super::solved::{Marched, PeriodFindings, Solved};
 use super::{
     CouplerFindings, CouplerPeaks, Ending, Options, coupler_findings, first_passage, largest_rating_n, load_search,
     worst,
@@ -17,14 +17,6 @@ pub(super) const TOLERANCE: f64 = 1e-6;
 
 /// A rating that lies so many estimated errors from a peak, or less, is not decided.
 const MARGIN: f64 = 10.0;
-
-/// What only a march finds.
-pub(super) struct Marched {
-    /// Where the march ended before its horizon.
-    pub ending: Option<Ending>,
-    /// Where gaps of parted couplers closed, and when, s.
-    pub closures: Vec<(usize, f64)>,
-}
 
 /// The error that is asked for, N.
 pub(super) fn tolerance_n(train: &Train, options: &Options) -> f64 {

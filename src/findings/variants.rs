@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::case::Case;
-use super::general::Solved;
+use super::solved::Solved;
 use super::{CaseFindings, Options, estimate, worst_case};
 use crate::law::{Curve, Law};
 use crate::scenario::Motion;

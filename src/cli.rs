@@ -76,7 +76,7 @@ pub enum Command {
     )]
     Analyze(Analyze),
     /// Analyse many trains and what-ifs: one row for each case, and a report on all trains
-    #[command(after_help = FLEET)]
+    #[command(after_help = FLEET, mut_arg("units", |arg| arg.help("Units of fleet.html and of full reports: si or us [default: si, and each file's]")))]
     Fleet(Fleet),
     /// Compare the error and run time of all methods and of common simulation methods on one train
     #[command(after_help = "Example: trainsafe accuracy trains/paper-figure-4.toml --out accuracy/figure-4")]
@@ -148,9 +148,14 @@ pub struct Units {
 }
 
 impl Units {
+    /// Those that were asked for.
+    pub fn asked(&self) -> Option<UnitSystem> {
+        self.units.as_deref().and_then(UnitSystem::from_name)
+    }
+
     /// The train with these units, or as it is.
     pub fn of(&self, train: Train) -> Train {
-        match self.units.as_deref().and_then(UnitSystem::from_name) {
+        match self.asked() {
             Some(units) => train.with_units(units),
             None => train,
         }
@@ -210,6 +215,8 @@ pub struct Fleet {
     /// Write the full reports of the N worst trains as well, in trains/ in the folder; fleet.html links to them
     #[arg(long, value_name = "N", default_value_t = 0, conflicts_with_all = ["json", "work"])]
     pub reports: usize,
+    #[command(flatten)]
+    pub units: Units,
     /// Continue the run in the folder: compute only what is missing
     #[arg(long, conflicts_with = "merge")]
     pub resume: bool,

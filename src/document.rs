@@ -1,4 +1,4 @@
-//! A train file in memory, with the files that it names: to be changed key by key, kept, and read anywhere.
+//! A train file in memory, with the files that it names: to change its keys, and to read it again without the disk.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -29,15 +29,15 @@ impl Document {
         Document { path: path.to_owned(), text, files }.with_train()
     }
 
-    /// A train file of this text; `path` is what messages call it, and files that it names stand beside it, but for those that are
-    /// `held`: each with the path that it is named by, seen from the train file.
+    /// A train file of this text; `path` is its name in messages. Files that it names are read beside it, except those
+    /// `given`, each with its path as seen from the train file.
     ///
     /// # Errors
     /// As for [`consist::parse`].
-    pub fn of_text(text: &str, path: &Path, held: Vec<(Source, Arc<str>)>) -> Result<(Document, Train), InputError> {
+    pub fn of_text(text: &str, path: &Path, given: Vec<(Source, Arc<str>)>) -> Result<(Document, Train), InputError> {
         let own = Source { path: path.to_owned(), sha256: Sha256::digest(text).into() };
         let text: Arc<str> = text.into();
-        let files = Files::holding(std::iter::once((own, text.clone())).chain(held));
+        let files = Files::holding(std::iter::once((own, text.clone())).chain(given));
         Document { path: path.to_owned(), text, files }.with_train()
     }
 
@@ -57,7 +57,7 @@ impl Document {
     }
 
     /// The other files that were read for it.
-    pub fn held(&self) -> Vec<(Source, Arc<str>)> {
+    pub(crate) fn other_files(&self) -> Vec<(Source, Arc<str>)> {
         self.files.contents().into_iter().filter(|(source, _)| source.path != self.path).collect()
     }
 
@@ -70,7 +70,7 @@ impl Document {
         let mut tree: toml::Table = self.text.parse().map_err(|e: toml::de::Error| ReplaceError::Key(e.to_string()))?;
         known.put(&mut tree, value).map_err(ReplaceError::Key)?;
         let text = toml::to_string(&tree).map_err(|e| ReplaceError::Key(e.to_string()))?;
-        Ok(Document::of_text(&text, &self.path, self.held())?)
+        Ok(Document::of_text(&text, &self.path, self.other_files())?)
     }
 }
 

@@ -1,5 +1,5 @@
-//! What in a train or scenario is probably not meant, or does not hold. A doubt stops nothing; every command tells the same ones, from
-//! this one list, but for those that only an analysis can find.
+//! What in a train or scenario is probably not meant, or does not hold. A doubt stops no command. Every command
+//! reports the same ones, from this list; only an analysis can find more.
 
 mod events;
 mod laws;

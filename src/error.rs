@@ -12,13 +12,13 @@ use toml::de::DeTable;
 pub use diagnostic::{Diagnostic, Position, Related};
 
 /// More problems than this in one file are counted, not shown.
-const SHOWN: usize = 20;
+const MOST_SHOWN: usize = 20;
 /// More problems than this in one file are counted, not kept: a hostile file has one in every few bytes.
-const KEPT: usize = 1000;
-/// So many bytes of a line are kept; a place beyond them is told by its numbers alone.
-const LINE: usize = 20_000;
+const MOST_KEPT: usize = 1000;
+/// So many bytes of a line are kept; of a place beyond them only the numbers are shown.
+const MOST_LINE_BYTES: usize = 20_000;
 /// Quoted text longer than this is cut.
-const QUOTED: usize = 60;
+const MOST_QUOTED: usize = 60;
 
 /// A train file that cannot be used, with every problem found in it; `Display` is [`InputError::render`] without colour.
 #[derive(Clone, Debug)]
@@ -36,7 +36,7 @@ pub(crate) struct Problems {
     beyond: usize,
 }
 
-/// One thing that is wrong, with its place in bytes of the text, if it has one, and another place that bears on it.
+/// One thing that is wrong, with its place in bytes of the text, if it has one, and a related place.
 pub(crate) struct Problem {
     title: String,
     help: Option<String>,
@@ -86,7 +86,7 @@ impl Problem {
         self.place.as_ref().map(|place| place.start)
     }
 
-    /// The same with another place that bears on it.
+    /// The same with a related place.
     pub(crate) fn and(self, place: Range<usize>, label: &'static str) -> Self {
         Problem { other: Some((place, label)), ..self }
     }
@@ -101,7 +101,7 @@ impl Problem {
 
 impl Problems {
     pub(crate) fn note(&mut self, problem: Problem) {
-        if self.kept.len() < KEPT {
+        if self.kept.len() < MOST_KEPT {
             self.kept.push(problem);
         } else {
             self.beyond += 1;
@@ -127,7 +127,7 @@ impl Place {
         let start = if text[..start].ends_with('\r') && text[start..].starts_with('\n') { start - 1 } else { start };
         let line_start = text[..start].rfind(['\n', '\r']).map_or(0, |i| i + 1);
         let line_end = start + text[start..].find(['\n', '\r']).unwrap_or(text.len() - start);
-        let line = text[line_start..floor(text, line_end.min(line_start + LINE))].trim_end_matches('\r');
+        let line = text[line_start..floor(text, line_end.min(line_start + MOST_LINE_BYTES))].trim_end_matches('\r');
         let mark = |at: usize| shown(&line[..(at - line_start).min(line.len())]).len();
         Place {
             span: start..end.max(start),
@@ -147,9 +147,9 @@ fn line_ends(text: &str) -> usize {
     (0..bytes.len()).filter(|&i| bytes[i] == b'\n' || bytes[i] == b'\r' && bytes.get(i + 1) != Some(&b'\n')).count()
 }
 
-/// A line of a file with a sign in place of what a terminal obeys; the renderer does so with the control characters of ASCII.
+/// A line of a file with a sign for characters that control a terminal; the renderer replaces those of ASCII.
 fn shown(line: &str) -> String {
-    line.chars().map(|c| if is_obeyed(c) && !c.is_ascii() { '\u{fffd}' } else { c }).collect()
+    line.chars().map(|c| if controls_display(c) && !c.is_ascii() { '\u{fffd}' } else { c }).collect()
 }
 
 /// The start of the character that byte `at` of the text belongs to.
@@ -161,7 +161,7 @@ impl InputError {
     /// Problems of one text, put in its order.
     pub(crate) fn new(path: &Path, text: &str, mut problems: Problems) -> Self {
         problems.kept.sort_by_key(|p| p.place.as_ref().map(|span| span.start));
-        let shown: Vec<Shown> = problems.kept.iter().take(SHOWN).map(|p| p.shown(text)).collect();
+        let shown: Vec<Shown> = problems.kept.iter().take(MOST_SHOWN).map(|p| p.shown(text)).collect();
         let more = problems.kept.len() - shown.len() + problems.beyond;
         InputError { path: printable_path(path), shown, more }
     }
@@ -264,22 +264,22 @@ impl std::error::Error for InputError {}
 
 /// The text in double quotes, cut if long.
 pub(crate) fn quoted(text: &str) -> String {
-    let cut: String = text.chars().take(QUOTED).collect();
+    let cut: String = text.chars().take(MOST_QUOTED).collect();
     let dots = if cut.len() < text.len() { "..." } else { "" };
     format!("\"{cut}{dots}\"")
 }
 
-/// Whether a character is obeyed rather than shown: controls, and what ends a line or turns the reading order of all that follows.
-pub(crate) fn is_obeyed(c: char) -> bool {
+/// Whether a character controls the display: control characters, line ends, changes of the reading direction.
+pub(crate) fn controls_display(c: char) -> bool {
     c.is_control() || matches!(c, '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
-/// The text with spaces in place of what is obeyed, for places that show it as it is.
+/// The text with spaces for characters that control the display.
 pub(crate) fn harmless(text: &str) -> String {
-    text.chars().map(|c| if is_obeyed(c) { ' ' } else { c }).collect()
+    text.chars().map(|c| if controls_display(c) { ' ' } else { c }).collect()
 }
 
-/// The text with control and invisible characters escaped, which a terminal could obey.
+/// The text with control and invisible characters escaped.
 pub(crate) fn printable(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {

@@ -17,10 +17,11 @@ mod map;
 mod march;
 mod safe_factor;
 mod safe_speed;
+mod solved;
 mod stop;
 pub(crate) mod variants;
 
-pub use cascade::{CascadeBreak, CascadeFindings};
+pub use cascade::{CascadeBreak, CascadeFindings, CascadeWorst};
 pub(crate) use case::case_findings;
 pub(crate) use doubts_found::found;
 pub(crate) use estimate::case_estimate_s;
@@ -28,7 +29,7 @@ pub use estimate::{estimate_s, memory_bytes};
 pub use evidence::Evidence;
 pub(crate) use field::larger;
 pub use field::{Field, Of, field};
-pub use first_passage::FirstPassage;
+pub use first_passage::PeakForces;
 pub use history::{history, rod_history};
 pub use idle_options::idle_options;
 pub use limits::{LimitFindings, LimitInSense};
@@ -67,7 +68,7 @@ pub struct Options {
     pub wanted: Wanted,
     /// Add a map to every scenario: overloading force by duration, or safe load by broken coupler.
     pub map: bool,
-    /// By which another thread stops it.
+    /// For another thread to stop it.
     pub stop: Stop,
     /// Add what the worst case of each scenario would be with dashpots in every coupler, for a train without losses.
     pub damping: bool,
@@ -92,7 +93,7 @@ impl Default for Options {
 /// All scenarios of one train.
 #[derive(Clone, Debug, Serialize)]
 pub struct Analysis {
-    /// Version of this form of results.
+    /// Version of this format.
     pub schema_version: u32,
     /// The program that found them.
     pub program: Program,
@@ -102,7 +103,7 @@ pub struct Analysis {
     pub inputs: Vec<InputFile>,
     /// How the analysis was done.
     pub options: OptionFindings,
-    /// What is probably not meant, of the train and of the scenarios that were run.
+    /// Doubts about the train and the scenarios that were run.
     pub doubts: Vec<Doubt>,
     /// The units of its reports.
     #[serde(skip)]
@@ -155,17 +156,17 @@ pub struct ScenarioFindings {
     pub cases: Vec<CaseFindings>,
     /// Couplers, counted from 1, that would break in turn but carry buff, so that nothing parts: they have no case.
     pub left_out_in_buff: Vec<usize>,
-    /// What it looks like around the event, where asked for.
+    /// Its map, where asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map: Option<MapFindings>,
     /// The worst case with dashpots in every coupler, by damping ratio; empty for a train that has losses, and where not asked for.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub damping: Vec<DampingFindings>,
-    /// The worst case on a train with other couplers, without brakes, or let down from a larger pull; those that mean something for
+    /// The worst case on a train with other couplers, without brakes, or let down from a larger pull; those that fit
     /// the train, and none where not asked for.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub variants: Vec<VariantFindings>,
-    /// What reports draw.
+    /// For the figures.
     #[serde(skip)]
     pub(crate) evidence: OnceLock<Option<Evidence>>,
 }
@@ -188,8 +189,8 @@ pub struct CaseFindings {
     pub error_bound_n: f64,
     /// An estimate of that error, N, where there is no proof; `None` where the bound is one.
     pub error_estimate_n: Option<f64>,
-    /// From when on a small change of the train changes everything, s; `None`: not before the horizon. Nothing is reported of later
-    /// times.
+    /// From when on small changes of the train change forces by more than the tolerance, s; `None`: not before the
+    /// horizon. Nothing is reported of later times.
     pub predictable_until_s: Option<f64>,
     /// The braked vehicle that would stop first, counted from 1; nothing is reported from then on. `None`: none before the horizon.
     pub stopped_vehicle: Option<usize>,
@@ -209,11 +210,11 @@ pub struct CaseFindings {
     /// Largest factor on the load (break), the force (pulse) or the speed (impact) at which no coupler exceeds; `None` where
     /// none bounds it.
     pub safe_load_factor: Option<f64>,
-    /// Why there is no such factor, where one cannot be told.
+    /// Why there is no such factor, where it is not known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub no_safe_load_factor: Option<&'static str>,
-    /// Where such a factor cannot be told, a search for where couplers begin to exceed; `None` where one can, of scenarios with several
-    /// cases, of brakes, and where it would take too long.
+    /// Where it is not known, a search for the factor at which couplers begin to exceed; else `None`, and so for
+    /// scenarios with several cases, for brakes, and where it would take too long.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub load_factor_search: Option<LoadSearch>,
     /// End of the first passage, s: the wave has run to the far end of the longest part and back once.
@@ -231,10 +232,10 @@ pub struct CaseFindings {
     pub couplers: Vec<CouplerFindings>,
     /// Couplers left out because their all-time bound is under their rating (only with `verdict_only`).
     pub left_out: usize,
-    /// What an elastic rod would have said; equal-mass trains only.
+    /// Result of the elastic rod; equal-mass trains only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rod: Option<RodFindings>,
-    /// What breaks next, where the scenario asks for it; all else here is of the event alone.
+    /// What breaks next, where the scenario asks for it; all other fields are of the event alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cascade: Option<CascadeFindings>,
 }
@@ -256,7 +257,7 @@ pub struct CouplerFindings {
     pub peak_force_n: f64,
     /// When, s after the event.
     pub peak_time_s: f64,
-    /// |peak_force_n| over the rating in that sign: a share, 1 at the rating.
+    /// |peak_force_n| over the rating in that sense: a share, 1 at the rating.
     pub utilisation: f64,
     /// Largest tension, N, positive; `None` if it is never in tension.
     pub peak_draft_n: Option<f64>,
@@ -266,7 +267,7 @@ pub struct CouplerFindings {
     pub peak_buff_n: Option<f64>,
     /// When, s after the event.
     pub peak_buff_time_s: Option<f64>,
-    /// Over its rating in either sign; `None`: not decided, the rating lies within the error bound of the peak.
+    /// Over its rating in either sense; `None`: not decided, the rating lies within the error bound of the peak.
     pub exceeds: Option<bool>,
     /// The same in draft and in buff alone.
     #[serde(skip)]
@@ -279,7 +280,10 @@ pub struct CouplerFindings {
     /// Over which rating it is then, `"draft"` or `"buff"`.
     pub first_exceeds_in: Option<&'static str>,
     /// The same over the first passage.
-    pub first_passage: Option<FirstPassage>,
+    pub first_passage: Option<PeakForces>,
+    /// The same in the train whose couplers break one after the other, up to the break of this one; where the scenario asks for it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cascade: Option<PeakForces>,
     /// An estimate of the error of its largest forces, N, where there is no proof.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error_estimate_n: Option<f64>,
@@ -310,18 +314,18 @@ pub(crate) struct Ending {
 }
 
 impl CaseFindings {
-    /// What every reported force is within, N: proven, or else estimated.
+    /// Error of every reported force, N: proven, or else estimated.
     pub fn error_n(&self) -> f64 {
         march::error_n(self.error_bound_n, self.error_estimate_n)
     }
 
-    /// A rating that lies this close to a peak, or closer, is not decided, N: the bound, or ten estimates.
+    /// Ratings this close to a peak are undecided, N: the bound, or ten times the estimate.
     pub fn margin_n(&self) -> f64 {
         march::margin_n(self.error_bound_n, self.error_estimate_n)
     }
 }
 
-/// What the continuum model says of the same case.
+/// Result of the continuum model for the same case.
 #[derive(Clone, Debug, Serialize)]
 pub struct RodFindings {
     /// Couplers over their rating in the elastic rod.
@@ -376,7 +380,7 @@ pub enum AnalyzeError {
     Solve {
         /// The scenario's name.
         scenario: String,
-        /// What stands in the way.
+        /// Why not.
         source: SolveError,
     },
 }
@@ -427,7 +431,7 @@ pub fn analyze(train: &Train, options: &Options) -> Result<Analysis, AnalyzeErro
     })
 }
 
-/// That there is something to run.
+/// Checks that there is a case to run.
 ///
 /// # Errors
 /// [`AnalyzeError::NoCase`].
@@ -457,7 +461,7 @@ pub(crate) fn cases(event: &Event) -> Vec<Option<usize>> {
     }
 }
 
-/// The case whose worst coupler has the largest utilisation, with that coupler; of alike ones the first.
+/// The case whose worst coupler has the largest utilisation, with that coupler; of equal ones the first.
 pub(crate) fn worst_case(cases: &[CaseFindings]) -> Option<(&CaseFindings, &CouplerFindings)> {
     let worst = cases.iter().filter_map(|case| Some((case, case.worst.as_ref()?)));
     worst.reduce(|a, b| if b.1.utilisation > a.1.utilisation { b } else { a })
@@ -468,7 +472,7 @@ fn largest_rating_n(train: &Train) -> f64 {
     train.couplers().iter().map(|c| c.rated_draft_n.max(c.rated_buff_n)).fold(0.0, f64::max)
 }
 
-/// What the options ask of the solvers, in their units, up to a mark, s, as well.
+/// The options of the solvers, in their units; results up to a mark, s, as well.
 fn ask(train: &Train, options: &Options, mark_s: Option<f64>) -> Ask {
     let scales = Scales::of(train);
     Ask {
@@ -477,7 +481,7 @@ fn ask(train: &Train, options: &Options, mark_s: Option<f64>) -> Ask {
         method: options.method,
         verdict_only: options.verdict_only && !limits::any_below_rating(train),
         all_time_bound: options.all_time_bound,
-        // How many couplers pass a limit can be told from all of them alone.
+        // To count the couplers that pass a limit, all are needed.
         wanted: if train.extras().limits.is_empty() { options.wanted } else { Wanted::Everything },
     }
 }
@@ -510,7 +514,7 @@ fn of_number(couplers: &[CouplerFindings], number: usize) -> Option<&CouplerFind
     couplers.binary_search_by_key(&number, |c| c.coupler).ok().map(|i| &couplers[i])
 }
 
-/// Of some couplers the first whose utilisation the error bound does not tell from the largest: symmetry makes many alike.
+/// The first of some couplers whose utilisation equals the largest within the error: symmetry makes many equal.
 fn worst(
     couplers: &[CouplerFindings],
     of: impl IntoIterator<Item = usize, IntoIter: Clone>,
@@ -523,11 +527,11 @@ fn worst(
     of.into_iter().find(|&i| alike(&couplers[i]))
 }
 
-/// A force within its error and under this share of a rating is none.
+/// A force within its error and under this share of a rating is 0.
 const NOTHING: f64 = 1e-9;
 
 impl CouplerFindings {
-    /// Leaves out the largest force in the sense that is not that of the largest utilisation.
+    /// Removes the largest force in the sense that has not the largest utilisation.
     fn keep_one_sense(&mut self) {
         if self.peak_force_n < 0.0 {
             (self.peak_draft_n, self.peak_draft_time_s) = (None, None);
@@ -537,22 +541,22 @@ impl CouplerFindings {
     }
 }
 
-/// What was seen of a coupler's force, in draft and in buff.
-struct Seen {
+/// Peaks and verdicts of a coupler, in draft and in buff.
+struct CouplerPeaks {
     /// The largest F and the largest -F, N, of either sign, and when, s.
     largest: [(f64, f64); 2],
     /// Over the rating; `None`: not decided.
     exceeds: [Option<bool>; 2],
     /// When it is first over it, s.
     first_over_s: [Option<f64>; 2],
-    /// What each of the largest is within, N.
+    /// Error of each of the largest, N.
     error_n: [f64; 2],
 }
 
-impl Seen {
-    fn new(peaks: &SpringPeaks, scales: &Scales, error_n: f64) -> Seen {
+impl CouplerPeaks {
+    fn new(peaks: &SpringPeaks, scales: &Scales, error_n: f64) -> CouplerPeaks {
         let sides = [&peaks.draft, &peaks.buff];
-        Seen {
+        CouplerPeaks {
             largest: sides.map(|side| (side.best.value * scales.force_n, side.best.at * scales.time_s)),
             exceeds: sides.map(Side::exceeds),
             first_over_s: sides.map(|side| side.first_over.map(|t| t * scales.time_s)),
@@ -561,31 +565,36 @@ impl Seen {
     }
 }
 
-fn coupler_findings(train: &Train, index: usize, seen: &Seen, all_time_bound_n: Option<f64>) -> CouplerFindings {
+fn coupler_findings(
+    train: &Train,
+    index: usize,
+    coupler_peaks: &CouplerPeaks,
+    all_time_bound_n: Option<f64>,
+) -> CouplerFindings {
     let coupler = &train.couplers()[index];
     let ratings = [coupler.rated_draft_n, coupler.rated_buff_n];
     let extreme = |side: usize, sign: f64| {
-        let (value, at) = seen.largest[side];
-        // What the event brings may be nothing but error; a large error hides no force.
-        let least_n = if at > 0.0 { seen.error_n[side].min(NOTHING * ratings[side]) } else { 0.0 };
+        let (value, at) = coupler_peaks.largest[side];
+        // A force after t = 0 may be only error; a large error must hide no force.
+        let least_n = if at > 0.0 { coupler_peaks.error_n[side].min(NOTHING * ratings[side]) } else { 0.0 };
         (value > least_n).then_some((sign * value, at))
     };
     let (draft, buff) = (extreme(0, 1.0), extreme(1, -1.0));
     let use_of = |peak: Option<(f64, f64)>, rating: f64| peak.map_or(0.0, |(f, _)| f.abs() / rating);
     let (in_draft, in_buff) = (use_of(draft, coupler.rated_draft_n), use_of(buff, coupler.rated_buff_n));
-    // Of equal ones the earliest; what differs by rounding is equal.
+    // If equal up to rounding, the earlier one.
     let equal = (in_buff - in_draft).abs() <= 1e-12 * in_buff;
     let buff_first = buff.zip(draft).is_some_and(|(b, d)| b.1 < d.1);
     let from_buff = if equal { buff_first } else { in_buff > in_draft };
     let (peak_force_n, peak_time_s) = if from_buff { buff } else { draft }.unwrap_or((0.0, 0.0));
-    let exceeds_in = seen.exceeds;
-    let extremes_n = seen.largest.map(|(value, _)| value);
+    let exceeds_in = coupler_peaks.exceeds;
+    let extremes_n = coupler_peaks.largest.map(|(value, _)| value);
     let exceeds = match exceeds_in {
         [Some(true), _] | [_, Some(true)] => Some(true),
         [Some(false), Some(false)] => Some(false),
         _ => None,
     };
-    let firsts = [(seen.first_over_s[0], "draft"), (seen.first_over_s[1], "buff")];
+    let firsts = [(coupler_peaks.first_over_s[0], "draft"), (coupler_peaks.first_over_s[1], "buff")];
     let firsts = firsts.into_iter().filter_map(|(at, sense)| Some((at?, sense)));
     let first = firsts.reduce(|a, b| if b.0 < a.0 { b } else { a });
     CouplerFindings {
@@ -607,6 +616,7 @@ fn coupler_findings(train: &Train, index: usize, seen: &Seen, all_time_bound_n: 
         first_exceeds_s: first.map(|(t, _)| t),
         first_exceeds_in: first.map(|(_, sense)| sense),
         first_passage: None,
+        cascade: None,
         error_estimate_n: None,
         all_time_bound_n,
         limits: None,

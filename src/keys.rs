@@ -13,7 +13,7 @@ pub(crate) enum Sign {
 }
 
 impl Sign {
-    /// What a number is that cannot be here, and what would be right.
+    /// What is wrong with a number, and what would be right.
     pub(crate) fn refuses(self, value: f64) -> Option<[&'static str; 2]> {
         let right = match self {
             Sign::Positive => "expected a value above zero",
@@ -35,7 +35,7 @@ impl Sign {
 /// What the value of a key is.
 #[derive(Clone, Copy)]
 pub(crate) enum Kind {
-    /// A string with a number and its unit; with `share`, or a percentage.
+    /// A string with a number and its unit; also a percentage if `share`.
     Quantity { of: Dimension, sign: Sign, share: bool },
     /// A quantity of whatever another key measures, or a percentage.
     AnyQuantity(Sign),
@@ -53,7 +53,7 @@ pub(crate) enum Kind {
     Flag,
     /// One of these strings.
     Word(&'static [&'static str]),
-    /// What any key of a train file may have, but for tables.
+    /// Any value in a train file except a table.
     AnyValue,
     /// One of these.
     Either(&'static [Kind]),
@@ -79,7 +79,7 @@ pub(crate) struct Key {
     pub(crate) about: &'static str,
     /// As a TOML value, or a string without its quotes.
     pub(crate) example: &'static str,
-    /// The value that an absent key stands for, in the same way; empty where no value says it.
+    /// The default, written in the same way; empty where no value equals an absent key.
     pub(crate) default: &'static str,
 }
 
@@ -105,16 +105,18 @@ pub(crate) struct Shape {
     pub(crate) keys: &'static [Key],
     /// Of these keys exactly one is there; empty where there is no such choice.
     pub(crate) exactly_one: &'static [&'static str],
+    /// Of these keys at most one is there.
+    pub(crate) at_most_one: &'static [&'static str],
     /// It has at least so many keys.
     pub(crate) least: usize,
-    /// The key by whose word others belong to the table or not, and the words.
+    /// The key whose word decides which others the table has, and the words.
     pub(crate) variants: Option<(&'static str, &'static [Variant])>,
 }
 
 /// What belongs to one word of a key.
 pub(crate) struct Variant {
     pub(crate) word: &'static str,
-    /// The keys that a table with this word has of all those that belong to some word.
+    /// Of the keys that belong to some word, those that belong to this one.
     pub(crate) own: &'static [&'static str],
     /// Sets of keys, exactly one of which is there in full.
     pub(crate) needs: &'static [&'static [&'static str]],
@@ -122,7 +124,7 @@ pub(crate) struct Variant {
 
 impl Shape {
     pub(crate) const fn new(name: &'static str, about: &'static str, keys: &'static [Key]) -> Shape {
-        Shape { name, about, keys, exactly_one: &[], least: 0, variants: None }
+        Shape { name, about, keys, exactly_one: &[], at_most_one: &[], least: 0, variants: None }
     }
 
     pub(crate) fn key(&self, name: &str) -> Option<&'static Key> {

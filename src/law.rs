@@ -1,7 +1,7 @@
 //! The force of a coupler against its elongation: an elastic law with a gap, or a gear with friction and a memory.
 //!
-//! Elongation q is positive in draft and zero in the middle of the slack. An elastic law has no memory. A gear has one number of
-//! it, its travel w, and a stiffness kl in series (wedges locked, or gear closed):
+//! Elongation q is positive in draft and zero in the middle of the slack. An elastic law has no memory. A gear
+//! remembers one number, its travel w, and has a stiffness kl in series (wedges locked, or gear closed):
 //!
 //! ```text
 //! F = kl (q - w)     w' > 0 only if F = u(w)     w' < 0 only if F = l(w)     otherwise w' = 0 and l(w) <= F <= u(w)
@@ -10,8 +10,8 @@
 //! buff  (w < -s/2):  u = -unloading(-w - s/2),   l = -loading(-w - s/2)
 //! ```
 //!
-//! Beyond the last row of a table the gear is closed: w stands still, and F rises at kl. Both u and l never fall over w
-//! ([`Law::check`]); this makes the motion of a train unique and its energy never grow without work from outside.
+//! Beyond the last row of a table the gear is closed: w stands still, and F rises at kl. Neither u nor l falls over w
+//! ([`Law::check`]): so the motion of a train is unique, and only work from outside increases its energy.
 
 use std::sync::Arc;
 
@@ -61,7 +61,7 @@ pub enum CurveProblem {
     )]
     Unloading(usize),
     /// A gear that never resists.
-    #[error("the loading force is 0 in every row")]
+    #[error("its loading force is 0 in every row, so that it moves without force")]
     NoForce,
 }
 
@@ -78,7 +78,7 @@ impl CurveProblem {
         }
     }
 
-    /// The row that it names, from 1; `None` where it is of the whole table.
+    /// The row that it names, from 1; `None` for the whole table.
     pub fn row(&self) -> Option<usize> {
         match *self {
             CurveProblem::NotFinite(row)
@@ -170,6 +170,11 @@ impl Curve {
         self.rows.last().map_or(0.0, |row| row.loading_n)
     }
 
+    /// Stiffness in loading over the whole stroke, N/m: what it rises by, over the travel.
+    pub(crate) fn mean_n_per_m(&self) -> f64 {
+        (self.closes_at_n() - self.rows[0].loading_n) / self.stroke_m()
+    }
+
     /// Share of the work of a full stroke that is lost to friction.
     pub(crate) fn lost_share(&self) -> f64 {
         1.0 - self.area(|r| r.unloading_n) / self.absorbed_j()
@@ -215,7 +220,7 @@ pub enum LawProblem {
     /// A slack that is negative or not finite.
     #[error("slack has to be finite and not negative, and this one is {0} m")]
     Slack(f64),
-    /// A pull while the gear is in buff, or the reverse, beside a slack that carries no force.
+    /// A pull while the gear is in buff, or the reverse, with slack, which carries no force.
     #[error("with slack the unloading force of the first row cannot be negative, and here it is {0} N")]
     NegativeBesideSlack(f64),
     /// At travel 0 the force of one sense lies past that of the other, so that it would fall while the coupler gets longer.
@@ -231,12 +236,12 @@ pub enum LawProblem {
     },
 }
 
-/// A coupler at rest: its force and the one number of its memory.
+/// A coupler at rest: its force, and the travel that it remembers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rest {
     /// Force, N, draft positive.
     pub force_n: f64,
-    /// Travel w of a gear, m: its sense is that of the elongation, half the slack included. Of an elastic law the part of the
+    /// Travel w of a gear, m, signed as the elongation and with half the slack. For an elastic law, the part of the
     /// elongation that is slack, `-slack / 2 ..= slack / 2`.
     pub travel_m: f64,
 }
@@ -260,7 +265,7 @@ impl Law {
     }
 
     /// Whether the force is proportional to the elongation.
-    pub fn is_linear(&self) -> bool {
+    pub(crate) fn is_linear(&self) -> bool {
         matches!(self, Law::Elastic { draft_n_per_m, buff_n_per_m, slack_m } if draft_n_per_m == buff_n_per_m && *slack_m == 0.0)
     }
 
@@ -277,7 +282,7 @@ impl Law {
         }
     }
 
-    /// Whether both curves never fall over the whole travel, and stiffnesses and slack are numbers that can be.
+    /// Checks that neither curve falls over the whole travel, and that stiffnesses and slack are valid.
     ///
     /// # Errors
     /// [`LawProblem`].
@@ -305,10 +310,10 @@ impl Law {
         }
     }
 
-    /// The coupler at rest under forces that rose or fell, one after the other, to each of `forces_n`, N, draft positive; from
-    /// the middle of the slack, unstrained. Loaded to a, let down to b: `rest(&[a, b])`.
+    /// The coupler at rest after its force rose or fell to each of `forces_n` in turn, N, draft positive, from no
+    /// force in the middle of the slack. Loaded to a, then reduced to b: `rest(&[a, b])`.
     ///
-    /// A gear goes along a curve only as far as it must; what it needs not undo stays ("locked").
+    /// The travel of a gear changes only as far as the force requires; else it is locked.
     ///
     /// ```
     /// use trainsafe::law::{Curve, Law, GearRow};
@@ -323,7 +328,7 @@ impl Law {
     pub fn rest(&self, forces_n: &[f64]) -> Rest {
         let mut rest = Rest::default();
         for &force_n in forces_n {
-            rest = self.moved(rest, force_n);
+            rest = self.after_force(rest, force_n);
         }
         rest
     }
@@ -339,23 +344,23 @@ impl Law {
     }
 
     /// The coupler after its force went from that of `rest` to another.
-    fn moved(&self, rest: Rest, force_n: f64) -> Rest {
+    fn after_force(&self, rest: Rest, force_n: f64) -> Rest {
         let half = 0.5 * self.slack_m();
         let Law::Gear { draft, buff, .. } = self else {
             let travel_m = if force_n == 0.0 { rest.travel_m } else { half.copysign(force_n) };
             return Rest { force_n, travel_m };
         };
-        // The mirror image of a fall is a rise, with the tables exchanged.
+        // A fall is the mirror image of a rise, with the tables exchanged.
         let w = rest.travel_m;
-        let up = risen(w, force_n, half, draft, buff);
-        let down = -risen(-w, -force_n, half, buff, draft);
+        let up = travel_after_rise(w, force_n, half, draft, buff);
+        let down = -travel_after_rise(-w, -force_n, half, buff, draft);
         Rest { force_n, travel_m: if up > w { up } else { w.min(down) } }
     }
 }
 
-/// The smallest travel from w on at which u is at least `force`; the stop, if it is nowhere. Where u is so already, w.
-fn risen(w: f64, force: f64, half: f64, draft: &Curve, buff: &Curve) -> f64 {
-    // Places and u from the stop in buff to that in draft; the first place that reaches the force from the left.
+/// The smallest travel, not below w, at which u is at least `force`; the stop if u is less everywhere.
+fn travel_after_rise(w: f64, force: f64, half: f64, draft: &Curve, buff: &Curve) -> f64 {
+    // Knots and u from the stop in buff to that in draft, up to the first where u reaches the force.
     let mut place = f64::NEG_INFINITY;
     let mut reached = -half - buff.stroke_m();
     let mut last = f64::NEG_INFINITY;
@@ -381,7 +386,7 @@ mod tests {
 
     fn curve(rows: &[[f64; 3]]) -> Curve {
         let row = |r: &[f64; 3]| GearRow { travel_m: r[0] / 1e3, loading_n: r[1] * 1e3, unloading_n: r[2] * 1e3 };
-        Curve::new(rows.iter().map(row).collect()).expect("a right table")
+        Curve::new(rows.iter().map(row).collect()).expect("a valid table")
     }
 
     fn gear_a(slack_m: f64) -> Law {
@@ -390,7 +395,6 @@ mod tests {
         Law::Gear { solid_n_per_m: 2e8, slack_m, draft: gear.clone(), buff: gear }
     }
 
-    /// Gear A let down from 0.6 MN to 0.3 MN, locked, and to 0.15 MN, on its unloading curve: plain arithmetic.
     #[test]
     fn the_generic_gears_are_those_of_the_sample_file() {
         let file = include_str!("../trains/gears/aar-friction-pair.csv");
@@ -400,6 +404,7 @@ mod tests {
         assert_eq!(rows.map(row).collect::<Vec<_>>(), Curve::generic_friction_gears().rows());
     }
 
+    /// Gear A reduced from 0.6 MN to 0.3 MN, locked, and to 0.15 MN, on its unloading curve: by arithmetic.
     #[test]
     fn let_down() {
         let law = gear_a(0.0);
@@ -410,7 +415,7 @@ mod tests {
         }
     }
 
-    /// The same in buff, and with slack: half of it more; let down to nothing the gear stands at the slack's end.
+    /// The same in buff, and with slack, half of which is added; at no force the gear is at the slack's end.
     #[test]
     fn mirror_and_slack() {
         let law = gear_a(0.025);

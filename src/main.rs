@@ -27,10 +27,10 @@ use trainsafe::{Analysis, Options, Train, consist, findings, report, schema};
 
 use cli::{Cli, Command};
 
-/// Analyses that are announced before they start take at least this long, s.
+/// Analyses that take longer than this are announced before they start, s.
 const LONG_S: f64 = 5.0;
 
-/// Memory that is announced beforehand is at least so much, bytes.
+/// Memory above this is announced beforehand too, bytes.
 const LARGE: usize = 1 << 30;
 
 /// Exit statuses besides success.
@@ -42,17 +42,17 @@ enum Failure {
     Output = 4,
 }
 
-/// Whether nothing but errors is said.
+/// Whether only errors are printed.
 static QUIET: AtomicBool = AtomicBool::new(false);
 
 fn main() -> ExitCode {
     ExitCode::from(run(std::env::args_os()))
 }
 
-/// Does what a command line says, whose first word is the program's name; the exit status.
+/// Runs a command line, whose first word is the program's name; the exit status.
 pub fn run(args: impl Iterator<Item = OsString>) -> u8 {
     let Cli { command, general } = Cli::try_parse_from(args).unwrap_or_else(|e| usage(e));
-    settle(&general);
+    apply_general_options(&general);
     let done = match command {
         Command::Analyze(args) => analyze(&args),
         Command::Fleet(args) => run_fleet::run(&args),
@@ -68,7 +68,7 @@ pub fn run(args: impl Iterator<Item = OsString>) -> u8 {
     done.map_or_else(|failure| failure as u8, |()| 0)
 }
 
-/// What is wrong with the command line; a train file in the place of a command is told what commands take it.
+/// Prints what is wrong with the command line; for a file in the place of a command, what commands take it.
 fn usage(error: clap::Error) -> ! {
     use clap::error::{ContextKind, ContextValue, ErrorKind};
     if let (ErrorKind::InvalidSubcommand, Some(ContextValue::String(word))) =
@@ -82,8 +82,8 @@ fn usage(error: clap::Error) -> ! {
     error.exit()
 }
 
-/// Does what the options say that every command has.
-fn settle(general: &cli::General) {
+/// Applies the options that every command has.
+fn apply_general_options(general: &cli::General) {
     QUIET.store(general.quiet, Ordering::Relaxed);
     match general.color.as_str() {
         "always" => anstream::ColorChoice::Always.write_global(),
@@ -107,13 +107,13 @@ fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
         ..options(&args.solver)
     };
     let seconds = findings::estimate_s(&train, &options).map_err(|e| complain(&args.train, &e))?;
-    findings::idle_options(&train, &options).iter().for_each(|note| tell(&format!("note: {note}")));
+    findings::idle_options(&train, &options).iter().for_each(|note| say_unless_quiet(&format!("note: {note}")));
     let known = doubts(&train);
-    known.iter().for_each(|warning| tell(&format!("warning: {warning}")));
+    known.iter().for_each(|warning| say_unless_quiet(&format!("warning: {warning}")));
     let bytes = findings::memory_bytes(&train, &options).unwrap_or_default();
     let memory = if bytes > LARGE { format!(" and {:.1} GB of memory", bytes as f64 / 1e9) } else { String::new() };
     if seconds > LONG_S || bytes > LARGE {
-        tell(&format!("this will take about {seconds:.0} s{memory}"));
+        say_unless_quiet(&format!("this will take about {seconds:.0} s{memory}"));
     }
     let dir = args.out.clone().unwrap_or_else(|| named_after(&args.train, "reports"));
     if !args.json {
@@ -122,7 +122,7 @@ fn analyze(args: &cli::Analyze) -> Result<(), Failure> {
     let analysis =
         with_clock(seconds, || findings::analyze(&train, &options)).map_err(|e| complain(&args.train, &e))?;
     let found = analysis.doubts.iter().filter(|doubt| !known.contains(doubt));
-    found.for_each(|warning| tell(&format!("warning: {warning}")));
+    found.for_each(|warning| say_unless_quiet(&format!("warning: {warning}")));
     if args.json {
         let json = report::json(&analysis).map_err(|e| output_failed(&e))?;
         print(&(json + "\n"))?;
@@ -141,12 +141,12 @@ fn import(file: &Path, trainsets: &[PathBuf]) -> Result<(), Failure> {
         Failure::Input
     })?;
     print(&imported.text)?;
-    imported.missing.iter().for_each(|what| tell(&format!("missing: {what}")));
-    imported.doubts.iter().for_each(|warning| tell(&format!("warning: {warning}")));
+    imported.missing.iter().for_each(|what| say_unless_quiet(&format!("missing: {what}")));
+    imported.doubts.iter().for_each(|warning| say_unless_quiet(&format!("warning: {warning}")));
     Ok(())
 }
 
-/// Does long work, and says every so often how long it has been at it.
+/// Does work, and if it is long prints the elapsed time at intervals.
 fn with_clock<T: Send>(estimate_s: f64, work: impl FnOnce() -> T + Send) -> T {
     if estimate_s <= LONG_S {
         return work();
@@ -156,7 +156,7 @@ fn with_clock<T: Send>(estimate_s: f64, work: impl FnOnce() -> T + Send) -> T {
     std::thread::scope(|scope| {
         scope.spawn(move || {
             while let Err(RecvTimeoutError::Timeout) = wait.recv_timeout(Duration::from_secs_f64(2.0 * LONG_S)) {
-                tell(&format!("{:.0} s of about {estimate_s:.0} s", start.elapsed().as_secs_f64()));
+                say_unless_quiet(&format!("{:.0} s of about {estimate_s:.0} s", start.elapsed().as_secs_f64()));
             }
         });
         let result = work();
@@ -183,7 +183,7 @@ fn accuracy(args: &cli::Accuracy) -> Result<(), Failure> {
 
 /// Refuses a folder that cannot be written before the work rather than after it, and lets signals wait while files are replaced.
 fn prepare_to_write(dir: &Path) -> Result<(), Failure> {
-    signals::heed(|| ());
+    signals::handle_signals(|| ());
     report::can_write(dir).map_err(|e| output_failed(&e))
 }
 
@@ -208,7 +208,7 @@ fn options(solver: &cli::Solver) -> Options {
     Options { tolerance: solver.tolerance, method, ..Options::default() }
 }
 
-/// Some coupler exceeds, or lies so near its rating that it cannot be told.
+/// Whether some coupler exceeds, or is not decided up to the horizon.
 fn exceeds(analysis: &Analysis) -> bool {
     let open = |c: &CaseFindings| c.exceeding + c.undecided > 0 || c.predictable_until_s.is_some();
     analysis.scenarios.iter().flat_map(|s| &s.cases).any(open)
@@ -219,7 +219,7 @@ fn named_after(train: &Path, within: &str) -> PathBuf {
     Path::new(within).join(stem(train).unwrap_or("train".as_ref()))
 }
 
-/// A file's name as that of a folder: never one that leads elsewhere, as that of "...toml" would.
+/// A file's stem as the name of a folder; not one that leads elsewhere, as that of "...toml".
 fn stem(path: &Path) -> Option<&OsStr> {
     path.file_stem().filter(|stem| !["-", ".", ".."].contains(&stem.to_string_lossy().as_ref()))
 }
@@ -254,14 +254,14 @@ fn quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
 
-/// A note, a warning or how far the work is, on standard error unless it is to be quiet there.
-fn tell(text: &str) {
+/// A note, a warning or the progress, on standard error; nothing with `--quiet`.
+fn say_unless_quiet(text: &str) {
     if !quiet() {
         say(text);
     }
 }
 
-/// What a command has done, on standard output unless it is to be quiet.
+/// What a command has done, on standard output; nothing with `--quiet`.
 fn summary(text: &str) -> Result<(), Failure> {
     if quiet() { Ok(()) } else { print(text) }
 }

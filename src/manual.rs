@@ -7,7 +7,7 @@ use clap_complete::Shell;
 
 use super::cli::Cli;
 
-/// What makes a shell complete the program's commands and options.
+/// A shell's completion script.
 pub fn completions(shell: Shell) -> String {
     let mut script = Vec::new();
     clap_complete::generate(shell, &mut Cli::command(), "trainsafe", &mut script);

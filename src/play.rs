@@ -1,12 +1,12 @@
-//! What is played on a chain beyond one step of force from rest: dashpots, initial speeds, forces of any shape, couplers that
-//! break one after the other.
+//! What a chain can have beyond one step of force from rest: dashpots, initial speeds, forces of any shape, couplers
+//! that break one after the other.
 
 use crate::chain::Scene;
 
-/// A scene with all that the paper's chain has not.
+/// A scene with what the paper's chain does not have.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Play {
-    /// Chain, forces at t = 0, ratings and horizon; its own force and duration play no part.
+    /// Chain, forces at t = 0, ratings and horizon; its own force and duration are ignored.
     pub scene: Scene,
     /// Force from outside on the scene's source, on top of the steady ones.
     pub drive: Drive,
@@ -81,7 +81,7 @@ impl Drive {
         Drive::Lines(Vec::new())
     }
 
-    /// A force that is there at once, and ends at once.
+    /// A constant force from t = 0 to a duration.
     pub fn rectangle(force: f64, duration: f64) -> Drive {
         Drive::Lines(vec![[0.0, force], [duration, force]])
     }
@@ -133,8 +133,8 @@ impl Drive {
         }
     }
 
-    /// When it is first other than 0, or begins to rise to it; infinite for no force at all.
-    pub fn begins(&self) -> f64 {
+    /// When it starts to differ from 0; infinite without a force.
+    pub(crate) fn begins_at(&self) -> f64 {
         match self {
             Drive::HalfSine { .. } => 0.0,
             Drive::Lines(points) => match points.iter().position(|p| p[1] != 0.0) {
@@ -145,7 +145,7 @@ impl Drive {
     }
 
     /// When its magnitude is first the largest.
-    pub fn peaks(&self) -> f64 {
+    pub(crate) fn peaks_at(&self) -> f64 {
         match self {
             Drive::HalfSine { duration, .. } => 0.5 * duration,
             Drive::Lines(points) => {
@@ -156,7 +156,7 @@ impl Drive {
     }
 
     /// The force to which it jumps from 0 at its start, at t = 0.
-    pub(crate) fn starts_at(&self) -> f64 {
+    pub(crate) fn first_force(&self) -> f64 {
         match self {
             Drive::HalfSine { .. } => 0.0,
             Drive::Lines(points) => points.first().filter(|p| p[0] == 0.0).map_or(0.0, |p| p[1]),
@@ -164,7 +164,7 @@ impl Drive {
     }
 
     /// The force from which it drops to 0 at its end.
-    pub(crate) fn ends_at(&self) -> f64 {
+    pub(crate) fn last_force(&self) -> f64 {
         match self {
             Drive::HalfSine { .. } => 0.0,
             Drive::Lines(points) => points.last().map_or(0.0, |p| p[1]),
@@ -197,7 +197,7 @@ impl Stretch {
         }
     }
 
-    /// How fast the force turns, 1 / time.
+    /// That of a sine, 1 / time; else 0.
     pub fn frequency(&self) -> f64 {
         if let Course::Sine(_, omega) = self.course { omega } else { 0.0 }
     }
@@ -226,7 +226,7 @@ impl Stretch {
 mod tests {
     use super::*;
 
-    /// A trapezoid's stretches cover the horizon once, and its measures are those of its picture.
+    /// A trapezoid's stretches cover the horizon once, and its measures are those of its graph.
     #[test]
     fn stretches_of_a_trapezoid() {
         let drive = Drive::Lines(vec![[1.0, 0.0], [2.0, 3.0], [4.0, 3.0], [4.0, 1.0], [5.0, 0.0]]);
@@ -239,8 +239,8 @@ mod tests {
         let change = |tail: &[[f64; 2]]| Drive::Lines([&[[0.0, 0.0], [1.0, 3.0]], tail].concat()).last_change();
         assert_eq!([change(&[]), change(&[[2.0, 0.0], [9.0, 0.0]]), change(&[[2.0, 3.0]])], [1.0, 2.0, 2.0]);
         assert_eq!(Drive::none().last_change(), 0.0);
-        assert_eq!([drive.begins(), drive.peaks(), drive.ends_at()], [1.0, 2.0, 0.0]);
-        assert_eq!(Drive::none().begins(), f64::INFINITY);
+        assert_eq!([drive.begins_at(), drive.peaks_at(), drive.last_force()], [1.0, 2.0, 0.0]);
+        assert_eq!(Drive::none().begins_at(), f64::INFINITY);
     }
 
     /// The series of a half sine about one instant gives its value at another, to the rounding of 20 terms.

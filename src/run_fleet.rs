@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use trainsafe::error::printable_path;
 use trainsafe::fleet::{self, Estimate, FleetError, FleetFormat, Outcome, Request, Worker};
 
-use super::{Failure, cli, options, print, quiet, say, signals, stem, summary, tell};
+use super::{Failure, cli, options, print, quiet, say, say_unless_quiet, signals, stem, summary};
 
 pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
     let request = Request {
@@ -14,25 +14,26 @@ pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
         options: options(&args.solver),
         worker: args.work.then(Worker::new),
         couplers: args.couplers,
+        units: args.units.asked(),
         resume: args.resume,
         formats: args.format.iter().filter_map(|name| FleetFormat::from_name(name)).collect(),
         reports: args.reports,
         response_bytes: None,
-        progress: if quiet() { fleet::Telling::Nothing } else { fleet::Telling::Terminal },
+        progress: if quiet() { fleet::ProgressTarget::Nothing } else { fleet::ProgressTarget::Terminal },
     };
     if args.dry_run {
         return fleet::estimate(&request).map_err(|e| failed(&e)).and_then(|estimate| {
-            estimate.notes.iter().for_each(|note| tell(&format!("note: {note}")));
-            print(&told(&estimate))
+            estimate.notes.iter().for_each(|note| say_unless_quiet(&format!("note: {note}")));
+            print(&estimate_text(&estimate))
         });
     }
     let dir = args.out.clone().unwrap_or_else(|| default_dir(&args.paths));
     if !args.json {
-        let (go_on, worker, dir) = (go_on(args), request.worker.clone(), dir.clone());
-        signals::heed(move || {
+        let (how_to_continue, worker, dir) = (how_to_continue(args), request.worker.clone(), dir.clone());
+        signals::handle_signals(move || {
             worker.iter().for_each(|worker| worker.leave(&dir));
             let line = if io::stderr().is_terminal() { "\n" } else { "" };
-            say(&format!("{line}stopped; {go_on}"));
+            say(&format!("{line}stopped; {how_to_continue}"));
         });
     }
     let outcome = if args.json {
@@ -49,20 +50,22 @@ pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
     let outcome = outcome.map_err(|e| {
         let failure = failed(&e);
         if matches!(e, FleetError::Write(_)) && fleet::is_begun(&dir) {
-            say(&go_on(args));
+            say(&how_to_continue(args));
         }
         failure
     })?;
     if !args.json {
-        summary(&told_of(&outcome, &dir, outcome.verdict.is_empty()))?;
+        summary(&outcome_text(&outcome, &dir, outcome.verdict.is_empty()))?;
     }
-    outcome.notes.iter().for_each(|note| tell(&format!("note: {note}")));
+    outcome.notes.iter().for_each(|note| say_unless_quiet(&format!("note: {note}")));
     match outcome.computed {
         0 => outcome.warnings.iter().for_each(|warning| say(&format!("error: {warning}"))),
-        _ => outcome.warnings.iter().for_each(|warning| tell(&format!("warning: {warning}"))),
+        _ => outcome.warnings.iter().for_each(|warning| say_unless_quiet(&format!("warning: {warning}"))),
     }
     if outcome.scenes.0 > 0 {
-        tell(&format!("{} made, {} more reused", count(outcome.scenes.1, "calculation"), outcome.scenes.0,));
+        say_unless_quiet(
+            &format!("{} made, {} more reused", count(outcome.scenes.1, "calculation"), outcome.scenes.0,),
+        );
     }
     match outcome {
         Outcome { computed: 0, .. } => Err(Failure::Input),
@@ -73,7 +76,7 @@ pub fn run(args: &cli::Fleet) -> Result<(), Failure> {
 }
 
 /// How to go on after a run was cut short.
-fn go_on(args: &cli::Fleet) -> String {
+fn how_to_continue(args: &cli::Fleet) -> String {
     let with = if args.work || args.merge || args.resume { "again" } else { "with --resume" };
     format!("cases that are done are kept: to go on, give the same command {with}")
 }
@@ -86,7 +89,7 @@ fn default_dir(paths: &[PathBuf]) -> PathBuf {
     Path::new("reports").join(name.unwrap_or("fleet".as_ref()))
 }
 
-fn told_of(outcome: &Outcome, dir: &Path, is_worker: bool) -> String {
+fn outcome_text(outcome: &Outcome, dir: &Path, is_worker: bool) -> String {
     if is_worker {
         return format!("every part is done; to join them: trainsafe fleet --merge --out {}\n", printable_path(dir));
     }
@@ -97,7 +100,7 @@ fn told_of(outcome: &Outcome, dir: &Path, is_worker: bool) -> String {
     format!("{}\n{what}: {}\n", outcome.verdict.join("\n"), printable_path(path))
 }
 
-fn told(estimate: &Estimate) -> String {
+fn estimate_text(estimate: &Estimate) -> String {
     let Estimate { trains, variations, cases, seconds: [least, most], threads, .. } = *estimate;
     let (unit, length) = match most {
         s if s < 90.0 => ("s", 1.0),
@@ -106,7 +109,7 @@ fn told(estimate: &Estimate) -> String {
     };
     let time = match (least / length, most / length) {
         (_, most) if most < 1.0 => format!("less than 1 {unit}"),
-        // Two digits where there are any: an estimate has no more.
+        // An estimate has at most two digits.
         (least, most) if most < 10.0 => format!("about {least:.1} to {most:.1} {unit}"),
         (least, most) => format!("about {least:.0} to {most:.0} {unit}"),
     };

@@ -20,7 +20,7 @@ pub fn run(args: &Serve) -> Result<(), Failure> {
             Failure::Output
         }
     })?;
-    super::signals::heed(|| ());
+    super::signals::handle_signals(|| ());
     super::print(&format!("{}\n", server.address()))?;
     say("open this address in a browser on this machine; Ctrl-C ends it");
     if !args.no_open {
@@ -32,14 +32,14 @@ pub fn run(args: &Serve) -> Result<(), Failure> {
     })
 }
 
-/// What this build has instead.
+/// Says that this build has none.
 #[cfg(not(feature = "serve"))]
 pub fn run(_: &Serve) -> Result<(), Failure> {
     say("error: this trainsafe is built without serve: build it with `cargo install --path . --features serve`");
     Err(Failure::Input)
 }
 
-/// Opens the address in the user's browser, where there is a screen and a program that does so; nothing is said where there is not.
+/// Opens the address in the user's browser; without a screen or a program for it, does nothing.
 #[cfg(feature = "serve")]
 fn open(address: &str) {
     let (program, args): (&str, &[&str]) = if cfg!(target_os = "macos") {

@@ -16,14 +16,14 @@ pub use plays::{initial_force_n, play};
 /// A part of the train that stays together after the event, in the solvers' units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
-    /// What is played on it.
+    /// Its chain and event.
     pub scene: Scene,
     /// Index in the train of the scene's first coupler.
     pub first_coupler: usize,
 }
 
-/// What one unit of the solvers is in SI. All are powers of two, and the time's square is exactly mass over stiffness: no
-/// number of the train changes a bit when it is scaled.
+/// The solvers' units in SI. All are powers of two, and the square of the time is exactly mass over stiffness: scaling
+/// rounds no number of the train.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scales {
     /// kg
@@ -53,10 +53,11 @@ impl Scales {
     }
 }
 
-/// The parts that a break or a rectangular pulse leaves, each with the step or pulse of force that it feels; parts without a coupler left out.
+/// The parts after a break, or the train under a rectangular pulse, each with its step or pulse of force; without
+/// parts that have no coupler.
 ///
-/// A break of coupler b takes its force F_b from both sides: the front part feels `+F_b` on its last vehicle, the rear
-/// part `-F_b` on its first, and all else goes on as before (superposition on the steady state).
+/// A break of coupler b removes its force F_b: `+F_b` acts on the last vehicle of the front part, `-F_b` on the first
+/// of the rear part, and all other forces stay (superposition on the steady state).
 pub fn parts(train: &Train, event: &Event, broken: Option<usize>, horizon_s: f64) -> Vec<Part> {
     let scales = Scales::of(train);
     let last = train.vehicles().len() - 1;

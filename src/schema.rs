@@ -1,8 +1,9 @@
 //! JSON Schemas of the files that people write, so that editors complete and check them.
 //!
-//! They are made from the tables that the reader itself goes by. A schema can express neither other files nor arithmetic: it accepts some
-//! files that the reader refuses (a coupler that the train does not have). It refuses no file that the reader accepts. Only
-//! keywords that have the same meaning in all drafts in use are in it: TOML's language servers know old ones.
+//! They are made from the tables that the reader uses. A schema can express neither other files nor arithmetic: it
+//! accepts some files that the reader refuses (a coupler that the train does not have). It refuses no file that the
+//! reader accepts. Only keywords that have the same meaning in all drafts in use are in it: TOML's language servers
+//! know old ones.
 
 use serde_json::{Map, Value, json};
 
@@ -57,6 +58,9 @@ fn table(shape: &Shape) -> Value {
     if !shape.exactly_one.is_empty() {
         let choices = shape.exactly_one.iter().map(|key| json!({ "required": [key] }));
         add("oneOf", choices.collect());
+    }
+    if !shape.at_most_one.is_empty() {
+        add("not", json!({ "required": shape.at_most_one }));
     }
     if let Some((key, variants)) = shape.variants {
         add("allOf", variants.iter().map(|v| rule(shape, key, v)).collect());

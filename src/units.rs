@@ -1,4 +1,4 @@
-//! Quantities as people write them (`"30 MN/m"`) into SI.
+//! Reads quantities as people write them (`"30 MN/m"`).
 //!
 //! `spellings` has the units and how they may be written; `reader` writes quantities in the units of a report's reader. A text that means two units is refused, with the choices.
 //!
@@ -12,7 +12,7 @@ mod spellings;
 
 use std::fmt;
 
-pub use reader::{Unit, UnitSystem, digits, rounded, shown, shown_time, unit_for, without_zeros};
+pub use reader::{Unit, UnitSystem, digits, rounded, shown, shown_in, shown_time, unit_for, without_zeros};
 
 use refusal::{bad, no_number, right_units, with_units, wrong_unit};
 
@@ -20,9 +20,9 @@ use refusal::{bad, no_number, right_units, with_units, wrong_unit};
 ///
 /// Between this and [`LARGEST`] the square of any frequency squared, `(k/m)^2`, is a normal double, whatever masses and
 /// stiffnesses meet in one train, and so is every ratio of forces.
-pub const SMALLEST: f64 = 1e-30;
+pub(crate) const SMALLEST: f64 = 1e-30;
 /// Largest magnitude that is taken, in SI units; see [`SMALLEST`].
-pub const LARGEST: f64 = 1e30;
+pub(crate) const LARGEST: f64 = 1e30;
 
 /// What a quantity measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,7 +87,7 @@ impl Dimension {
         self.listed().iter().copied()
     }
 
-    /// The unit of reports first.
+    /// The unit of [`Self::si`] first.
     fn listed(self) -> &'static [&'static str] {
         match self {
             Dimension::Mass => &["kg", "t", "lb", "klb", "ton_us"],
@@ -113,8 +113,8 @@ impl Dimension {
         self.listed()[0]
     }
 
-    /// How much of SI's own that is: a hundredth for a grade or a share, in which per cent are reported, else 1.
-    pub fn si_size(self) -> f64 {
+    /// The size of that unit: 0.01 for a grade or a share, which are reported in per cent, else 1.
+    pub(crate) fn si_size(self) -> f64 {
         if self.is_in_per_cent() { 0.01 } else { 1.0 }
     }
 
@@ -202,7 +202,8 @@ pub fn parse(text: &str, dimension: Dimension, share: bool) -> Result<Amount, Ba
     in_range(mantissa, value, dimension.si()).map(Amount::Si)
 }
 
-/// Whether a quantity that [`parse`] takes has a unit of US practice, such as kip or ft; `None` for one that tells nothing of it.
+/// Whether a quantity that [`parse`] takes has a unit of US practice, such as kip or ft; `None` where units do not
+/// show it.
 pub(crate) fn is_us(text: &str, dimension: Dimension) -> Option<bool> {
     if !matches!(dimension, Dimension::Mass | Dimension::Force | Dimension::Stiffness | Dimension::Length) {
         return None;
@@ -228,7 +229,7 @@ fn split(text: &str) -> (&str, &str) {
 fn decimal(number: &str) -> Option<(&str, i64)> {
     number.parse::<f64>().ok()?;
     let Some((mantissa, exponent)) = number.split_once(['e', 'E']) else { return Some((number, 0)) };
-    // An exponent too long for an integer is out of range on the side of its sign, as these are.
+    // An exponent too long for an integer is out of range, as these are.
     let beyond = if exponent.starts_with('-') { -1_000_000_000 } else { 1_000_000_000 };
     Some((mantissa, exponent.parse().unwrap_or(beyond)))
 }

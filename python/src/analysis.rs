@@ -50,7 +50,7 @@ pub fn analyze(
     Ok(Findings { train, analysis })
 }
 
-/// Options that say how exactly and how.
+/// Options of tolerance and method.
 pub fn options(tolerance: f64, method: Option<&str>) -> PyResult<Options> {
     if !(tolerance > 0.0 && tolerance < 1.0) {
         return Err(errors::refused(&"tolerance is a number between 0 and 1, such as 1e-9"));

@@ -49,7 +49,7 @@ impl Document {
         made(py, py.detach(|| Text::of_text(text, &path, held)))
     }
 
-    /// With another value, as TOML, of a key.
+    /// A copy with another value of a key.
     fn replace(&self, py: Python<'_>, key: &str, value: &str) -> PyResult<Document> {
         let table: Result<toml::Table, _> = format!("value = {value}").parse();
         let value = table.ok().and_then(|mut table| table.remove("value"));

@@ -21,7 +21,7 @@ pub fn analysis(py: Python<'_>, error: &dyn Display) -> PyErr {
     made(py, "analysis_error", (error.to_string(),))
 }
 
-/// `trainsafe.AnalysisError`, of arguments that have no such value.
+/// `trainsafe.AnalysisError` for an invalid argument.
 pub fn refused(error: &dyn Display) -> PyErr {
     Python::attach(|py| analysis(py, error))
 }

@@ -9,7 +9,7 @@ use std::time::Duration;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use trainsafe::findings::Stop;
-use trainsafe::fleet::{self, Count, FleetError, Request, Telling};
+use trainsafe::fleet::{self, Count, FleetError, ProgressTarget, Request};
 
 use crate::analysis::options;
 use crate::errors;
@@ -53,14 +53,14 @@ impl FleetRun {
         let seen = count.clone();
         let told = move |now: Count| {
             let mut seen = seen.lock().unwrap_or_else(PoisonError::into_inner);
-            // Threads may tell in another order than they count in.
+            // Threads may report in another order than they count.
             if now.done >= seen.done {
                 *seen = now;
             }
         };
         let options = options(tolerance, method)?;
         let stop = options.stop.clone();
-        let request = Request { paths, options, progress: Telling::Call(Arc::new(told)), ..Request::default() };
+        let request = Request { paths, options, progress: ProgressTarget::Call(Arc::new(told)), ..Request::default() };
         let (sender, messages) = mpsc::sync_channel(64);
         pool()?.spawn(move || {
             let done = fleet::stream(&request, &mut Sender(sender.clone()));

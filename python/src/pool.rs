@@ -1,4 +1,4 @@
-//! Work on threads of this package's own, which Ctrl-C interrupts and a fork does not hang.
+//! Work on this package's own threads: Ctrl-C interrupts it, and it goes on after a fork.
 
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -12,7 +12,7 @@ use trainsafe::findings::Stop;
 /// Time between looks for Ctrl-C.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// The threads, and the process that started them. It is locked by whoever holds the interpreter, so no fork finds it locked.
+/// The threads, and the process that started them. Only a thread with the GIL locks it, so no fork finds it locked.
 static POOL: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
 
 /// The threads of this process. After a fork those of the parent do not exist, and new ones are started.
@@ -40,7 +40,7 @@ pub fn pool() -> PyResult<Arc<ThreadPool>> {
 pub fn work<T: Send + 'static>(py: Python<'_>, stop: &Stop, work: impl FnOnce() -> T + Send + 'static) -> PyResult<T> {
     let (done, wait) = mpsc::sync_channel(1);
     pool()?.spawn(move || {
-        // Nobody waits any more after an interruption.
+        // After Ctrl-C nobody receives it.
         let _ = done.send(work());
     });
     let mut wait = wait;

@@ -97,7 +97,7 @@ impl Table {
         columns.map(list).collect()
     }
 
-    /// The table that `lists` was of.
+    /// The table with these `lists`.
     #[staticmethod]
     fn of_lists(lists: Vec<(String, String, Bound<'_, PyAny>)>) -> PyResult<Table> {
         let array = |kind: &str, list: &Bound<'_, PyAny>| -> PyResult<ArrayRef> {
@@ -154,7 +154,7 @@ fn cells(name: &str, array: &ArrayRef) -> PyResult<Vec<String>> {
     fn numbers<N: ToString>(of: impl Iterator<Item = Option<N>>) -> Vec<String> {
         of.map(|cell| cell.map_or_else(String::new, |n| cell_of_number(n.to_string()))).collect()
     }
-    // Libraries write an absent number as one that is none.
+    // Libraries write an absent number as NaN.
     let float = |x: f64| if x.is_nan() { None } else { Some(x) };
     Ok(match array.data_type() {
         Utf8 => texts(array.as_string::<i32>().iter()),

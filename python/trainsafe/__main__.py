@@ -7,7 +7,7 @@ from . import _native
 
 
 def main() -> None:
-    # The program has its own way to end on Ctrl-C.
+    # The program handles Ctrl-C itself.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     sys.exit(_native.main(sys.argv[1:]))
 

@@ -142,7 +142,7 @@ class Analysis:
         horizon = case["horizon_s"]
         times = np.linspace(0.0, horizon, points) if times_s is None else np.asarray(times_s, dtype=float).ravel()
         if times.max(initial=0.0) > horizon:
-            raise AnalysisError(f"forces were computed for {horizon:g} s after the event: no later one can be told")
+            raise AnalysisError(f"forces were computed for {horizon:g} s after the event: later forces are unknown")
         index = self._train.scenarios.index(case["scenario"])
         forces = _native.history(
             self._train._document, index, case["broken_coupler"], operator.index(chosen), times.tolist()
@@ -291,10 +291,10 @@ def analyze(
     map: bool = False,
     damping: bool = False,
 ) -> Analysis:
-    """Runs a train's scenarios, or the one of that name. A path is read, a dictionary is made a train.
+    """Runs a train's scenarios, or the one of that name. `train` may be a path or a dictionary too.
 
     `tolerance` is the error that each force may have, as a share of the largest rating. Other Python threads run meanwhile, and Ctrl-C
-    is obeyed. `all_time_bound` adds each coupler's bound over all time, `map` the smallest overloading force by duration or the safe load
+    works. `all_time_bound` adds each coupler's bound over all time, `map` the smallest overloading force by duration or the safe load
     by broken coupler, `damping` the worst case with dashpots; `verdict_only` leaves out couplers that cannot exceed at any time.
 
     >>> import trainsafe

@@ -1,4 +1,4 @@
-"""What trainsafe cannot do, and why."""
+"""The errors of trainsafe."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Problem:
 
 
 class TrainsafeError(ValueError):
-    """What trainsafe cannot do; ``problems`` is empty where no place in an input is at fault."""
+    """Any error of trainsafe; ``problems`` is empty where no place in an input is wrong."""
 
     problems: list[Problem]
 

@@ -31,7 +31,7 @@ def fleet(
     `trains` are train files, folders, globs, `Train` objects or dictionaries with the keys of a train file. `Train` objects of one path
     are told apart by their place among `trains`: the `file` of their rows is `ore-train.toml (1)` and so on. A `study` is a file that
     names its own trains, or a dictionary with a study's keys but for `trains`. `progress` is called with how many cases are done, how
-    many of them failed, and how many there are. What the run has to say besides is a Python warning at the end.
+    many of them failed, and how many there are. Notes on the run are Python warnings at the end.
 
     >>> import trainsafe
     >>> train = trainsafe.read("trains/ore-train.toml")
@@ -106,7 +106,7 @@ def _with_study(paths: list[str], study: Any, folder: str) -> list[str]:
 
 
 def _put(train: Train, folder: str) -> str:
-    """Writes a train and the files that it names, so that they lie to each other as they did."""
+    """Writes a train and the files that it names, with the same relative paths."""
     text, path, held = train._state()
     home = os.path.join(folder, "a", "b", "c")
     os.makedirs(home)

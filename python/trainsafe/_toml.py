@@ -29,7 +29,7 @@ def value(of: Any) -> str:
 
 
 _LISTS = ("vehicle", "coupler_override", "scenario", "vary")
-"""Lists of tables, of which one alone need not stand in a list."""
+"""Keys of lists of tables; a single table needs no list."""
 
 
 def document(of: Mapping[str, Any]) -> str:

@@ -20,7 +20,7 @@ class Doubt(NamedTuple):
 
 
 class Train:
-    """A train and what is to happen to it; it is right, or there is no such object.
+    """A train and what is to happen to it; it is valid by construction.
 
     >>> import trainsafe
     >>> train = trainsafe.read("trains/ore-train.toml")

@@ -35,7 +35,7 @@ pub struct Bench<'a> {
 }
 
 impl<'a> Bench<'a> {
-    /// With the reference found; nothing measured yet.
+    /// Finds the reference, and measures nothing yet.
     ///
     /// # Errors
     /// The reference's.
@@ -55,7 +55,7 @@ impl<'a> Bench<'a> {
         Ok(Bench { scene, reference, extremes, watched, times, exact, force_n, rating_n, options, rows, left_out })
     }
 
-    /// This crate's methods that fit the scene, and the planner's choice; what a tolerance does not change is one row.
+    /// This crate's methods that fit the scene, and the planner's choice; tolerances with one result share a row.
     ///
     /// # Errors
     /// The planner's, when it finds no method.
@@ -180,7 +180,7 @@ pub fn timed(options: &AccuracyOptions, run: impl Fn()) -> (f64, usize) {
     (seconds[seconds.len() / 2], seconds.len())
 }
 
-/// What cannot be subtracted is as wrong as can be.
+/// The error; infinite if `found` is not finite.
 pub fn difference(found: f64, exact: Dd) -> f64 {
     if found.is_finite() { (Dd::from(found) - exact).abs().hi } else { f64::INFINITY }
 }

@@ -36,9 +36,9 @@ pub use figure::figure;
 pub use table::{csv, markdown, terminal, write};
 
 /// Instants at which a marching method's forces are compared.
-pub const INSTANTS: usize = 64;
+pub(crate) const INSTANTS: usize = 64;
 /// Couplers whose forces at instants are compared, at most.
-pub const WATCHED: usize = 128;
+pub(crate) const WATCHED: usize = 128;
 
 /// A march ends where its estimate passes this share of the largest rating, as in an analysis.
 const MARCH_TOLERANCE: f64 = 1e-6;
@@ -62,7 +62,7 @@ impl Default for AccuracyOptions {
     }
 }
 
-/// Whose a method is.
+/// A method's origin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RowOrigin {
     /// One of this crate's.
@@ -78,7 +78,7 @@ pub enum RowOrigin {
 /// One method at one setting.
 #[derive(Clone, Debug)]
 pub struct MethodRow {
-    /// Whose it is.
+    /// Its origin.
     pub origin: RowOrigin,
     /// Its name.
     pub method: &'static str,

@@ -10,7 +10,7 @@
 //! two steps is missed by up to `h^2 / 8 max |F''|`, whatever the method's own order. Forces at given instants are cubics
 //! through the values and rates at both ends of a step (error of order h^4); the method that chooses its steps ends one there.
 //!
-//! None of them says how wrong it is.
+//! None of them gives its error.
 
 mod dormand_prince;
 mod equations;
@@ -49,7 +49,7 @@ pub enum Peer {
     },
 }
 
-/// What a march saw.
+/// A march's results.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Marched {
     /// Of every coupler the largest F and the largest -F at whole steps over 0 <= t <= horizon.
@@ -66,7 +66,7 @@ pub struct Marched {
 pub struct GaveUp {
     /// Its name.
     pub method: &'static str,
-    /// Its own words.
+    /// Its message.
     pub why: String,
 }
 
@@ -103,7 +103,7 @@ impl Peer {
     }
 
     /// Accelerations that a march is going to compute; a guess where the method chooses its steps.
-    pub fn estimated_accelerations(self, scene: &Scene) -> f64 {
+    pub(crate) fn estimated_accelerations(self, scene: &Scene) -> f64 {
         let per_radian = match self {
             Peer::Newmark { phase } | Peer::Verlet { phase } => 1.0 / phase,
             Peer::RungeKutta4 { phase } => 4.0 / phase,

@@ -1,16 +1,16 @@
-//! A reference of 30 significant digits and more, which proves itself on construction.
+//! A reference of 30 significant digits and more, proven on construction.
 //!
 //! ```text
 //! F_i(t) = F0_i + P [ R_i(t) - R_i(t - D) ],   R_i(t) = sum_j a_ij (1 - cos omega_j t) for t >= 0, else 0
 //! ```
 //!
-//! Modes are found and summed in binary floating point of 256 bits, more where the scene needs it. Nothing about the way
-//! in which they were found has to be believed: what they leave of the equations of motion is measured in the same
-//! arithmetic, and bounds the error of every force (module `modes`). A scene whose bound is not under
+//! Modes are found and summed in binary floating point of 256 bits, more where the scene needs it. How they were
+//! found need not be trusted: their residual in the equations of motion is measured in the same arithmetic, and bounds
+//! the error of every force (module `modes`). A scene whose bound is not under
 //! [`Reference::DIGITS`] is refused.
 //!
 //! Extremes are located by a search of its own in `f64` that drops a stretch of time only when a bound says that it
-//! cannot hold the largest value (module `scan`); what is left is settled in the long arithmetic.
+//! cannot hold the largest value (module `scan`); what is left is computed in long arithmetic.
 
 mod check;
 mod forces;
@@ -32,10 +32,10 @@ pub use real::Real;
 use real::{Circle, dd, difference, rounded};
 use scan::{Found, Piece, Target};
 
-/// Precisions tried in turn; 2,048 bits part frequencies that agree in 500 digits.
+/// Precisions tried in turn; 2,048 bits separate frequencies equal in 500 digits.
 const BITS: [usize; 4] = [256, 512, 1024, 2048];
-/// Candidates for one largest value that are settled in long arithmetic.
-const SETTLED: usize = 8;
+/// Candidates for one largest value computed in long arithmetic.
+const MOST_CANDIDATES: usize = 8;
 
 /// The largest value of F, or of -F, in one spring.
 #[derive(Clone, Debug)]
@@ -44,8 +44,8 @@ pub struct Extreme {
     pub at: f64,
     /// How large.
     pub value: Real,
-    /// How much larger it could be at most: 0 but where a force stays within `f64` rounding of its largest value at more
-    /// places than are worth settling, or where modes of no visible share are too fast to follow.
+    /// How much larger it could be at most: 0 unless a force is within `f64` rounding of its largest value at very
+    /// many places, or modes of negligible share are too fast to follow.
     pub doubt: f64,
 }
 
@@ -73,12 +73,12 @@ pub struct Reference {
 
 impl Reference {
     /// Largest error of a force, relative to the sum of its modes' amplitudes.
-    pub const DIGITS: f64 = 1e-32;
+    pub(crate) const DIGITS: f64 = 1e-32;
 
     /// Finds and verifies the modes of a scene.
     ///
     /// # Errors
-    /// [`ReferenceError::Scene`] for a scene that is no scene, [`ReferenceError::Unverified`] when no precision does.
+    /// [`ReferenceError::Scene`] for an invalid scene, [`ReferenceError::Unverified`] if no precision is enough.
     pub fn new(scene: &Scene) -> Result<Reference, ReferenceError> {
         check(scene)?;
         let mut best = f64::INFINITY;
@@ -151,7 +151,7 @@ impl Reference {
         let start: Vec<f64> = targets.iter().map(|t| t.sign() * self.scene.initial[t.spring]).collect();
         let found =
             scan::find(&self.pieces(&omega, until), &omega, targets, &start).map_err(ReferenceError::TooLong)?;
-        Ok(targets.par_iter().zip(found).map(|(target, found)| self.settle(target, found, until)).collect())
+        Ok(targets.par_iter().zip(found).map(|(target, found)| self.largest_candidate(target, found, until)).collect())
     }
 
     /// The stretches of constant force, in the form that the search takes.
@@ -184,16 +184,16 @@ impl Reference {
     }
 
     /// The largest of the candidates and the initial force, in long arithmetic.
-    fn settle(&self, target: &Target, mut found: Found, until: f64) -> Extreme {
+    fn largest_candidate(&self, target: &Target, mut found: Found, until: f64) -> Extreme {
         let initial = self.real(target.sign() * self.scene.initial[target.spring]);
         let mut best = Extreme { at: 0.0, value: initial, doubt: found.unseen };
-        if found.candidates.len() > SETTLED {
+        if found.candidates.len() > MOST_CANDIDATES {
             found.candidates.sort_by(|a, b| b.value.total_cmp(&a.value));
-            found.candidates.truncate(SETTLED);
+            found.candidates.truncate(MOST_CANDIDATES);
             best.doubt += 2.0 * found.rounding;
         }
         for candidate in &found.candidates {
-            let (at, value) = if candidate.bent {
+            let (at, value) = if candidate.is_concave {
                 self.polish(target, candidate.at, until)
             } else {
                 (candidate.at, self.exact_force(target.spring, candidate.at) * self.real(target.sign()))

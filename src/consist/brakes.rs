@@ -18,7 +18,7 @@ use super::sheet::{Record, Sheet};
 use super::tree::{Read, Table, Value};
 use crate::error::{InputError, Problem, Problems, printable_path, quoted};
 use crate::keys::Sign;
-use crate::train::{Application, Doubt, Forcing, Vehicle};
+use crate::train::{Application, Doubt, Forcing, Vehicle, more};
 use crate::units::{self, Amount, Dimension, one_of, shown_time};
 
 /// Names of applications.
@@ -28,7 +28,7 @@ pub(super) const PRESETS: [&str; 3] = ["AAR", "UIC G", "UIC P"];
 pub(super) const BUILD_UP: [(&str, Dimension, Sign); 2] =
     [("time", Dimension::Time, Sign::NotNegative), ("share", Dimension::Share, Sign::NotNegative)];
 
-/// The named application; `emergency`, or a service one.
+/// The named application: an emergency or a service one.
 fn preset(name: &'static str, emergency: bool) -> Application {
     let (wave_m_per_s, build_up) = match (name, emergency) {
         ("AAR", true) => (290.0, vec![[0.0, 0.0], [1.5, 0.3], [8.0, 1.0]]),
@@ -37,6 +37,19 @@ fn preset(name: &'static str, emergency: bool) -> Application {
         _ => (250.0, vec![[0.0, 0.0], [4.0, 1.0]]),
     };
     Application { name: Some(name), wave_m_per_s, build_up }
+}
+
+/// The table that a named application of `emergency` or `service` stands for; `None` for another word.
+pub(crate) fn application_table(key: &str, name: &str) -> Option<toml::Table> {
+    let Application { wave_m_per_s, build_up, .. } =
+        preset(PRESETS.into_iter().find(|known| *known == name)?, key == "emergency");
+    let row = |&[time_s, share]: &[f64; 2]| vec![format!("{time_s} s"), format!("{} %", 100.0 * share)];
+    let rows: Vec<Vec<String>> = build_up.iter().map(row).collect();
+    Some(
+        [("wave".to_owned(), format!("{wave_m_per_s} m/s").into()), ("build_up".to_owned(), rows.into())]
+            .into_iter()
+            .collect(),
+    )
 }
 
 /// Reads `emergency` or `service`.
@@ -63,7 +76,7 @@ fn points(value: &Value) -> Read<Vec<[f64; 2]>> {
     Ok(rows.iter().map(|row| [row[0], row[1]]).collect())
 }
 
-/// Tractive efforts that change after the event, as changes of the force on each vehicle.
+/// Changes of tractive efforts after the event, as forces on vehicles over time.
 pub(super) fn efforts(
     table: &Table,
     vehicles: &[Vehicle],
@@ -105,8 +118,11 @@ fn cut_power(table: &Table) -> Read<[f64; 2]> {
 /// A schedule that starts later than this after the event, s, is probably on another clock.
 const LATE_S: f64 = 60.0;
 
-/// The largest share of a schedule that was probably written as shares of 1.
-const FAINT: f64 = 0.01 + 1e-9;
+/// If no share is larger, the schedule was probably written in shares of 1.
+const LARGEST_DOUBTFUL_SHARE: f64 = 0.01 + 1e-9;
+
+/// A schedule that starts with a change of more than this share of the largest effort jumps.
+const JUMP: f64 = 0.01;
 
 /// The columns of a throttle schedule.
 const COLUMNS: [&str; 4] = ["time", "share", "force", "vehicle"];
@@ -165,9 +181,25 @@ fn schedule(
         );
         doubts.push(Doubt::of_train("throttle-starts-late", text));
     }
+    let jumps = |course: &&Forcing| {
+        let effort_n = |change_n: f64| (traction_n[course.vehicle] + change_n).abs();
+        let largest_n = course.points.iter().map(|p| effort_n(p[1])).fold(effort_n(0.0), f64::max);
+        course.points[0][1].abs() > JUMP * largest_n
+    };
+    let mut jumping = courses.iter().filter(jumps);
+    if let Some(first) = jumping.next() {
+        let text = format!(
+            "the schedule {name} starts with another tractive effort than that before the event: that of {}{} jumps at {}; begin it \
+             with a row of the effort before the event",
+            vehicles[first.vehicle].label,
+            more(jumping.count(), "vehicle"),
+            shown_time(first.points[0][0])
+        );
+        doubts.push(Doubt::of_train("throttle-jumps", text));
+    }
     let left = courses.iter().flat_map(|c| c.points.iter().map(|p| 1.0 + p[1] / traction_n[c.vehicle]));
     let most = left.fold(0.0, f64::max);
-    if sheet.columns[1].is_some() && most > 0.0 && most <= FAINT {
+    if sheet.columns[1].is_some() && most > 0.0 && most <= LARGEST_DOUBTFUL_SHARE {
         let text =
             format!("no share of the schedule {name} is over 1 %: were shares of 1 meant, such as 0.5 for 50 %?");
         doubts.push(Doubt::of_train("faint-throttle", text));
@@ -175,7 +207,7 @@ fn schedule(
     Ok((courses, doubts))
 }
 
-/// Adds a row of the schedule to the courses of the vehicles that it is of.
+/// Adds a row of the schedule to the courses of its vehicles.
 fn row(
     sheet: &Sheet,
     record: &Record,

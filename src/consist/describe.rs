@@ -9,10 +9,10 @@ use crate::scenario::{break_loads, longest_horizon_s, shortest_horizon_s};
 use crate::train::{Event, LIMITS, Scenario, Train, Vehicle, count};
 use crate::units::{Dimension, UnitSystem, shown, shown_time};
 
-/// Longer lists of vehicles are told by kind, and longer lists of kinds are cut.
+/// Groups of vehicles, or else kinds of vehicles, that are listed at most.
 const LISTED: usize = 12;
 
-/// The train, what will be run on it, and what an engineer should know before, as lines of plain text.
+/// The train, what will be run on it, and the doubts about it, as lines of plain text.
 pub fn describe(train: &Train) -> String {
     let mut text = format!("{}\n{}\n", train.name(), size(train));
     for line in vehicles(train) {
@@ -48,7 +48,7 @@ fn size(train: &Train) -> String {
     format!("{vehicles}, {couplers}, {mass}{held}{length}")
 }
 
-/// Neighbours alike, from the head; in a train of many such groups, its kinds of vehicle.
+/// Groups of equal neighbours, from the head; of many groups the kinds of vehicle.
 fn vehicles(train: &Train) -> Vec<String> {
     let line = |group| group_line(group, train.origin().units);
     let mut groups: Vec<(usize, &Vehicle)> = vec![];
@@ -79,7 +79,7 @@ fn alike(a: &Vehicle, b: &Vehicle) -> bool {
     (a.mass_kg, a.held, a.length_m) == (b.mass_kg, b.held, b.length_m) && unnumbered(&a.label) == unnumbered(&b.label)
 }
 
-/// A label without the number that sets it apart from others alike.
+/// A label without its number: "ore car" of "ore car 12".
 fn unnumbered(label: &str) -> &str {
     label.rsplit_once(' ').filter(|(_, n)| n.bytes().all(|b| b.is_ascii_digit())).map_or(label, |(name, _)| name)
 }
@@ -132,7 +132,7 @@ fn load(train: &Train) -> String {
     format!("load before the event: {range}{from}{}", of_parts(train))
 }
 
-/// What is to be added to the load of a train with an impact.
+/// The clause that follows the load of a train with an impact.
 pub(crate) fn of_parts(train: &Train) -> &'static str {
     let impact = train.scenarios().iter().any(|s| s.event.kind() == "impact");
     let loaded = train.initial_force_n().iter().any(|f| *f != 0.0) || train.extras().steady.is_some();
@@ -143,7 +143,7 @@ pub(crate) fn of_parts(train: &Train) -> &'static str {
     }
 }
 
-/// What breaks couplers in a cascade, in the first senses of draft and buff.
+/// The load that breaks couplers in a cascade; `senses`: 1 is draft, 2 both.
 fn breaking_loads(train: &Train, senses: usize) -> &'static str {
     let all = || (0..train.couplers().len()).flat_map(|i| break_loads(train, i).into_iter().take(senses));
     let ultimate = |(_, key): (f64, &str)| key == LIMITS[2];

@@ -52,7 +52,7 @@ fn kind(law: &Law, units: UnitSystem) -> String {
     }
 }
 
-/// Stroke, work and share of it that is lost.
+/// Stroke, closing force, work, and the share of the work that is lost.
 fn gear(curve: &Curve, units: UnitSystem) -> String {
     format!(
         "closes after {} at {}, and a full stroke takes {}, of which {:.0} % is lost",
@@ -87,15 +87,14 @@ fn at_the_load(train: &Train, couplers: &[usize], law: &Law) -> String {
     format!("; at {force} in {sense}{from}, the connection is {travel} beyond the slack")
 }
 
-/// Points of a build-up told one by one.
+/// Longer build-ups show their last point only.
 const POINTS: usize = 8;
 
-/// An application in words: `an AAR application` or its numbers.
+/// A brake application in words: name, wave and brake force.
 pub(crate) fn application(of: &Application, units: UnitSystem) -> String {
     let named = of.name.map_or(String::new(), |name| format!("{name}: "));
     let point = |p: &[f64; 2]| format!("{} after {}", shown(units, p[1], Dimension::Share), shown_time(p[0]));
-    // The points of a named application are in its source.
-    // All points but the first, which is 0, or the last alone.
+    // A named or long build-up shows its last point only, others all but the first, which is 0.
     let skipped = if of.name.is_some() || of.build_up.len() > POINTS { of.build_up.len().saturating_sub(1) } else { 1 };
     let course: Vec<String> = of.build_up.iter().skip(skipped).map(point).collect();
     format!("{named}wave {}, brake force {}", units.wave_speed(of.wave_m_per_s), course.join(", "))

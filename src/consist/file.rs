@@ -1,4 +1,4 @@
-//! A train file's tables into a train.
+//! Makes a train from a train file's tables.
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
@@ -20,10 +20,10 @@ use crate::train::{
 };
 use crate::units::{Amount, UnitSystem};
 
-/// Reads the whole train, going on after a problem as far as what follows can be judged without it.
+/// Reads the whole train; after a problem it reads on as far as it can.
 ///
-/// A value that was wrong is replaced by some right one so that the rest is still looked at. The train is good only if no
-/// problem has been noted. `rows` are those of the table that the file's `vehicles` names.
+/// A wrong value is replaced by a valid one, so that the rest is still checked. The train is valid only if no problem
+/// has been noted. `rows` are those of the table that the file's `vehicles` names.
 /// `each` gives each coupler a `[coupler]` of its own.
 pub(super) fn train(
     found: &Found,
@@ -34,7 +34,8 @@ pub(super) fn train(
     files: &Files,
 ) -> Read<Train> {
     let name = root.get("name").map_or_else(|| Ok(stem(path)), |v| v.name().map(str::to_owned));
-    let base = base_coupler(root, path, files).unwrap_or(PLACEHOLDER);
+    let common = coupler_table(root);
+    let base = common.as_ref().map_or(PLACEHOLDER, |table| base_coupler(root, table, path, files));
     let (groups, behind) = match rows {
         Some(Rows { groups, behind, doubts }) => {
             doubts.into_iter().for_each(|doubt| found.doubt(doubt));
@@ -47,7 +48,10 @@ pub(super) fn train(
     let bases = match each {
         Some(each) => {
             let mut drawn = Vec::with_capacity(couplers);
-            each(couplers, &mut |tree| drawn.push(base_coupler(&Table::root(found, tree, &TRAIN), path, files)));
+            each(couplers, &mut |tree| {
+                let root = Table::root(found, tree, &TRAIN);
+                drawn.push(coupler_table(&root).map(|table| base_coupler(&root, &table, path, files)));
+            });
             drawn.into_iter().collect::<Read<_>>()?
         }
         None => vec![base; couplers],
@@ -57,6 +61,15 @@ pub(super) fn train(
     let vehicles: Vec<VehicleSpec> = groups.into_iter().map(|group| group.vehicle).collect();
     let labels = Labels::new(own.len(), || numbered(&vehicles).0);
     let overridden = override_couplers(root, &bases, &mut ratings, &labels, path, files);
+    if let (Ok(table), Some(i)) = (&common, ratings.iter().position(|r| !r.law.gives_force())) {
+        let help = "add stiffness = \"30 MN/m\", that of the whole connection between two vehicles";
+        let right = if ratings.iter().any(|r| r.law.gives_force()) {
+            format!("{help}, or give coupler {} a stiffness or a gear, as others have", i + 1)
+        } else {
+            format!("{help}{}", tables_first(root))
+        };
+        let _ = table.require("stiffness", &right);
+    }
     let weakest_n = ratings.iter().map(|r| r.draft_n).fold(f64::INFINITY, f64::min);
     let load = loads::read(root, &vehicles, &own, &labels, weakest_n);
     let mut by_label = labels.named.take();
@@ -66,7 +79,7 @@ pub(super) fn train(
         Err(reported) => (Err(reported), PulledTo::None),
     };
     let asked = root.get("units").map(|value| value.word()).transpose()?.and_then(UnitSystem::from_name);
-    // Of problems; those of the report are counted once all is read.
+    // Units of messages; those of the report are chosen at the end.
     let units = asked.unwrap_or_else(|| found.units());
     let spec = TrainSpec {
         origin: Origin { units, ..Origin::default() },
@@ -89,7 +102,7 @@ pub(super) fn train(
     let scenarios = scenarios::read(root, &context)?;
     by_label.extend(labels.named.take());
     drop(labels);
-    for problem in train.take(scenarios) {
+    for problem in train.set_scenarios(scenarios) {
         places.note(problem);
     }
     let units = asked.unwrap_or_else(|| found.units());
@@ -99,12 +112,12 @@ pub(super) fn train(
     Ok(train.with_origin(origin))
 }
 
-/// Where the file says what is wrong with the train.
+/// Finds the place in the file of a problem with the train.
 struct Places<'f> {
     found: &'f Found,
     root: &'f Table<'f>,
     overridden: Overridden,
-    /// What has been noted, by its place: all couplers that have it from there are wrong in the same way.
+    /// Places and messages that have been noted: a wrong value of many couplers is reported once.
     told: HashSet<(Option<Range<usize>>, String)>,
 }
 
@@ -125,7 +138,7 @@ impl Places<'_> {
         })
     }
 
-    /// The place of a key, and whose it is where the place does not say so.
+    /// The place of a key, and words for its coupler where the place does not show it.
     fn place(&self, key: &str) -> (Option<Range<usize>>, String) {
         let of_coupler = key.strip_prefix("coupler[").and_then(|rest| rest.split_once("]."));
         let Some((i, keys)) = of_coupler.and_then(|(i, keys)| Some((i.parse::<usize>().ok()?, keys))) else {
@@ -146,7 +159,7 @@ fn specs(ratings: Vec<Ratings>) -> Vec<CouplerSpec> {
     let mut before: Option<LawKeys> = None;
     for r in ratings {
         let again = all.last().filter(|_| before.as_ref() == Some(&r.law)).map(|coupler| coupler.law.clone());
-        // What is wrong has been noted where it is given, or replaced.
+        // A wrong law has been noted or replaced before.
         let law = again.unwrap_or_else(|| r.law.law().unwrap_or(Law::linear(1.0)));
         let rated_buff_n = match r.buff {
             Amount::Si(value) => value,
@@ -192,7 +205,7 @@ impl OwnKeys {
         rated || law.gives_anything() || damping_n_s_per_m.is_some()
     }
 
-    /// Puts it in the place of what a coupler had; a share of the draft rating is one of `[coupler]`'s.
+    /// Overrides a coupler's values; a share in `rated_load` is of `[coupler]`'s.
     fn apply(&self, base: &Ratings, coupler: &mut Ratings) {
         if self.law.gives_anything() {
             coupler.law = self.law.or(&coupler.law);
@@ -210,7 +223,7 @@ impl OwnKeys {
     }
 }
 
-/// A `limits` table: a capacity of its own is of both senses, but where the table of a sense has another.
+/// A `limits` table: its capacities are of both senses, unless its table of a sense gives another.
 fn limits(value: &Value) -> Read<Limits> {
     let table = value.table()?;
     let both = capacities(value, &table);
@@ -239,7 +252,7 @@ fn capacities(value: &Value, table: &Table) -> Read<[Option<f64>; 3]> {
     Ok([fatigue?, proof?, ultimate?])
 }
 
-/// The ratings that hold unless overridden; a share in `buff` is of whichever draft rating the coupler has.
+/// A coupler's values so far; a share in `buff` is of the coupler's own draft rating.
 #[derive(Clone)]
 struct Ratings {
     law: LawKeys,
@@ -258,34 +271,38 @@ const PLACEHOLDER: Ratings = Ratings {
     damping_n_s_per_m: 0.0,
 };
 
-fn base_coupler(root: &Table, path: &Path, files: &Files) -> Read<Ratings> {
-    // Of a table of vehicles too, whatever its columns are.
-    let own =
-        if root.get("vehicles").is_some() { "; what a coupler's row of the table has goes before it" } else { "" };
-    let value = root.require("coupler", &format!("add a [coupler] table with stiffness and rated_load{own}"))?;
-    let table = value.table()?;
+/// What is said of a key of `[coupler]` where a table of vehicles may have a column of it.
+fn tables_first(root: &Table) -> &'static str {
+    if root.get("vehicles").is_some() { "; what a coupler's row of the table has goes before it" } else { "" }
+}
+
+fn coupler_table<'s>(root: &Table<'s>) -> Read<Table<'s>> {
+    let right = format!("add a [coupler] table with stiffness and rated_load{}", tables_first(root));
+    root.require("coupler", &right)?.table()
+}
+
+/// The values of `[coupler]`, whose stiffness or gear may be left out where every coupler has one of its own; where some are wrong,
+/// those of the placeholder with its law.
+fn base_coupler(root: &Table, table: &Table, path: &Path, files: &Files) -> Ratings {
     let damping = table.get("damping").map(|v| v.quantity()).transpose();
-    let law = match table.get("gear") {
-        Some(_) => LawKeys::read(&table, path, files),
-        None => table
-            .require(
-                "stiffness",
-                &format!("add stiffness = \"30 MN/m\", that of the whole connection between two vehicles{own}"),
-            )
-            .and_then(|_| LawKeys::read(&table, path, files)),
-    };
-    let law = law.and_then(|law| together(&table, law));
+    let law = LawKeys::read(table, path, files).and_then(|law| together(table, law)).unwrap_or(PLACEHOLDER.law);
     let draft = table
-        .require("rated_load", &format!("add rated_load = \"1.5 MN\", the capacity in draft{own}"))
+        .require("rated_load", &format!("add rated_load = \"1.5 MN\", the capacity in draft{}", tables_first(root)))
         .and_then(|v| v.quantity());
     let buff = table.get("rated_buff").map_or(Ok(Amount::Share(1.0)), |v| v.amount());
     let limits = table.get("limits").as_ref().map_or(Ok(Limits::default()), limits);
-    Ok(Ratings { law: law?, draft_n: draft?, buff: buff?, limits: limits?, damping_n_s_per_m: damping?.unwrap_or(0.0) })
+    match (draft, buff, limits, damping) {
+        (Ok(draft_n), Ok(buff), Ok(limits), Ok(damping)) => {
+            Ratings { law, draft_n, buff, limits, damping_n_s_per_m: damping.unwrap_or(0.0) }
+        }
+        _ => Ratings { law, ..PLACEHOLDER },
+    }
 }
 
-/// Keys of a law that go together; else notes at the key of the table what does not.
+/// Keys of a law that go together, as far as they are given; else notes at the key of the table what does not.
 fn together(table: &Table, law: LawKeys) -> Read<LawKeys> {
     match law.law() {
+        _ if !law.gives_force() => Ok(law),
         Ok(_) => Ok(law),
         Err((key, title, help)) => Err(match table.get(key) {
             Some(value) => value.wrong(title, help),
@@ -305,7 +322,7 @@ fn rate_by_table(
     let own = groups.iter().zip(behind).flat_map(|(group, own)| std::iter::repeat_n(own, group.vehicle.count));
     ratings.iter_mut().zip(bases).zip(own).for_each(|((coupler, base), own)| own.apply(base, coupler));
     let Some(table) = root.get("vehicles") else { return Ok(()) };
-    for (i, rating) in ratings.iter().enumerate() {
+    for (i, rating) in ratings.iter().enumerate().filter(|(_, rating)| rating.law.gives_force()) {
         let wrong = |(_, title, help)| table.wrong(format!("the table's coupler {}: {title}", i + 1), help);
         rating.law.law().map_err(wrong)?;
     }

@@ -72,11 +72,16 @@ impl Gear {
             }
         };
         let row = |(row, unloading_n): (&[f64; 2], f64)| GearRow { travel_m: row[0], loading_n: row[1], unloading_n };
-        Curve::new(self.rows.iter().zip(unloading).map(row).collect()).map_err(|bad| self.told(bad))
+        Curve::new(self.rows.iter().zip(unloading).map(row).collect()).map_err(|bad| self.problem_text(bad))
     }
 
-    fn told(&self, bad: CurveProblem) -> [String; 2] {
-        let help = "travel rises from 0 from row to row, no force falls, and unloading is at most loading";
+    fn problem_text(&self, bad: CurveProblem) -> [String; 2] {
+        let help = match bad {
+            CurveProblem::NoForce => {
+                "give the forces of loading with their unit; travel without force is slack = \"25 mm\""
+            }
+            _ => "travel rises from 0 from row to row, no force falls, and unloading is at most loading",
+        };
         [format!("{}: {}", self.name, bad.renumbered(|row| self.numbers[row - 1])), help.to_owned()]
     }
 }
@@ -91,7 +96,7 @@ pub(super) fn read(value: &Value, path: &Path, files: &Files) -> Read<Arc<Gear>>
     } else {
         inline(value)?
     };
-    // With a friction of none only the loading is looked at, which every friction has.
+    // Without friction only the loading is checked, which is the same with any friction.
     let checked = gear.curve(Some(0.0));
     checked.map_err(|[title, help]| value.wrong(title, help))?;
     Ok(Arc::new(gear))
@@ -165,7 +170,7 @@ fn parse(text: &str, path: &Path) -> Result<(Gear, Vec<Doubt>), InputError> {
                 gear.unloading_n.iter_mut().for_each(|all| all.push(unloading.unwrap_or_default()));
                 continue;
             }
-            // One cell shows what is wrong with a column.
+            // One problem is enough: others are often the same.
             some => some.into_iter().filter_map(Result::err).take(1).for_each(|problem| problems.note(problem)),
         }
         return Err(InputError::new(path, text, problems));

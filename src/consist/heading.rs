@@ -45,7 +45,7 @@ impl Heading {
     }
 }
 
-/// Between the words of a name, and between a name and its unit.
+/// Characters between words, and between name and unit.
 const BETWEEN: [char; 11] = [' ', '_', '-', '.', ',', '/', ':', '\u{a0}', '\n', '\r', '\t'];
 /// Longer headings are not looked at.
 const LONGEST: usize = 100;
@@ -80,7 +80,7 @@ pub(super) fn heading(text: &str, wanted: &[Wanted]) -> Heading {
         let written = text[i..].trim_start_matches(BETWEEN);
         let Some(known) = find(&text[..i]).filter(|_| !written.is_empty()) else { continue };
         let Content::Quantity { of, .. } = wanted[known.0].content else { continue };
-        // A word that is no unit at all makes another column of it: mass_empty.
+        // A last word that is no unit is part of the name: mass_empty.
         if unit(written, wanted[known.0].content).is_ok() || is_some_unit(written, of) {
             return with_unit(known, written);
         }

@@ -36,7 +36,7 @@ pub(super) struct Group {
     pub(super) count: usize,
     pub(super) vehicle: Vec<Given>,
     pub(super) coupler: Vec<Given>,
-    /// Why keys are missing that each vehicle needs.
+    /// Needed keys that are missing, with the reasons.
     pub(super) missing: Vec<[String; 2]>,
 }
 

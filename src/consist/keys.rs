@@ -161,7 +161,7 @@ const DAMPING: Key = Key::optional(
 );
 
 pub(super) static COUPLER: Shape = Shape {
-    exactly_one: &["stiffness", "gear"],
+    at_most_one: &["stiffness", "gear"],
     ..Shape::new(
         "[coupler]",
         "Every coupler: the whole connection between two vehicles as one linear spring, or as a gear with friction, with two ratings.",

@@ -1,4 +1,4 @@
-//! What a file is that is not what was asked for, so that a message can say it.
+//! What a file is if it is not what was expected, for messages.
 
 use toml::de::DeTable;
 
@@ -9,7 +9,7 @@ pub(crate) fn is_study(root: &DeTable) -> bool {
     ["trains", "vary"].iter().any(|key| root.contains_key(*key))
 }
 
-/// What a file is that is no text, by its first bytes; the second: a workbook.
+/// What a binary file is, by its first bytes, and whether it is a workbook.
 pub(super) fn of_bytes(bytes: &[u8]) -> Option<(&'static str, bool)> {
     let holds = |part: &[u8]| bytes.windows(part.len()).take(1 << 20).any(|window| window == part);
     let starts: [(&[u8], &str, bool); 7] = [

@@ -1,4 +1,4 @@
-//! Names of vehicles: each has one of its own, and a vehicle or the coupler behind it can be named by it.
+//! Labels of vehicles: each is unique, and can name the vehicle or the coupler behind it.
 
 use std::cell::{OnceCell, RefCell};
 use std::collections::HashMap;
@@ -7,7 +7,7 @@ use super::tree::{Read, Value};
 use crate::error::quoted;
 use crate::train::{Train, Vehicle};
 
-/// So many names are compared with one that is unknown.
+/// Labels that are compared with an unknown one at most.
 const COMPARED: usize = 20_000;
 
 /// The vehicles by their names, which are made when one is asked for.
@@ -37,7 +37,7 @@ impl<'v> Labels<'v> {
         self.vehicles.get_or_init(&self.names)
     }
 
-    /// The vehicle that a value names, as an index from 0; `or` is what is right beside a label.
+    /// The vehicle that a value names, as an index from 0; `or` is what else would be right.
     pub(super) fn vehicle(&self, value: &Value, label: &str, or: &str) -> Read<usize> {
         let vehicles = self.vehicles();
         let all = || vehicles.iter().enumerate().map(|(i, v)| (v.label.clone(), i)).collect();
@@ -46,6 +46,7 @@ impl<'v> Labels<'v> {
         }
         let numbered = |v: &&Vehicle| {
             let number = v.label.strip_prefix(label).and_then(|rest| rest.strip_prefix(' '));
+            let number = number.map(|n| n.strip_prefix('(').and_then(|n| n.strip_suffix(')')).unwrap_or(n));
             number.is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()))
         };
         let some: Vec<&Vehicle> = vehicles.iter().filter(numbered).collect();

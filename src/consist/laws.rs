@@ -8,7 +8,7 @@ use super::gears::{self, Gear};
 use super::tree::{Read, Table};
 use crate::law::Law;
 
-/// The keys, of `[coupler]` and of what differs from it.
+/// The keys of a law, in `[coupler]` or an override.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct LawKeys {
     pub(super) stiffness_n_per_m: Option<f64>,
@@ -23,7 +23,7 @@ pub(super) struct LawKeys {
 /// What is wrong with a law: the key that shows it, what it is and what would be right.
 type Wrong = (&'static str, String, String);
 
-/// Keys that mean something beside a gear only, each with what to do without one.
+/// Keys that need a gear.
 const OF_GEARS: [&str; 3] = ["gear_in_buff", "friction", "solid_stiffness"];
 
 impl LawKeys {
@@ -68,13 +68,18 @@ impl LawKeys {
         Ok(keys)
     }
 
+    /// Whether it has a stiffness or a gear, one of which every coupler needs.
+    pub(super) fn gives_force(&self) -> bool {
+        self.stiffness_n_per_m.is_some() || self.gear.is_some()
+    }
+
     /// Whether it says anything.
     pub(super) fn gives_anything(&self) -> bool {
         *self != LawKeys::default()
     }
 
-    /// These, and those of `base` where these are not given. A stiffness takes the place of a gear with all that belongs to it, and
-    /// a gear that of a stiffness; an own table of unloading that of the common friction.
+    /// These keys, and those of `base` that are not among them. A stiffness replaces the base's gear with all that
+    /// belongs to it, a gear the base's stiffness, and a table with unloading the base's friction.
     pub(super) fn or(&self, base: &LawKeys) -> LawKeys {
         let spring = self.stiffness_n_per_m.is_some();
         let gear = self.gear.is_some();

@@ -23,7 +23,7 @@ pub(super) struct OwnLoad {
     pub(super) emergency_brake_n: f64,
     resistance_n_per_kg: Option<f64>,
     grade: Option<f64>,
-    /// One of the keys is there.
+    /// Whether any key is given.
     given: bool,
 }
 
@@ -32,12 +32,12 @@ pub(super) fn tractions(own: &[OwnLoad]) -> Vec<f64> {
     own.iter().map(|o| o.tractive_effort_n).collect()
 }
 
-/// The steepest grade of a train whose grades may have been meant as shares of 1: 0.05 %.
-const FLAT: f64 = 5e-4;
+/// If no grade is steeper than this, 0.05 %, shares of 1 may have been meant.
+const LARGEST_DOUBTFUL_GRADE: f64 = 5e-4;
 
 const OWN_KEYS: [&str; 4] = ["tractive_effort", "rolling_resistance", "grade", "brake_force"];
 
-/// Reads the loads of one `[[vehicle]]` table. In the place of what is wrong, which is noted, stands a number that leads to no further
+/// Reads the loads of one `[[vehicle]]` table. A wrong value is noted and replaced by one that causes no further
 /// problem.
 pub(super) fn own(table: &Table, held: bool) -> OwnLoad {
     let quantity = |key| table.get(key).map(|v| v.quantity()).transpose();
@@ -123,7 +123,7 @@ fn unlikely_grade<'v>(
     let slopes = vehicles.enumerate().filter(|(_, (v, _))| !v.held).map(|(i, (_, o))| (i, o.grade.unwrap_or(grade)));
     let slopes: Vec<(usize, f64)> = slopes.collect();
     let largest = slopes.iter().fold(0.0f64, |a, (_, slope)| a.max(slope.abs()));
-    if largest > 0.0 && largest < FLAT {
+    if largest > 0.0 && largest < LARGEST_DOUBTFUL_GRADE {
         let [percent, share] = [100.0 * largest, 1e4 * largest].map(|x| without_zeros(&digits(x, 0.0, 3)));
         let text = format!("the steepest grade is {percent} %: was {share} % meant, given as a share of 1?");
         root.doubt(Doubt::of_train("flat-grade", text));

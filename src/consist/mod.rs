@@ -30,6 +30,7 @@ use toml::de::DeTable;
 use crate::error::{InputError, Problem};
 use crate::train::{Origin, Train};
 
+pub(crate) use brakes::application_table;
 pub use describe::describe;
 pub(crate) use describe::of_parts;
 pub(crate) use describe_laws::{application, laws, place, response_sentences as response};
@@ -108,12 +109,11 @@ pub(crate) fn parse_with(text: &str, path: &Path, files: &Files) -> Result<Train
     read_tree(parsed.get_ref(), text, path, files, None)
 }
 
-/// Hands trees with a `[coupler]` over, one for each coupler of a train with so many couplers.
+/// Gives a function a tree with a `[coupler]` for each of so many couplers.
 pub(crate) type EachCoupler<'a> = &'a dyn Fn(usize, &mut dyn FnMut(&DeTable));
 
-/// Reads the tree of a train file, whose places are those of the text; with a `[coupler]` for each coupler, where there are any, in
-/// the place of the file's one. What a table of vehicles or a `[[coupler_override]]` says of a coupler holds over its own `[coupler]`
-/// as it does over the common one.
+/// Reads the tree of a train file, whose places are those of the text. `each` replaces the file's `[coupler]` by one
+/// for each coupler; a table of vehicles and `[[coupler_override]]` override these as they do the common one.
 ///
 /// # Errors
 /// As for [`parse`].
@@ -144,7 +144,7 @@ pub(crate) fn read_tree(
     }
 }
 
-/// What to say of a text that is another kind of file than a train file, if that can be told.
+/// The message for a text that is known to be another kind of file.
 fn not_train(text: &str, path: &Path) -> Option<InputError> {
     let what = kinds::of_text(text).filter(|what| *what != "a train file")?;
     let shown = crate::error::printable_path(path);
@@ -172,7 +172,7 @@ pub(crate) fn not_toml(error: toml::de::Error, text: &str, path: &Path) -> Input
     InputError::one(path, text, Problem::at(at, title, help))
 }
 
-/// A backslash between double quotes that starts no escape, as in a path of Windows, put right.
+/// Help for a backslash in double quotes that starts no escape, as in a path of Windows.
 fn escaped(text: &str, at: usize) -> Option<String> {
     let before = text.get(..at)?;
     let line_start = before.rfind(['\n', '\r']).map_or(0, |i| i + 1);
@@ -182,7 +182,7 @@ fn escaped(text: &str, at: usize) -> Option<String> {
     (line_start + slash <= at + 1).then(|| tree::BACKSLASH.to_owned())
 }
 
-/// The commonest slip of syntax, a quantity without quotes, put right.
+/// Help for the commonest error, a quantity without quotes.
 fn unquoted(text: &str, at: usize) -> Option<String> {
     let before = text.get(..at)?;
     let line = text.get(before.rfind('\n').map_or(0, |i| i + 1)..)?.lines().next()?;

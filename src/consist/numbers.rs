@@ -58,8 +58,8 @@ pub(super) fn canonical(run: &str, decimal: Decimal) -> Option<String> {
     good.then(|| format!("{sign}{}{point}{}{exponent}", whole.replace(thousands, ""), decimals.unwrap_or_default()))
 }
 
-/// A number, written with a point and no separators of thousands, as a cell of CSV between commas: three decimals could be taken for
-/// thousands where another cell's text has a decimal comma.
+/// A number, written with a point and no separators of thousands, as a cell of CSV. Three decimals get a zero: they
+/// could be taken for thousands where another cell has a decimal comma.
 pub fn cell_of_number(number: String) -> String {
     let three = number.split_once('.').is_some_and(|(_, decimals)| decimals.len() == 3);
     if three { number + "0" } else { number }
@@ -72,10 +72,11 @@ pub fn cell_of_text(text: &str) -> String {
     if plain { line } else { format!("\"{}\"", line.replace('"', "\"\"")) }
 }
 
-/// What the numbers of a file say of its decimal mark.
+/// What a file's numbers show of its decimal mark.
 #[derive(Default)]
 pub(super) struct Marks {
-    /// The first number that only a decimal point explains, the first that only a comma does, and the first that both do.
+    /// The first number that must have a decimal point, the first that must have a comma, the first that can have
+    /// either.
     point: Option<(String, Range<usize>)>,
     comma: Option<(String, Range<usize>)>,
     either: Option<(String, Range<usize>)>,
@@ -83,7 +84,7 @@ pub(super) struct Marks {
 
 impl Marks {
     /// Takes a cell into account.
-    pub(super) fn see(&mut self, text: &str, span: Range<usize>) {
+    pub(super) fn add_cell(&mut self, text: &str, span: Range<usize>) {
         let run = number_run(text);
         if !run.contains(['.', ',']) {
             return;

@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use super::heading::{Content, Wanted, only_unit};
-use super::sheet::{ABOVE, NoSheet, Record, Sheet};
+use super::sheet::{HEADER_ROWS, NoSheet, Record, Sheet};
 use crate::error::{InputError, Problem, Problems, printable_path, quoted};
 use crate::train::Doubt;
 use crate::units::{self, Amount, Dimension, shown_time};
@@ -77,9 +77,9 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<Course, InputError> {
     Ok(Course { points, doubts })
 }
 
-/// What can be told of a text in which several columns could be the time or the force, in words that show nothing of it.
+/// Which columns of a text could each be the time or the force, in words that show nothing of the text.
 fn several(text: &str) -> Option<String> {
-    text.lines().take(ABOVE).enumerate().find_map(|(row, line)| {
+    text.lines().take(HEADER_ROWS).enumerate().find_map(|(row, line)| {
         let fitting = |of: Dimension| {
             let content = Content::Quantity { of, share: false };
             let is_of = |(i, cell): (usize, &str)| only_unit(cell.trim().trim_matches('"'), content).map(|_| i + 1);
@@ -89,7 +89,7 @@ fn several(text: &str) -> Option<String> {
         let open = found.iter().find(|(_, columns)| columns.len() > 1)?;
         let which = open.1.iter().map(ToString::to_string).collect::<Vec<_>>().join(" and ");
         let all = found.iter().all(|(_, columns)| !columns.is_empty());
-        all.then(|| format!("columns {which} of row {} could each be the {}; head one of them so", row + 1, open.0))
+        all.then(|| format!("columns {which} of row {} could each be the {}; give one that heading", row + 1, open.0))
     })
 }
 
@@ -101,7 +101,7 @@ fn points(sheet: &Sheet, problems: &mut Problems) -> Vec<[f64; 2]> {
             Ok(point) => point,
             Err(problem) => {
                 problems.note(problem);
-                // One cell shows what is wrong with a column.
+                // One problem is enough: others are often the same.
                 return points;
             }
         };
@@ -147,8 +147,8 @@ fn is_clock(text: &str) -> bool {
     text.matches([':', '-', '/']).count() > 1 && text.split([':', '-', '/', ' ', 'T']).all(number)
 }
 
-/// The course with its start at t = 0: a record that starts at another time starts at the last row before its force leaves zero, or at its
-/// first row if there is a force in that.
+/// The course with its start at t = 0: if the record starts at another time, that is the last row before the force
+/// leaves zero, or the first row if it has a force.
 fn shifted(points: Vec<[f64; 2]>, name: &str) -> (Vec<[f64; 2]>, Option<Doubt>) {
     let first = points[0][0];
     if first == 0.0 {

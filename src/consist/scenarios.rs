@@ -12,7 +12,7 @@ use crate::play::{Drive, Rule};
 use crate::train::{Doubt, Event, MOST_CASES, MOST_SCENARIOS, Response, Scenario, Train};
 use crate::units::{Amount, Dimension, shown};
 
-/// What a scenario is read against.
+/// What reading a scenario needs.
 pub(super) struct Context<'a, 'v> {
     pub found: &'a Found,
     pub labels: &'a Labels<'v>,
@@ -32,9 +32,9 @@ pub(super) fn read(root: &Table, context: &Context) -> Read<Vec<Scenario>> {
     let tables = root.get("scenario").map_or(Ok(vec![]), |v| v.tables())?;
     let mut cases = 0;
     let mut scenarios = vec![];
-    // One more than may be: more are refused, and need not be read for that.
+    // One more than allowed is enough to refuse them.
     for table in tables.iter().take(MOST_SCENARIOS + 1) {
-        let scenario = scenario(table, context).unwrap_or_else(|_| stand_in());
+        let scenario = scenario(table, context).unwrap_or_else(|_| placeholder_scenario());
         if let Event::Break { couplers } = &scenario.event {
             cases += couplers.len();
         }
@@ -47,7 +47,7 @@ pub(super) fn read(root: &Table, context: &Context) -> Read<Vec<Scenario>> {
 }
 
 /// Stands in for a scenario that was wrong, so that the others are still looked at.
-fn stand_in() -> Scenario {
+fn placeholder_scenario() -> Scenario {
     let event = Event::Break { couplers: vec![0] };
     let (name, response) = (String::new(), Response::default());
     Scenario { name, event, horizon_s: None, cascade: Rule::Keep, left_out_in_buff: vec![], response }
@@ -63,7 +63,7 @@ fn scenario(table: &Table, context: &Context) -> Read<Scenario> {
     only_of(table, kind);
     let breaking = breaking(table, kind);
     let event = match kind {
-        // With an unreadable flag nothing is said of couplers in buff.
+        // If the flag is wrong, couplers in buff are not reported.
         "break" => break_of(table, context, breaking.as_ref().map_or(true, |(_, in_buff)| *in_buff)),
         "impact" => impact(table, context.labels.count).map(|event| (event, vec![])),
         "brake" => brake(table, context).map(|event| (event, vec![])),
@@ -91,7 +91,7 @@ fn scenario(table: &Table, context: &Context) -> Read<Scenario> {
     Ok(Scenario { name, event, left_out_in_buff, horizon_s, cascade, response })
 }
 
-/// Which couplers break that pass their rating, and whether couplers in buff break.
+/// The rule for couplers that pass their load, and whether those in buff break.
 fn breaking(table: &Table, kind: &str) -> Read<(Rule, bool)> {
     let on = table.get("cascade").map_or(Ok(false), |v| v.flag());
     let buff = table.get("buff_breaks");
@@ -282,7 +282,7 @@ fn brake(table: &Table, context: &Context) -> Read<Event> {
     Ok(Event::Brake { from: from?, emergency, application: application? })
 }
 
-/// The vehicle that `at` names, as an index from 0; `more` is what else it could be.
+/// The vehicle that `at` names, as an index from 0; `more`: other right values.
 fn place<'s>(table: &Table<'s>, context: &Context, more: &str) -> Read<(Value<'s>, usize)> {
     let Context { labels, found, train, .. } = context;
     let vehicles = train.vehicles();

@@ -2,7 +2,7 @@
 //! and which columns are those that are looked for. Vehicles and records are both read through it.
 //!
 //! Above the header there may be a line `sep=;`, comments that start with `#`, and lines of titles or metadata; below it a row of units.
-//! What the text leaves open is refused with the reason, once for the file or the column.
+//! What has several meanings is refused with the reason, once for the file or the column.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -12,12 +12,12 @@ use super::numbers::{Decimal, canonical, number_run};
 use crate::error::{Problem, Problems, quoted};
 use crate::train::Doubt;
 
-/// Wider tables are refused, and so are longer headers, in bytes.
+/// Columns of a table, and bytes of its header, at most.
 const MOST_COLUMNS: usize = 1000;
 const LONGEST_HEADER: usize = 64 << 10;
-/// The header is looked for in so many rows, and so many rows below it are looked at to tell what separates cells.
-pub(super) const ABOVE: usize = 100;
-const BELOW: usize = 20;
+/// Rows in which the header is looked for, and rows below it that are compared to find the separator of cells.
+pub(super) const HEADER_ROWS: usize = 100;
+const COMPARED_ROWS: usize = 20;
 
 /// A cell: its place without the space and the quotation marks around it.
 struct Cell {
@@ -159,13 +159,13 @@ pub(super) struct Sheet<'t> {
     body: (usize, usize),
 }
 
-/// A header as far as it has been looked at.
+/// A row that may be the header.
 struct Candidate {
     separator: u8,
     header: Record,
     headings: Vec<Heading>,
-    /// By which of several candidates the header is chosen: it has all that is needed, it is no comment, how many headings are known,
-    /// and how many of the rows below have as many cells.
+    /// The candidate of the largest rank is the header: whether it has all that is needed, whether it is no comment,
+    /// how many headings are known, how many rows below have as many cells.
     rank: (bool, bool, usize, usize),
     body: (usize, usize),
 }
@@ -328,7 +328,7 @@ impl<'t> Sheet<'t> {
             .collect();
         let width = self.header.count.min(MOST_COLUMNS);
         let named = (0..width).rev().find(|&i| !self.header.text(self.text, i).is_empty()).map_or(0, |i| i + 1);
-        // Behind the last heading whole numbers may be the decimals of others.
+        // Digits alone behind the last heading may be decimals after a comma.
         let is_decimals =
             |text: &str| self.separator == b',' && !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
         let mut marks = super::numbers::Marks::default();
@@ -358,7 +358,7 @@ impl<'t> Sheet<'t> {
                 *filled |= !cell.span.is_empty();
             }
             for &index in &numbers {
-                marks.see(&record.text(self.text, index), record.cell_span(index));
+                marks.add_cell(&record.text(self.text, index), record.cell_span(index));
             }
         }
         if let Some((row, cells, span)) = too_wide {
@@ -380,7 +380,7 @@ impl<'t> Sheet<'t> {
     }
 }
 
-/// What may separate cells, and where the text starts behind a line that says so.
+/// The separators to try, and where the text starts behind a line `sep=;`.
 fn separators(text: &str) -> (Vec<u8>, usize) {
     let start = if text.starts_with('\u{feff}') { 3 } else { 0 };
     let line = text[start..].split(['\n', '\r']).next().unwrap_or_default();
@@ -397,12 +397,12 @@ fn separators(text: &str) -> (Vec<u8>, usize) {
     }
 }
 
-/// The best header if cells are separated so.
+/// The best header with this separator.
 fn candidate(text: &str, separator: u8, start: usize, wanted: &[Wanted], needed: &[usize]) -> Option<Candidate> {
     let mut records = Records { text, separator, at: start, row: 0 };
     let mut best: Option<Candidate> = None;
     let mut first = true;
-    for _ in 0..ABOVE {
+    for _ in 0..HEADER_ROWS {
         let Some(header) = records.next() else { break };
         let headings = headings(text, &header, wanted);
         let known = |w: usize| headings.iter().any(|h| h.wanted() == Some(w));
@@ -422,14 +422,16 @@ fn candidate(text: &str, separator: u8, start: usize, wanted: &[Wanted], needed:
     }
     let mut best = best?;
     let below = Records { text, separator, at: best.body.0, row: 0 };
-    let fits =
-        below.filter(|r| !r.is_blank() && !r.is_comment(text)).take(BELOW).filter(|r| r.count == best.header.count);
+    let fits = below
+        .filter(|r| !r.is_blank() && !r.is_comment(text))
+        .take(COMPARED_ROWS)
+        .filter(|r| r.count == best.header.count);
     best.rank.3 = fits.count();
     Some(best)
 }
 
-/// What each cell of a row means as a heading. Where no column has the name that is looked for, one with a fitting unit is taken for it,
-/// if its unit is enough to tell.
+/// What each cell of a row means as a heading. Where no column has a wanted name, the only one with a fitting unit is
+/// taken, if a unit is enough for it.
 fn headings(text: &str, header: &Record, wanted: &[Wanted]) -> Vec<Heading> {
     let cells: Vec<Cow<str>> = (0..header.cells.len()).map(|i| header.text(text, i)).collect();
     let uncommented = |(i, cell): (usize, &Cow<str>)| match cell.strip_prefix('#') {
@@ -476,7 +478,7 @@ fn columns(text: &str, best: &Candidate, wanted: &[Wanted], problems: &mut Probl
                 let title = format!("the column {} {found}", quoted(&heading));
                 problems.note(Problem::at(header.cell_span(index), title, Some(right.clone())));
             }
-            // Beside a column with the key's own name another word is another thing.
+            // Beside a column with the key's own name a synonym does not count.
             Heading::Is { wanted, synonym: true, .. } if exact(*wanted) => {}
             Heading::Is { wanted: w, unit, .. } => {
                 if let Some(first) = &found[*w] {

@@ -21,7 +21,7 @@ use super::Files;
 use super::file::{Group, OwnKeys, group};
 use super::heading::{Content, Wanted, normal, only_unit};
 use super::keys::{OVERRIDE, VEHICLE};
-use super::sheet::{ABOVE, Record, Sheet};
+use super::sheet::{HEADER_ROWS, Record, Sheet};
 use super::tree::{Found, Table};
 use crate::error::{InputError, Problem, Problems, printable_path, quoted};
 use crate::keys::{Kind, Shape};
@@ -85,10 +85,10 @@ const SYNONYMS: [(&str, &[&str]); 13] = [
     ("limits_ultimate", &["ultimate", "ultimate_load", "ultimate_limit"]),
 ];
 
-/// What numbers the rows.
+/// Headings of row numbers.
 const PLACES: [&str; 10] = ["pos", "position", "#", "no", "number", "nr", "place", "index", "sequence", "order"];
 
-/// Words that stand before sums below a table.
+/// Labels of rows with sums or means.
 const SUMS: [&str; 12] = [
     "total",
     "totals",
@@ -175,7 +175,8 @@ fn masses(text: &str) -> Option<String> {
     let mass = Content::Quantity { of: Dimension::Mass, share: false };
     let is_mass = |cell: &str| cell.trim().ends_with([')', ']']) && only_unit(cell, mass).is_some();
     let column = |line: &str| line.split([';', ',', '\t']).position(is_mass);
-    let (row, column) = text.lines().take(ABOVE).enumerate().find_map(|(row, line)| Some((row, column(line)?)))?;
+    let (row, column) =
+        text.lines().take(HEADER_ROWS).enumerate().find_map(|(row, line)| Some((row, column(line)?)))?;
     Some(format!("column {} of row {}", column + 1, row + 1))
 }
 
@@ -229,14 +230,14 @@ struct Reader<'t> {
     held: usize,
     problems: Problems,
     doubts: Vec<Doubt>,
-    /// Columns whose lack of a unit has been told.
+    /// Columns whose lack of a unit is noted.
     without_unit: HashSet<usize>,
     /// The file's name, in doubts.
     name: String,
 }
 
-/// What the checks of the whole table need of a row.
-struct Seen {
+/// A row with a held vehicle, for the last checks.
+struct HeldRow {
     row: usize,
     held: Range<usize>,
     label: String,
@@ -294,12 +295,12 @@ impl<'t> Reader<'t> {
             let group = group(&Table::of_row(&found, &vehicle, &VEHICLE, record.span.clone()));
             let own = OwnKeys::read(&Table::of_row(&found, &coupler, &OVERRIDE, record.span.clone()), train, files);
             let (Ok(group), Ok(own)) = (group, own) else {
-                self.told(record, found);
+                self.note_problems(record, found);
                 continue;
             };
-            self.told(record, found);
+            self.note_problems(record, found);
             if group.vehicle.held {
-                seen.push(Seen {
+                seen.push(HeldRow {
                     row: rows.groups.len(),
                     held: self.sheet.place(record, self.held),
                     label: self.place_of(record, self.held),
@@ -310,7 +311,7 @@ impl<'t> Reader<'t> {
                 rows.behind.push(own);
             }
         }
-        // No row was dropped; a wrong value has been replaced by some right one.
+        // Not if a row was left out because of a problem.
         if rows.groups.len() == records.len() {
             self.check(&rows, &seen);
         }
@@ -330,7 +331,7 @@ impl<'t> Reader<'t> {
     fn header(&mut self) {
         let unread: Vec<String> = self.sheet.unread.clone();
         for name in &unread {
-            // A heading that is nearly a key is a slip of the hand.
+            // A heading that is nearly a key is a typing error.
             let lower = normal(name.split(['[', '(']).next().unwrap_or_default());
             let near = |known: &&Slot| {
                 let known = known.path.last().copied().unwrap_or_default();
@@ -413,7 +414,7 @@ impl<'t> Reader<'t> {
     }
 
     /// Notes what was found wrong in a row, each with its row and column.
-    fn told(&mut self, record: &Record, found: Found) {
+    fn note_problems(&mut self, record: &Record, found: Found) {
         let (problems, doubts) = found.into_parts();
         self.doubts.extend(doubts);
         let places: Vec<(usize, String)> = if problems.is_empty() {
@@ -430,7 +431,7 @@ impl<'t> Reader<'t> {
     }
 
     /// What is wrong with the rows as a train.
-    fn check(&mut self, rows: &Rows, seen: &[Seen]) {
+    fn check(&mut self, rows: &Rows, seen: &[HeldRow]) {
         let vehicles: Vec<VehicleSpec> = rows.groups.iter().map(|group| group.vehicle.clone()).collect();
         many(&vehicles).into_iter().for_each(|bad| self.problems.note(Problem::of_file(bad.message, bad.help)));
         for bad in held(&vehicles) {
@@ -441,7 +442,7 @@ impl<'t> Reader<'t> {
         }
     }
 
-    /// Whether the rows' own numbers say that they stand in another order.
+    /// Checks the order of the rows by their own numbers.
     fn places(&mut self, records: &[Record], groups: &[Group]) {
         let place = self.slots.len() - 1;
         if self.sheet.columns[place].is_none() {
@@ -454,13 +455,13 @@ impl<'t> Reader<'t> {
         };
         let mut given: Vec<(usize, Option<i64>)> =
             records.iter().enumerate().filter_map(|(i, record)| Some((i, number(record)?))).collect();
-        // A row of sums has a word there.
+        // A row of sums has a word as its number.
         given.pop_if(|(row, number)| number.is_none() && *row + 1 == records.len());
         let numbers: Option<Vec<(usize, i64)>> = given.into_iter().map(|(i, n)| Some((i, n?))).collect();
         let numbers = numbers.unwrap_or_default();
         let [low, high] =
             [numbers.iter().map(|n| n.1).min(), numbers.iter().map(|n| n.1).max()].map(Option::unwrap_or_default);
-        // The numbers of vehicles are spread wide; those of places are not.
+        // Road numbers of vehicles are far apart, row numbers are not.
         let vehicles = groups.iter().map(|group| group.vehicle.count as i64).sum::<i64>();
         let heading = self.sheet.columns[place].as_ref().map_or(String::new(), |c| c.heading.clone());
         if numbers.is_empty() || high.saturating_sub(low) > 2 * vehicles + 10 {

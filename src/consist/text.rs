@@ -12,12 +12,12 @@ use super::kinds;
 use crate::error::{InputError, printable_path};
 use crate::train::Source;
 
-/// Larger train files and studies are refused unread, and larger tables and records: their trees take up to 75 times the memory, and
-/// what is read of a table little more than the table.
+/// Larger train files and studies, and larger tables and records, are refused unread: the tree of a file takes up to
+/// 75 times its memory, what is read of a table little more than its own.
 const LARGEST: u64 = 8 << 20;
 const LARGEST_TABLE: u64 = 16 << 20;
 
-/// So many names of a folder are compared with one that is missing.
+/// Names in a folder that are compared with a missing one.
 const MOST_LISTED: usize = 10_000;
 
 const GIVE_TRAIN: &str = "give the path of a train file; `trainsafe new` prints one to start from";
@@ -37,7 +37,7 @@ pub struct Files {
 }
 
 impl Files {
-    /// Files of which tables and records are read from this folder and those in it alone, whatever names and links lead out of it.
+    /// Reads tables and records in this folder and those below only; names and links that lead out of it are refused.
     ///
     /// # Errors
     /// A folder that is not there.
@@ -116,7 +116,7 @@ impl Files {
         real.ok_or_else(|| ["there is no such file in the train's folder, and no other is read".into(), help.into()])
     }
 
-    /// Files that need not be read, for they are here.
+    /// Files whose contents are given.
     pub fn holding(contents: impl IntoIterator<Item = (Source, Arc<str>)>) -> Files {
         let read = contents.into_iter().map(|(source, text)| (source, Ok(text)));
         Files { read: Mutex::new(read.collect()), folder: None }
@@ -128,7 +128,7 @@ impl Files {
         read.iter().filter_map(|(source, text)| Some((source.clone(), text.clone().ok()?))).collect()
     }
 
-    /// Every file that was asked for, in the order of the first time.
+    /// Every file that was asked for, in the order of first use.
     pub fn list(&self) -> Vec<Source> {
         self.lock().iter().map(|(source, _)| source.clone()).collect()
     }
@@ -231,7 +231,8 @@ fn unreadable(error: &io::Error, path: &Path, give: &str) -> [String; 2] {
     }
 }
 
-/// The file beside a missing one that was probably meant: its name without or with another extension, or with a slip of the hand.
+/// The file beside a missing one that was probably meant: its name without or with another extension, or with a typing
+/// error.
 fn meant(missing: &Path, is_train: bool) -> Option<PathBuf> {
     let name = missing.file_name()?.to_str()?;
     let folder = missing.parent()?;
@@ -250,7 +251,7 @@ fn meant(missing: &Path, is_train: bool) -> Option<PathBuf> {
     (near.0 <= (lower.len() / 4).clamp(1, 3)).then(|| folder.join(near.1))
 }
 
-/// The text of a train file, which TOML has in UTF-8 alone.
+/// The text of a train file: TOML is UTF-8 only.
 fn utf8(bytes: Vec<u8>) -> Result<String, [String; 2]> {
     let save = || "save it as UTF-8".to_owned();
     if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
@@ -268,7 +269,7 @@ fn decoded(bytes: Vec<u8>) -> Result<String, [String; 2]> {
     let utf16 = match bytes.as_slice() {
         [0xff, 0xfe, ..] => Some(UTF_16LE),
         [0xfe, 0xff, ..] => Some(UTF_16BE),
-        // Without a mark, by the zero byte of the first character, which is one of ASCII in a table.
+        // Without a byte order mark: a table starts with an ASCII character, of which one byte is zero.
         [first, 0, ..] if *first != 0 => Some(UTF_16LE),
         [0, second, ..] if *second != 0 => Some(UTF_16BE),
         _ => None,

@@ -10,7 +10,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::Files;
-use crate::error::{InputError, Problem, Problems, is_obeyed, printable_path, quoted};
+use crate::error::{InputError, Problem, Problems, controls_display, printable_path, quoted};
 use crate::keys::{Key, Kind, LONGEST_NAME, Shape, Sign};
 use crate::train::Doubt;
 use crate::units::{self, Amount, Dimension, UnitSystem, one_of};
@@ -24,7 +24,7 @@ pub(crate) const BACKSLASH: &str = "write / between folders, as in \"data/consis
 pub(crate) struct Found {
     problems: RefCell<Problems>,
     doubts: RefCell<Vec<Doubt>>,
-    /// How many quantities have metric units and units of US practice, of those that only one of them has.
+    /// Quantities in metric units, and in US units; units that both have are not counted.
     written_in: [Cell<usize>; 2],
 }
 
@@ -108,7 +108,7 @@ impl<'s> Table<'s> {
 
     /// The key that was probably meant.
     fn nearest(&self, key: &str) -> Option<&'static str> {
-        // Nothing long is near, and a table of very many keys is no slip of the hand: a hint is not worth the time there.
+        // A long key is near no known one, and in a table of very many keys a hint is not worth the time.
         if key.len() > 40 || self.table.len() > 100 {
             return None;
         }
@@ -186,7 +186,7 @@ impl<'s> Table<'s> {
         self.found.doubt(doubt);
     }
 
-    /// Notes a problem at a place within it that another place has a part in.
+    /// Notes a problem at a place within it, with a second place that causes it.
     pub(crate) fn note_because(
         &self,
         span: Range<usize>,
@@ -278,7 +278,7 @@ impl<'s> Value<'s> {
         if length > LONGEST_NAME {
             return Err(self.wrong(format!("{} has {length} characters", self.key.name), right));
         }
-        if text.chars().any(is_obeyed) {
+        if text.chars().any(controls_display) {
             let title = format!("{} has a control character: {}", self.key.name, quoted(text));
             return Err(self.wrong(title, "expected plain text"));
         }
@@ -315,7 +315,7 @@ impl<'s> Value<'s> {
         }
     }
 
-    /// Its own table, if it is one; of this shape.
+    /// The value as a table of this shape, if it is one.
     pub(super) fn table_if(&self, shape: &'static Shape) -> Option<Read<Table<'s>>> {
         matches!(self.value, DeValue::Table(_)).then(|| self.table_of(shape))
     }
@@ -475,7 +475,7 @@ impl<'s> Value<'s> {
     }
 }
 
-/// Hands a tree of values over as the reader takes it, with no places.
+/// Gives a tree of values to `read`, without places.
 pub(crate) fn without_places<R>(table: &toml::Table, read: impl FnOnce(&DeTable) -> R) -> R {
     let mut numbers = vec![];
     table.values().for_each(|value| note_numbers(value, &mut numbers));

@@ -13,7 +13,7 @@ use zip::ZipArchive;
 use super::numbers::{cell_of_number, cell_of_text};
 use crate::error::quoted;
 
-/// More is not unpacked, and no sheet has a longer text.
+/// Bytes unpacked, and bytes of a sheet's text, at most.
 const UNPACKED: u64 = 256 << 20;
 const LONGEST_TEXT: usize = 16 << 20;
 /// As many rows and columns as the programs have that write workbooks.
@@ -26,7 +26,7 @@ type Wrong = [String; 2];
 const AS_CSV: &str = "save the sheet as CSV, and give the path of that file";
 
 /// What a cell holds.
-enum Held {
+enum CellContent {
     Number(f64),
     /// A hundredth of what is shown.
     Percentage(f64),
@@ -45,7 +45,7 @@ struct Sheet {
 
 impl Sheet {
     /// Adds a cell; cells come by rows, from the left, counted from 0.
-    fn add(&mut self, row: usize, column: usize, held: &Held) -> Result<(), Wrong> {
+    fn add(&mut self, row: usize, column: usize, cell_content: &CellContent) -> Result<(), Wrong> {
         if row >= MOST_ROWS || column >= MOST_COLUMNS || (row, column) < (self.row, self.column) {
             return Err(["the workbook is damaged: its cells are not in order".into(), AS_CSV.into()]);
         }
@@ -57,7 +57,7 @@ impl Sheet {
             self.text.push(',');
         }
         (self.row, self.column) = (row, column);
-        self.text += &cell(held);
+        self.text += &cell(cell_content);
         if self.text.len() > LONGEST_TEXT {
             let title = format!("the sheet holds more than {} MiB of text", LONGEST_TEXT >> 20);
             return Err([title, "keep the vehicles alone, in a sheet of their own".into()]);
@@ -66,16 +66,16 @@ impl Sheet {
     }
 }
 
-fn cell(held: &Held) -> String {
-    match held {
-        Held::Number(number) => cell_of_number(number.to_string()),
-        Held::Percentage(share) => format!("{} %", percent(*share)),
-        Held::Text(text) => cell_of_text(text),
-        Held::Other(text) => format!("\"{}\"", text.replace('"', "'")),
+fn cell(cell_content: &CellContent) -> String {
+    match cell_content {
+        CellContent::Number(number) => cell_of_number(number.to_string()),
+        CellContent::Percentage(share) => format!("{} %", percent(*share)),
+        CellContent::Text(text) => cell_of_text(text),
+        CellContent::Other(text) => format!("\"{}\"", text.replace('"', "'")),
     }
 }
 
-/// A hundredfold without the digits that the product's rounding adds: 0.07 is 7.
+/// 100 times a share, without the digits that rounding adds: 0.07 gives 7.
 fn percent(share: f64) -> f64 {
     let text = format!("{share:e}");
     let shifted = text.split_once('e').and_then(|(digits, power)| {
@@ -92,7 +92,7 @@ fn percent(share: f64) -> f64 {
 pub(super) fn text(bytes: &[u8], name: Option<&str>, is_wanted: fn(&str) -> bool) -> Result<String, Wrong> {
     let damaged = |why: String| [format!("the workbook cannot be read: {why}"), AS_CSV.to_owned()];
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|e| damaged(e.to_string()))?;
-    weigh(&mut archive)?;
+    check_unpacked_size(&mut archive)?;
     let is_ods = archive.index_for_name("content.xml").is_some();
     let sheets = if is_ods {
         let mut content = String::new();
@@ -105,11 +105,11 @@ pub(super) fn text(bytes: &[u8], name: Option<&str>, is_wanted: fn(&str) -> bool
     choose(sheets, name, is_wanted)
 }
 
-/// Refuses what unpacks to very much, whatever its headers say.
-fn weigh(archive: &mut ZipArchive<Cursor<&[u8]>>) -> Result<(), Wrong> {
+/// Refuses a workbook whose parts unpack to too many bytes.
+fn check_unpacked_size(archive: &mut ZipArchive<Cursor<&[u8]>>) -> Result<(), Wrong> {
     let mut unpacked = 0;
     for i in 0..archive.len() {
-        // What cannot be unpacked is told where it is needed.
+        // A damaged part is reported when it is needed.
         let Ok(file) = archive.by_index(i) else { continue };
         unpacked += std::io::copy(&mut file.take(UNPACKED + 1 - unpacked), &mut std::io::sink()).unwrap_or(0);
         if unpacked > UNPACKED {

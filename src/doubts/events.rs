@@ -8,7 +8,7 @@ use crate::scenario::{Motion, horizon_s, initial_force_n, last_change_s, longest
 use crate::train::{Doubt, Event, Scenario, Train, more};
 use crate::units::{Dimension, shown, shown_time};
 
-/// An acceleration that a standing part of a train does not have, m/s2.
+/// Above this acceleration, m/s2, a part of a train cannot be standing.
 const MOVES_M_PER_S2: f64 = 0.05;
 /// A record that starts or ends at a larger share of its largest force is cut there.
 const CUT: f64 = 0.01;
@@ -79,7 +79,7 @@ fn pulse(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
     let (end_s, until_s) = (last_change_s(train, scenario, None), longest_horizon_s(train, scenario));
     if end_s > until_s {
         let [begins_s, peaks_s] = match &scenario.event {
-            Event::Shaped { drive, .. } => [drive.begins(), drive.peaks()],
+            Event::Shaped { drive, .. } => [drive.begins_at(), drive.peaks_at()],
             _ => [0.0; 2],
         };
         let unseen = if begins_s >= until_s {
@@ -109,13 +109,13 @@ fn pulse(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
         let cut = |end_n: f64| {
             (end_n.abs() > CUT * force_n.abs()).then(|| shown(train.origin().units, end_n, Dimension::Force))
         };
-        found.extend(cut(drive.starts_at()).map(|force| {
+        found.extend(cut(drive.first_force()).map(|force| {
             let text = format!(
                 "the record starts at {force}, and the force jumps there from 0; begin it with a row of force 0"
             );
             ("record-starts-at-a-force", text)
         }));
-        found.extend(cut(drive.ends_at()).map(|force| {
+        found.extend(cut(drive.last_force()).map(|force| {
             let end = shown_time(*duration_s);
             let text = format!(
                 "the record ends at {force}, and the force drops to 0 there, at {end}; end it with a row of force 0"
@@ -126,7 +126,8 @@ fn pulse(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
     found
 }
 
-/// A train that the forces on its vehicles slow down, and bring to a stand before the horizon; brakes that are applied are computed.
+/// A train that the forces on its vehicles slow down, and bring to a stand before the horizon; not if brakes are
+/// computed.
 fn stands(train: &Train, scenario: &Scenario) -> Option<(&'static str, String)> {
     let extras = train.extras();
     let (speed, slowing) = (extras.speed_m_per_s?, -extras.steady.as_ref()?.acceleration_m_per_s2);
@@ -172,7 +173,7 @@ fn impact(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
     let joint = scenario.event.joint(train.vehicles().len());
     let (Some(joint), Event::Impact { speed_m_per_s, at_head, .. }) = (joint, &scenario.event) else { return found };
     found.extend(super::plausible::fast_impact(train, *speed_m_per_s));
-    found.extend(moved(train, if *at_head { joint + 1..train.vehicles().len() } else { 0..joint + 1 }));
+    found.extend(standing_part_moves(train, if *at_head { joint + 1..train.vehicles().len() } else { 0..joint + 1 }));
     let extras = train.extras();
     let loses = extras.laws.iter().any(Law::has_friction) || extras.dashpot_n_s_per_m.iter().any(|c| *c > 0.0);
     if Motion::of(train, scenario) == Motion::Events && !loses {
@@ -193,7 +194,7 @@ fn impact(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
 }
 
 /// Vehicles that stand before an impact, and that the forces on them would move.
-fn moved(train: &Train, standing: Range<usize>) -> Option<(&'static str, String)> {
+fn standing_part_moves(train: &Train, standing: Range<usize>) -> Option<(&'static str, String)> {
     let part = &train.vehicles()[standing.clone()];
     let mass_kg: f64 = part.iter().map(|v| v.mass_kg).sum();
     let force_n: f64 = train.extras().steady.as_ref()?.outside_n[standing].iter().sum();

@@ -1,4 +1,4 @@
-//! Doubts about slack, gears, the pull before and brakes.
+//! Doubts about slack, gears, the earlier pull and brakes.
 
 use crate::law::{Curve, Law};
 use crate::train::{Doubt, Scenario, Train, more};
@@ -6,11 +6,11 @@ use crate::units::{Dimension, shown};
 
 /// Every doubt about a train's laws, and keys that change nothing in it.
 pub(super) fn of_train(train: &Train) -> Vec<Doubt> {
-    let found = [closed(train), elastic(train), no_memory(train)];
+    let found = [closed(train), slack_without_friction(train), soft_solid(train), pulled_to_unused(train)];
     found.into_iter().flatten().chain(without_brakes(train)).collect()
 }
 
-/// A gear that the load, or the pull before, has closed.
+/// A gear that the load, or the earlier pull, has closed.
 fn closed(train: &Train) -> Option<Doubt> {
     let force_n = |i: usize| {
         train.history_n(i).into_iter().fold(train.initial_force_n()[i], |a, f| if f.abs() > a.abs() { f } else { a })
@@ -35,7 +35,7 @@ fn closed(train: &Train) -> Option<Doubt> {
 }
 
 /// A gear that loses nothing at small forces, beside slack: vehicles rattle in it, and small differences grow.
-fn elastic(train: &Train) -> Option<Doubt> {
+fn slack_without_friction(train: &Train) -> Option<Doubt> {
     let begins_elastic = |curve: &Curve| {
         let rows = curve.rows();
         rows[1].loading_n > 0.0 && rows[..2].iter().all(|row| row.loading_n == row.unloading_n)
@@ -55,8 +55,29 @@ fn elastic(train: &Train) -> Option<Doubt> {
     Some(Doubt::of_train("slack-without-friction", text))
 }
 
-/// A pull before that no coupler remembers.
-fn no_memory(train: &Train) -> Option<Doubt> {
+/// Parts in series with a gear that give more than the gear itself: solid_stiffness is probably another stiffness.
+fn soft_solid(train: &Train) -> Option<Doubt> {
+    let soft = |law: &Law| match law {
+        Law::Gear { solid_n_per_m, draft, buff, .. } => {
+            let own_n_per_m = draft.mean_n_per_m().max(buff.mean_n_per_m());
+            (*solid_n_per_m < own_n_per_m).then_some([*solid_n_per_m, own_n_per_m])
+        }
+        Law::Elastic { .. } => None,
+    };
+    let mut all = train.extras().laws.iter().enumerate().filter_map(|(i, law)| Some((i, soft(law)?)));
+    let (first, stiffness) = all.next()?;
+    let [solid, own] = stiffness.map(|k| shown(train.origin().units, k, Dimension::Stiffness));
+    let text = format!(
+        "the solid_stiffness of coupler {}{} is {solid}, softer than its gear, {own} over the whole stroke in loading; it is that of the \
+         parts in series with the gear, when it is locked or closed: check the number and its unit",
+        first + 1,
+        more(all.count(), "coupler")
+    );
+    Some(Doubt::of_train("soft-solid-stiffness", text))
+}
+
+/// An earlier pull that changes no force.
+fn pulled_to_unused(train: &Train) -> Option<Doubt> {
     let remembers = |(law, load_n): (&Law, &f64)| law.has_friction() && *load_n >= 0.0;
     let depends = train.extras().laws.iter().zip(train.initial_force_n()).any(remembers);
     let text =

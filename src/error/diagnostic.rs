@@ -20,7 +20,7 @@ pub struct Diagnostic {
     pub message: String,
     /// What would be right.
     pub help: Option<String>,
-    /// Other places that have a part in it.
+    /// Related places.
     pub related: Vec<Related>,
 }
 
@@ -35,13 +35,13 @@ pub struct Position {
     pub span: [usize; 2],
 }
 
-/// Another place that has a part in a problem.
+/// A place that is related to a problem.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Related {
     /// Where.
     #[serde(flatten)]
     pub place: Position,
-    /// Which part.
+    /// How.
     pub message: String,
 }
 
@@ -63,13 +63,13 @@ impl Search {
         for (key, value) in table {
             let dot = if within.is_empty() { "" } else { "." };
             let path = format!("{within}{dot}{}", key.get_ref());
-            self.see(key.span(), &path);
+            self.consider(key.span(), &path);
             self.value(value, &path);
         }
     }
 
     fn value(&mut self, value: &Spanned<DeValue>, path: &str) {
-        self.see(value.span(), path);
+        self.consider(value.span(), path);
         match value.get_ref() {
             DeValue::Table(table) => self.table(table, path),
             DeValue::Array(items) => {
@@ -81,7 +81,7 @@ impl Search {
         }
     }
 
-    fn see(&mut self, span: Range<usize>, path: &str) {
+    fn consider(&mut self, span: Range<usize>, path: &str) {
         let inner = self.best.as_ref().is_none_or(|(length, _)| span.len() <= *length);
         if span.contains(&self.at) && inner {
             self.best = Some((span.len(), path.to_owned()));

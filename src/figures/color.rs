@@ -12,7 +12,7 @@ pub enum Color {
     Card,
     /// Text, axes, ratings.
     Ink,
-    /// What stands back: the load before the event, help lines, other programs' methods.
+    /// What matters less: the load before the event, help lines, other programs' methods.
     Quiet,
     /// Forces in draft.
     Draft,
@@ -22,12 +22,14 @@ pub enum Color {
     Over,
     /// The elastic rod.
     Rod,
+    /// A coupler that passes its slack.
+    Slack,
     /// A series without a meaning of its own.
     Other,
 }
 
 /// Every colour with its name in style sheets, for light pages and for dark ones.
-const ALL: [(Color, &str, &str, &str); 8] = [
+const ALL: [(Color, &str, &str, &str); 9] = [
     (Color::Card, "card", "#ffffff", "#1e242b"),
     (Color::Ink, "ink", "#1b1f24", "#e8eaed"),
     (Color::Quiet, "quiet", "#6b7480", "#9aa5b1"),
@@ -35,6 +37,8 @@ const ALL: [(Color, &str, &str, &str); 8] = [
     (Color::Buff, "buff", "#d55e00", "#f08c3a"),
     (Color::Over, "over", "#b0125b", "#ff7ab0"),
     (Color::Rod, "rod", "#00805d", "#3fcf9f"),
+    // Light and dark as a picture on a dark page turns it.
+    (Color::Slack, "slack", "#8c8c8c", "#767676"),
     (Color::Other, "other", "#8a4f9e", "#cf9fe0"),
 ];
 
@@ -43,7 +47,7 @@ pub const CLASS: &str = "trainsafe-figure";
 /// Sizes of text in pixels of the figure, on a wide screen and on a narrow one.
 pub const TEXT_SIZE: f64 = 15.0;
 pub const LARGE_TEXT: f64 = 20.0;
-/// Utilisation from the largest buff over none to the largest draft, as red, green, blue: darker the nearer to its end.
+/// Colours of utilisations from the largest buff through zero to the largest draft, darker toward both ends.
 const RAMP: [[u8; 3]; 7] =
     [[110, 36, 0], [213, 94, 0], [250, 196, 110], [255, 255, 255], [134, 196, 236], [0, 114, 178], [0, 50, 92]];
 /// Turns a light picture into one for a dark page: the lightness is inverted, the hue stays.
@@ -56,6 +60,12 @@ impl Color {
 
     pub(super) fn name(self) -> &'static str {
         self.entry().1
+    }
+
+    /// On a light page, as red, green, blue.
+    pub fn rgb(self) -> [u8; 3] {
+        let number = u32::from_str_radix(&self.light()[1..], 16).unwrap_or_default();
+        [16, 8, 0].map(|shift| (number >> shift) as u8)
     }
 
     /// On a light page, as `#rrggbb`.
@@ -98,7 +108,7 @@ fn on_dark(color: [u8; 3]) -> [u8; 3] {
 /// The colours as variables of a page's style sheet (`--draft` and so on), light and dark. `--ramp` lists the scale of
 /// utilisations.
 pub fn css() -> String {
-    let shared = [Color::Draft, Color::Buff, Color::Over, Color::Rod];
+    let shared = [Color::Draft, Color::Buff, Color::Over, Color::Rod, Color::Slack];
     let list = |dark: bool| {
         let one = |c: &Color| format!(" --{}: {};", c.name(), if dark { c.entry().3 } else { c.light() });
         let ramp = RAMP.map(|c| {

@@ -1,11 +1,11 @@
 //! The document around the panels: the card, the legend, the text.
 
+use super::Color;
 use super::color::{CLASS, TEXT_SIZE, style};
 use super::marks::{Shape, Stroke};
 use super::panel::{Axis, Panel};
 use super::place::Frame;
 use super::tags::{half_width, number, paint, text};
-use super::Color;
 
 /// Width of every figure, and what its frames leave free on the left and on the right: the same in all, so that figures of the
 /// same time lie under each other.

@@ -47,7 +47,7 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// A mark around a point, from there to its corners so many pixels.
+    /// A mark around a point, whose corners are `r` pixels from it.
     pub(super) fn path(self, at: Point, r: f64, color: Color) -> String {
         let p = |x: f64, y: f64| (at.0 + x * r, at.1 + y * r);
         let corners: &[Point] = match self {
@@ -78,7 +78,7 @@ impl Shape {
     }
 }
 
-/// A line through points, but for those that a tenth of a pixel does not tell from the one before.
+/// A line through points, without those equal to the one before to a tenth of a pixel.
 pub fn path(points: &[Point]) -> String {
     let mut d = String::new();
     let mut last = String::new();

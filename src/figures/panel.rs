@@ -6,7 +6,7 @@ use super::scale::{Scale, log_ticks, ticks};
 use super::tags::{half_width, paint, text};
 use super::{Color, Point};
 
-/// How an axis runs and what it is called; an axis without a label has no numbers either, where it lies below the frame.
+/// Range, label and ticks of an axis; a horizontal axis without a label has no numbers either.
 pub struct Axis {
     label: String,
     range: (f64, f64),
@@ -20,25 +20,25 @@ impl Axis {
         Axis { label: label.to_owned(), range, log: false, ticks: ticks(range, 7, false) }
     }
 
-    /// Of things that are counted from 1, which the range may do downward.
+    /// Of numbers counted from 1; the range may run downward.
     pub fn counting(label: &str, range: (f64, f64)) -> Axis {
         let mut ticks = ticks(range, 8, true);
         ticks.retain(|t| t.0 >= 1.0);
         Axis { label: label.to_owned(), range, log: false, ticks }
     }
 
-    /// Of named places at 1, 2 and so on, downward.
+    /// Of names at 1, 2 and so on, downward.
     pub fn named(label: &str, names: &[String]) -> Axis {
         let ticks = names.iter().enumerate().map(|(i, name)| ((i + 1) as f64, name.clone())).collect();
         Axis { label: label.to_owned(), range: (names.len() as f64 + 0.5, 0.5), log: false, ticks }
     }
 
-    /// Of so many rows, downward from 1, that are named within the frame.
+    /// Of rows, downward from 1, with their names within the frame.
     pub fn rows(count: usize) -> Axis {
         Axis { label: String::new(), range: (count as f64 + 0.5, 0.5), log: false, ticks: Vec::new() }
     }
 
-    /// In equal ratios.
+    /// Logarithmic.
     pub fn log(label: &str, range: (f64, f64)) -> Axis {
         Axis { label: label.to_owned(), range, log: true, ticks: log_ticks(range, 8) }
     }
@@ -148,7 +148,7 @@ impl Panel {
         self.inside += &format!("<path d=\"{}Z\" {} fill-opacity=\"0.14\"/>", path(&around), paint(Some(color), None));
     }
 
-    /// Marks around points, from there to their corners so many pixels.
+    /// Marks around points, with corners `size` pixels from them.
     pub fn marks(&mut self, points: &[Point], shape: Shape, size: f64, color: Color) {
         for p in self.pixels(points) {
             self.above += &shape.path(p, size, color);
@@ -183,7 +183,7 @@ impl Panel {
         self.inside.insert_str(0, &image);
     }
 
-    /// A horizontal stroke of at least so many pixels around the middle of a range: what is too narrow to be seen as a step.
+    /// A horizontal stroke of at least so many pixels around the middle of a range that is too narrow to be seen.
     pub fn cap(&mut self, x: (f64, f64), y: f64, least: f64, color: Color) {
         let (from, to, y) = (self.x.at(x.0), self.x.at(x.1), self.y.at(y));
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from).max(least));

@@ -21,12 +21,12 @@ impl Frame {
     }
 }
 
-/// Between samples of a line.
+/// Distance of a line's samples.
 const STEP: f64 = 5.0;
 /// Half the height of a label with some room.
 const HALF_HEIGHT: f64 = 13.0;
 
-/// Points along what is drawn, a few pixels apart: a steep stretch counts for its length, a dense one for no more.
+/// Points along what is drawn, a few pixels apart: a line counts by its length, not by its data points.
 pub struct Obstacles {
     frame: Frame,
     points: Vec<Point>,
@@ -53,7 +53,7 @@ impl Obstacles {
         }
     }
 
-    /// How many points a text around a middle covers, and many where it leaves the frame.
+    /// How many points a text around a middle covers; far more if it leaves the frame.
     fn covered(&self, middle: Point, half: f64) -> f64 {
         let covers = |p: &&Point| (p.0 - middle.0).abs() < half + 6.0 && (p.1 - middle.1).abs() < HALF_HEIGHT;
         let f = self.frame;
@@ -79,7 +79,7 @@ pub fn with_arrow(half: f64, target: Point, drawn: &Obstacles) -> Point {
         // An arrow has to be long enough to be one, and the text must not hide where it points.
         let hides = (target.0 - middle.0).abs() < half + 10.0 && (target.1 - middle.1).abs() < 45.0;
         let hidden = if hides { 1e3 } else { 0.0 };
-        hidden + 5.0 * drawn.covered(middle, half) + 1.5 * crossed + 0.08 * (length - 90.0).abs()
+        hidden + 5.0 * drawn.covered(middle, half) + 1.5 * crossed + 0.25 * (length - 70.0).abs()
     };
     let across = (0..=12).map(|i| f.left + half + 10.0 + (f.width - 2.0 * half - 20.0) * f64::from(i) / 12.0);
     let places = across.flat_map(|x| (1..20).map(move |j| (x, f.top + f.height * f64::from(j) / 20.0)));
@@ -101,7 +101,7 @@ pub fn beside_point(half: f64, at: Point, drawn: &Obstacles) -> Point {
         let side = half + d;
         [(side, 0.0), (-side, 0.0), (0.0, 6.0 + d), (0.0, -6.0 - d), (side, d), (side, -d), (-side, d), (-side, -d)]
     });
-    let cost = |p: Point| drawn.covered(p, half) + 0.02 * (p.0 - at.0).hypot(p.1 - at.1);
+    let cost = |p: Point| drawn.covered(p, half) + 0.15 * (p.0 - at.0).hypot(p.1 - at.1);
     cheapest(offsets.map(|o| (at.0 + o.0, at.1 + o.1)), cost).unwrap_or(at)
 }
 

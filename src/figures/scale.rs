@@ -9,16 +9,16 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// The ends of the range lie at the ends of the pixels; either may fall.
+    /// The ends of the range lie at the ends of the pixels; both may run downward.
     pub fn new(range: (f64, f64), pixels: (f64, f64), log: bool) -> Scale {
         let range = if log { (range.0.log10(), range.1.log10()) } else { range };
         Scale { range, pixels, log }
     }
 
-    /// Where a value lies; far outside of the axis no further than a figure is wide.
+    /// Where a value lies; one far outside of the axis is kept near the figure.
     pub fn at(self, value: f64) -> f64 {
         let value = if self.log { value.log10() } else { value };
-        // Halves, so that the width of a range of the largest numbers is a number too.
+        // Halves, so that the width of no range overflows.
         let share = (0.5 * value - 0.5 * self.range.0) / (0.5 * self.range.1 - 0.5 * self.range.0);
         self.pixels.0 + share.clamp(-2.0, 3.0) * (self.pixels.1 - self.pixels.0)
     }

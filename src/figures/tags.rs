@@ -2,12 +2,12 @@
 
 use super::color::LARGE_TEXT;
 use super::{Color, Point};
-use crate::error::is_obeyed;
+use crate::error::controls_display;
 
 /// Mean width of a letter, as a share of the text's size.
 const LETTER: f64 = 0.57;
 
-/// The attributes of what is filled and what is outlined; nothing is both by default.
+/// Attributes of fill and outline, each drawn only if it has a colour.
 pub fn paint(fill: Option<Color>, stroke: Option<Color>) -> String {
     let value = |color: Option<Color>| color.map_or("none", Color::light);
     let class = |prefix: &str, color: Option<Color>| color.map(|c| format!("{prefix}-{}", c.name()));
@@ -44,7 +44,7 @@ pub fn escaped(plain: &str) -> String {
             '>' => out.push_str("&gt;"),
             '"' => out.push_str("&quot;"),
             '\'' => out.push_str("&#39;"),
-            c if is_obeyed(c) => out.push(' '),
+            c if controls_display(c) => out.push(' '),
             c => out.push(c),
         }
     }

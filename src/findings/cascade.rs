@@ -4,12 +4,13 @@ use std::collections::BTreeSet;
 
 use serde::Serialize;
 
-use super::{GapClosure, Options};
+use super::{CouplerFindings, CouplerPeaks, GapClosure, Options, PeakForces, coupler_findings, of_number, worst};
 use crate::march;
 use crate::play::Rule;
 use crate::scenario::{self, Motion, Scales};
+use crate::solve::watch::SpringPeaks;
 use crate::solve::{SolveError, taylor};
-use crate::train::{Scenario, Train};
+use crate::train::{LIMITS, Scenario, Train};
 
 /// The course of a cascade.
 #[derive(Clone, Debug, Serialize)]
@@ -24,9 +25,9 @@ pub struct CascadeFindings {
     pub pieces: Vec<[usize; 2]>,
     /// Couplers that certainly pass their breaking load in buff and are kept, counted from 1.
     pub kept_in_buff: Vec<usize>,
-    /// From when on the sequence is not decided, s: a coupler came within the error bound of its breaking load, or stood there before
-    /// the event, and whether it breaks, or breaks before another, cannot be told. Later breaks are those of a train in which it holds
-    /// until it is certainly over that load.
+    /// From when on the sequence is not decided, s: a coupler came within the error bound of its breaking load, or was
+    /// there before the event, and whether it breaks, or breaks before another, is not known. Later breaks are those
+    /// of a train in which it holds until it is certainly over that load.
     pub undecided_from_s: Option<f64>,
     /// That coupler, counted from 1.
     pub undecided_coupler: Option<usize>,
@@ -39,6 +40,10 @@ pub struct CascadeFindings {
     /// brakes.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub gap_closures: Vec<GapClosure>,
+    /// Couplers that exceed their rating before they break, or at any time if they do not.
+    pub exceeding: usize,
+    /// The coupler with the largest utilisation of all but the one that the event breaks.
+    pub worst: Option<CascadeWorst>,
     /// No force is further than this from the exact one, N, the instants of the breaks included; infinite where nothing is proven.
     pub error_bound_n: f64,
     /// An estimate of that error, N, where nothing is proven.
@@ -47,9 +52,65 @@ pub struct CascadeFindings {
 }
 
 impl CascadeFindings {
-    /// What every force is within, N: proven, or else estimated.
+    /// Error of every force, N: proven, or else estimated.
     pub fn error_n(&self) -> f64 {
         super::march::error_n(self.error_bound_n, self.error_estimate_n)
+    }
+
+    /// From when on forces are not those of the train, s: the sequence is not decided, or a gap closed whose vehicles would push each other.
+    pub fn certain_until_s(&self) -> f64 {
+        self.undecided_from_s.into_iter().chain(self.gap_closes_s).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// The coupler with the largest utilisation in a cascade.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct CascadeWorst {
+    /// Counted from 1.
+    pub coupler: usize,
+    /// Its force of the largest utilisation, N, draft positive.
+    pub peak_force_n: f64,
+    /// When, s after the event.
+    pub peak_time_s: f64,
+    /// That force over the rating in its sign, a share.
+    pub utilisation: f64,
+}
+
+/// A cascade with the largest forces of every coupler but the one that the event breaks.
+pub(super) struct Found {
+    cascade: CascadeFindings,
+    couplers: Vec<CouplerFindings>,
+}
+
+impl Found {
+    fn new(mut cascade: CascadeFindings, mut couplers: Vec<CouplerFindings>) -> Found {
+        let until_s = cascade.certain_until_s();
+        let at_rating = |b: &&CascadeBreak| b.breaks_at != LIMITS[2] && b.time_s < until_s;
+        let broken: Vec<usize> = cascade.breaks.iter().filter(at_rating).map(|b| b.coupler).collect();
+        for c in &mut couplers {
+            // What breaks at its rating has passed it; elsewhere a larger force may follow in another sequence.
+            let over = c.exceeds == Some(true) && c.peak_time_s < until_s || broken.contains(&c.coupler);
+            c.exceeds = if over { Some(true) } else { c.exceeds.filter(|_| until_s == f64::INFINITY) };
+        }
+        cascade.exceeding = couplers.iter().filter(|c| c.exceeds == Some(true)).count();
+        let of = |i: usize| {
+            let CouplerFindings { coupler, peak_force_n, peak_time_s, utilisation, .. } = couplers[i];
+            CascadeWorst { coupler, peak_force_n, peak_time_s, utilisation }
+        };
+        cascade.worst = worst(&couplers, 0..couplers.len(), cascade.error_n()).map(of);
+        Found { cascade, couplers }
+    }
+
+    /// The cascade, its forces noted with the couplers.
+    pub(super) fn note(self, couplers: &mut [CouplerFindings]) -> CascadeFindings {
+        for c in couplers {
+            let of = |found: &CouplerFindings| PeakForces {
+                error_estimate_n: found.error_estimate_n,
+                ..PeakForces::of(found)
+            };
+            c.cascade = of_number(&self.couplers, c.coupler).map(of);
+        }
+        self.cascade
     }
 }
 
@@ -58,7 +119,7 @@ impl CascadeFindings {
 pub struct CascadeBreak {
     /// When, s after the event; 0 if the load alone is over its rating.
     pub time_s: f64,
-    /// Its exact instant is no further away than this, s; of a march an estimate, like that of its forces.
+    /// Error bound of this instant, s; of a march an estimate, like that of its forces.
     pub time_uncertainty_s: f64,
     /// Counted from 1.
     pub coupler: usize,
@@ -68,10 +129,10 @@ pub struct CascadeBreak {
     pub force_n: f64,
     /// The key that gives the load at which it breaks: `ultimate`, `rated_load` or `rated_buff`.
     pub breaks_at: &'static str,
-    /// Others break at the same instant, as near as can be told.
+    /// Others break at the same instant, within its error.
     pub together: bool,
-    /// Elastic energy that it gives up, J, not negative; of a gear what it would have given back. Of a march none in buff, where the
-    /// vehicles go on pushing each other.
+    /// Elastic energy that it releases, J, not negative; of a gear that of its unloading. Of a march 0 in buff, where
+    /// the vehicles still push each other.
     pub energy_j: f64,
 }
 
@@ -85,7 +146,7 @@ pub(super) fn find(
     broken: Option<usize>,
     horizon_s: f64,
     options: &Options,
-) -> Result<Option<CascadeFindings>, SolveError> {
+) -> Result<Option<Found>, SolveError> {
     if scenario.cascade == Rule::Keep {
         return Ok(None);
     }
@@ -94,7 +155,7 @@ pub(super) fn find(
     }
     let scales = Scales::of(train);
     let mut play = scenario::play(train, scenario, broken, horizon_s, scenario.cascade);
-    // What is kept in buff is judged by the load that would break it.
+    // Couplers kept in buff are judged by their breaking load.
     play.scene.rated_buff = play.break_at.iter().map(|[_, buff]| *buff).collect();
     let outcome = taylor::solve(&play)?;
     let loads = |i: usize| scenario::break_loads(train, i);
@@ -118,11 +179,24 @@ pub(super) fn find(
     let gone = |i: usize| Some(i) == broken || breaks.iter().any(|b| b.coupler == i + 1);
     let at_its_load = at_breaking_load(train, scenario, broken).map(|i| (i, 0.0));
     let open = at_its_load.or(outcome.open);
-    // What comes after the sequence is in doubt is certain of no coupler.
+    // Once the sequence is undecided, nothing is certain.
     let certain = open.map_or(f64::INFINITY, |(_, t)| t);
     let over = |i: &usize| !gone(*i) && outcome.springs[*i].buff.first_over.is_some_and(|t| t < certain);
     let kept_in_buff = (0..train.couplers().len()).filter(over).map(|i| i + 1).collect();
-    Ok(Some(CascadeFindings {
+    let error_bound_n = outcome.error_bound * scales.force_n;
+    let seen = |(i, peaks): (usize, &SpringPeaks)| {
+        let CouplerPeaks { largest, error_n, .. } = CouplerPeaks::new(peaks, &scales, error_bound_n);
+        let ratings = [train.couplers()[i].rated_draft_n, train.couplers()[i].rated_buff_n];
+        let exceeds = [0, 1].map(|side| {
+            let (at_s, over_n) = (largest[side].1, largest[side].0 - ratings[side]);
+            // The force before the event is known as it is given.
+            let is_known = over_n.abs() > error_bound_n || at_s == 0.0;
+            is_known.then_some(over_n > 0.0)
+        });
+        coupler_findings(train, i, &CouplerPeaks { largest, exceeds, first_over_s: [None; 2], error_n }, None)
+    };
+    let couplers = outcome.springs.iter().enumerate().filter(|(i, _)| Some(*i) != broken).map(seen).collect();
+    let found = CascadeFindings {
         buff_breaks: scenario.cascade == Rule::InBoth,
         breaks_at: breaks_at(train, scenario.cascade),
         pieces: pieces(train.vehicles().len(), gone),
@@ -133,9 +207,12 @@ pub(super) fn find(
         gap_closes_s: outcome.gap_closes.map(|(_, t)| t * scales.time_s),
         gap_coupler: outcome.gap_closes.map(|(i, _)| i + 1),
         gap_closures: vec![],
+        exceeding: 0,
+        worst: None,
         error_estimate_n: None,
-        error_bound_n: outcome.error_bound * scales.force_n,
-    }))
+        error_bound_n,
+    };
+    Ok(Some(Found::new(found, couplers)))
 }
 
 /// The first coupler whose load before the event equals the load that breaks it, to the rounding of the load: it may break at t = 0.
@@ -158,13 +235,7 @@ fn breaks_at(train: &Train, rule: Rule) -> Vec<&'static str> {
 }
 
 /// A cascade that is marched: what has parted pushes again where a gap closes.
-fn marched(
-    train: &Train,
-    scenario: &Scenario,
-    broken: Option<usize>,
-    horizon_s: f64,
-    options: &Options,
-) -> CascadeFindings {
+fn marched(train: &Train, scenario: &Scenario, broken: Option<usize>, horizon_s: f64, options: &Options) -> Found {
     let problem = scenario::march(train, scenario, broken, [horizon_s; 2], scenario.cascade);
     let outcome = march::solve(&problem, &super::march::ask(train, options));
     let (error_bound_n, error_estimate_n) = super::march::errors(&outcome.bound);
@@ -191,7 +262,7 @@ fn marched(
     let near = whole().filter(|&i| senses.iter().any(|&side| over_n(i, side).abs() <= margin_n));
     let at_s = |i: usize| outcome.extremes[i].draft.time_s.min(outcome.extremes[i].buff.time_s);
     let open = near.min_by(|a, b| at_s(*a).total_cmp(&at_s(*b)));
-    CascadeFindings {
+    let found = CascadeFindings {
         buff_breaks: scenario.cascade == Rule::InBoth,
         breaks_at: breaks_at(train, scenario.cascade),
         pieces: pieces(train.vehicles().len(), gone),
@@ -201,13 +272,16 @@ fn marched(
         gap_closes_s: None,
         gap_coupler: None,
         gap_closures: outcome.closures.iter().map(|&(i, time_s)| GapClosure { coupler: i + 1, time_s }).collect(),
+        exceeding: 0,
+        worst: None,
         error_bound_n,
         error_estimate_n,
         breaks,
-    }
+    };
+    Found::new(found, super::march::of_couplers(train, scenario, broken, &outcome, false))
 }
 
-/// First and last vehicle, counted from 1, of what hangs together.
+/// First and last vehicle, counted from 1, of each piece.
 fn pieces(vehicles: usize, gone: impl Fn(usize) -> bool) -> Vec<[usize; 2]> {
     let mut first = 1;
     let mut pieces = Vec::new();

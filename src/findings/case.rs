@@ -2,9 +2,10 @@
 
 use std::time::Instant;
 
-use super::general::{self, Solved, Within};
+use super::general;
+use super::solved::{Marched, PeriodFindings, Solved};
 use super::{
-    CaseFindings, CouplerFindings, GapClosure, Options, RodFindings, Seen, ask, cascade, coupler_findings,
+    CaseFindings, CouplerFindings, CouplerPeaks, GapClosure, Options, RodFindings, ask, cascade, coupler_findings,
     first_passage, largest_rating_n, limits, load_search, march, safe_factor, safe_speed, worst,
 };
 use crate::chain::Scene;
@@ -40,8 +41,8 @@ impl<'a> Case<'a> {
         options: &Options,
         shared: Shared<'a>,
     ) -> Case<'a> {
-        // After a break the coupler of the largest utilisation is the one that bounds the load; it need not be under a pulse, and another
-        // one may pass a limit.
+        // After a break the coupler of the largest utilisation bounds the load; under a pulse another one may, and
+        // another one may pass a limit.
         let only_worst = broken.is_some() && train.extras().limits.is_empty();
         let wanted = if only_worst { options.wanted } else { Wanted::Everything };
         let horizon_s = scenario::horizon_s(train, scenario, broken);
@@ -91,7 +92,7 @@ impl<'a> Case<'a> {
         }
     }
 
-    /// What an elastic rod would have said, where there is one.
+    /// Result of the elastic rod, where there is one.
     fn rod(&self) -> Option<RodFindings> {
         let none = self.motion() != Motion::Steps;
         let parts = || scenario::parts(self.train, &self.scenario.event, self.broken, self.horizon_s);
@@ -117,12 +118,12 @@ pub(crate) fn case_findings(
         solved;
     let ending = marched.as_ref().and_then(|m| m.ending);
     let horizon_s = ending.map_or(horizon_s, |end| end.at_s);
-    let cascade = cascade::find(train, scenario, broken, horizon_s, options)?;
+    let cascade = cascade::find(train, scenario, broken, horizon_s, options)?.map(|found| found.note(&mut couplers));
     let search = || load_search::find(train, scenario, broken, horizon_s, options);
     let load_factor_search = marched.as_ref().and_then(|_| search());
     let margin_n = march::margin_n(error_bound_n, error_estimate_n);
     limits::find(train, &mut couplers, margin_n, |rated| {
-        // The tolerance is a share of the largest rating, and stays what it is.
+        // The tolerance, a share of the largest rating, stays the same in N.
         let tolerance = options.tolerance * largest_rating_n(train) / largest_rating_n(rated);
         let wanted = Wanted::Everything;
         let options = Options { tolerance, wanted, verdict_only: false, ..options.clone() };
@@ -164,7 +165,7 @@ pub(crate) fn case_findings(
     })
 }
 
-fn closures(marched: Option<&march::Marched>) -> Vec<GapClosure> {
+fn closures(marched: Option<&Marched>) -> Vec<GapClosure> {
     let one = |&(coupler, time_s): &(usize, f64)| GapClosure { coupler: coupler + 1, time_s };
     marched.map_or_else(Vec::new, |m| m.closures.iter().map(one).collect())
 }
@@ -200,11 +201,12 @@ fn solved_by_parts(
         left_out.extend(left.filter_map(|(i, _)| Some((part.first_coupler + i, bound(i)?))));
         for ((couplers, worst_of_parts), springs) in within.iter_mut().zip([&solution.springs, &solution.to_mark]) {
             let first = couplers.len();
-            let matters = Mattering::new(&part.scene, &solution, springs, ask.wanted);
+            let matters = ReportedCouplers::new(&part.scene, &solution, springs, ask.wanted);
             for (i, spring) in springs.iter().enumerate() {
                 let bound = bound(i).filter(|_| options.all_time_bound);
-                let findings =
-                    |peaks| coupler_findings(train, part.first_coupler + i, &Seen::new(peaks, &scales, error_n), bound);
+                let findings = |peaks| {
+                    coupler_findings(train, part.first_coupler + i, &CouplerPeaks::new(peaks, &scales, error_n), bound)
+                };
                 couplers.extend(spring.as_ref().filter(|peaks| matters.has(i, peaks)).map(findings));
             }
             worst_of_parts.extend(worst(couplers, first..couplers.len(), error_n));
@@ -212,9 +214,9 @@ fn solved_by_parts(
     }
     let [to_horizon, to_mark] = within.map(|(couplers, worst_of_parts)| {
         let worst = worst(&couplers, worst_of_parts, error_bound_n);
-        Within { couplers, worst }
+        PeriodFindings { couplers, worst }
     });
-    let Within { couplers, worst } = to_horizon;
+    let PeriodFindings { couplers, worst } = to_horizon;
     let mut to_mark = ask.mark.map(|_| to_mark);
     if let Some(within) = to_mark.as_mut().filter(|_| only_worst) {
         within.couplers.iter_mut().for_each(CouplerFindings::keep_one_sense);
@@ -223,16 +225,21 @@ fn solved_by_parts(
     Ok(Solved { method, reason, error_bound_n, error_estimate_n, couplers, worst, left_out, to_mark, marched })
 }
 
-/// Which of a part's couplers the result tells of.
-struct Mattering<'a> {
+/// Which of a part's couplers are in the result.
+struct ReportedCouplers<'a> {
     scene: &'a Scene,
     /// Below this utilisation a coupler is certainly not the worst.
     least: f64,
 }
 
-impl Mattering<'_> {
-    fn new<'a>(scene: &'a Scene, found: &Solution, springs: &[Option<SpringPeaks>], wanted: Wanted) -> Mattering<'a> {
-        let mut matters = Mattering { scene, least: f64::NEG_INFINITY };
+impl ReportedCouplers<'_> {
+    fn new<'a>(
+        scene: &'a Scene,
+        found: &Solution,
+        springs: &[Option<SpringPeaks>],
+        wanted: Wanted,
+    ) -> ReportedCouplers<'a> {
+        let mut matters = ReportedCouplers { scene, least: f64::NEG_INFINITY };
         if wanted == Wanted::Worst {
             let uses =
                 springs.iter().enumerate().filter_map(|(i, peaks)| Some(matters.utilisation(i, peaks.as_ref()?)));
@@ -255,7 +262,7 @@ impl Mattering<'_> {
     }
 }
 
-/// What the rod says of every coupler; `None` if a part's vehicles or couplers differ, or none is left.
+/// The rod's result of all couplers; `None` if a part's vehicles or couplers differ, or none is left.
 fn rod_findings(parts: &[Part]) -> Option<RodFindings> {
     let mut findings = RodFindings { exceeding: 0, utilisation: 0.0 };
     for Part { scene, .. } in parts {

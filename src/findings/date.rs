@@ -23,7 +23,7 @@ pub fn today() -> Result<String, String> {
 
 /// The date so many days after 1970-01-01, Gregorian.
 fn date(days: u64) -> String {
-    // Years begin in March here, so that the day that some have not is the last: 400 of them are 146,097 days.
+    // Years begin in March here, so that a leap day is the last of its year: 400 years are 146,097 days.
     let days = days + 719_468;
     let (era, day) = (days / 146_097, days % 146_097);
     let year = (day - day / 1460 + day / 36_524 - day / 146_096) / 365;

@@ -12,7 +12,7 @@ pub fn found(train: &Train, scenario: &Scenario, cases: &[CaseFindings]) -> Vec<
     let doubts = [
         closing_gap(scenario, cases),
         not_predictable(scenario, cases),
-        stops(scenario, cases),
+        stops(train, scenario, cases),
         closing_gears(train, scenario, cases),
     ];
     doubts.into_iter().flatten().collect()
@@ -41,7 +41,7 @@ fn closing_gears(train: &Train, scenario: &Scenario, cases: &[CaseFindings]) -> 
     Some(Doubt::of_scenario("gear-closes", scenario, text))
 }
 
-/// The end of what can be told of a motion in which small differences grow.
+/// The end of known forces, where small differences grow.
 fn not_predictable(scenario: &Scenario, cases: &[CaseFindings]) -> Option<Doubt> {
     let mut ends = cases.iter().filter_map(|c| c.predictable_until_s);
     let first = ends.next()?;
@@ -55,13 +55,14 @@ fn not_predictable(scenario: &Scenario, cases: &[CaseFindings]) -> Option<Doubt>
 }
 
 /// A vehicle that its brakes would bring to a stand.
-fn stops(scenario: &Scenario, cases: &[CaseFindings]) -> Option<Doubt> {
+fn stops(train: &Train, scenario: &Scenario, cases: &[CaseFindings]) -> Option<Doubt> {
     let mut stops = cases.iter().filter_map(|c| Some((c.stopped_at_s?, c.stopped_vehicle?)));
     let first = stops.next()?;
     let others = stops.clone().count();
     let (at_s, vehicle) = stops.fold(first, |a, b| if b.0 < a.0 { b } else { a });
     let text = format!(
-        "vehicle {vehicle} would come to a stand at {}{}: a standing vehicle is not computed, and nothing later is reported",
+        "{} would come to a stand at {}{}: a standing vehicle is not computed, and nothing later is reported",
+        train.place_of(vehicle),
         shown_time(at_s),
         more(others, "case")
     );

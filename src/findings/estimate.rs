@@ -14,10 +14,10 @@ const MOST_SECONDS: f64 = 3600.0;
 /// The memory that results and their report may take, bytes.
 const MOST_BYTES: usize = 6_000_000_000;
 
-/// What a coupler in a case takes of it, as measured on a case of a million couplers, whose `result.json` has them all, and on 1400
-/// cases of 1399, whose has not; rounded up.
-const ALONE: usize = 4200;
-const OF_SEVERAL: usize = 500;
+/// Memory of a coupler in a case, measured and rounded up: on one case of a million couplers, all in `result.json`,
+/// and on 1400 cases of 1399, not all in it.
+const BYTES_ALONE: usize = 4200;
+const BYTES_OF_SEVERAL: usize = 500;
 
 /// Cases of a scenario whose work is counted for an estimate, at most.
 const SAMPLE: usize = 200;
@@ -28,8 +28,8 @@ const SAMPLE: usize = 200;
 /// [`AnalyzeError::UnknownScenario`].
 pub fn memory_bytes(train: &Train, options: &Options) -> Result<usize, AnalyzeError> {
     let of_scenario = |s: &&Scenario| match cases(&s.event).len() {
-        1 => ALONE,
-        several => several.saturating_mul(OF_SEVERAL),
+        1 => BYTES_ALONE,
+        several => several.saturating_mul(BYTES_OF_SEVERAL),
     };
     let each: usize = chosen(train, options)?.iter().map(of_scenario).fold(0, usize::saturating_add);
     Ok(each.saturating_mul(train.couplers().len()))
@@ -48,7 +48,7 @@ pub fn estimate_s(train: &Train, options: &Options) -> Result<f64, AnalyzeError>
     let mut total = 0.0;
     for scenario in chosen(train, options)? {
         let cases = cases(&scenario.event);
-        // Of very many cases a sample says enough.
+        // Of very many cases a sample is enough.
         let sample: Vec<_> = cases.iter().step_by(cases.len().div_ceil(SAMPLE).max(1)).collect();
         let seconds: Result<f64, _> = sample.par_iter().map(|&&b| case_estimate_s(train, scenario, b, options)).sum();
         let seconds = seconds.map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
@@ -80,7 +80,7 @@ pub(crate) fn case_estimate_s(
         seconds += general::estimate_s(train, scenario, broken, horizon_s, scenario.cascade);
     }
     let balanced = scenario::unbalanced_n(train, &scenario.event).iter().all(|f| *f == 0.0);
-    seconds += if balanced { once } else { once * (1.0 + safe_speed::ABOUT) };
+    seconds += if balanced { once } else { once * (1.0 + safe_speed::USUAL_FACTORS) };
     Ok(seconds)
 }
 

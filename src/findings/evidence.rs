@@ -9,7 +9,7 @@ use crate::train::{Scenario, Train};
 
 /// Instants of a force over time per unit of time sqrt(m / k): about eight in the period of the fastest vibration of equal vehicles.
 const PER_UNIT: f64 = 2.5;
-/// Its instants: enough for a line, and no more than the eye can use.
+/// Fewest and most instants of a force over time in a figure.
 const FEWEST: usize = 600;
 const MOST: usize = 3000;
 /// Instants of the way of a force over its elongation.
@@ -20,14 +20,14 @@ const ON_WAY: usize = 4000;
 pub struct Evidence {
     /// Forces by place and time after the event alone; `None` where nothing moves, or there is but one coupler.
     pub wave: Option<Field>,
-    /// Those forces would take long to find, and are left out.
+    /// `wave` is left out: it would take long to compute.
     pub wave_left_out: bool,
     /// The rod's.
     pub rod: Option<Field>,
     /// Those when couplers break one after the other, of a scenario with one case.
     pub cascade: Option<Field>,
     /// The stretch of time over which the worst coupler is shown, s: all of it, or, where that is too long to resolve, a window. It begins
-    /// at t = 0 when it reaches the peak so, and else lies around the peak.
+    /// at t = 0 if it then holds the peak, and else lies around the peak.
     pub window_s: (f64, f64),
     /// Instants in it, those that the text names among them.
     pub times_s: Vec<f64>,
@@ -35,7 +35,8 @@ pub struct Evidence {
     pub force_n: Vec<f64>,
     /// The rod's; empty where there is none.
     pub rod_force_n: Vec<f64>,
-    /// Elongation, m from the middle of the slack, and force, N, of the worst coupler over the whole time; empty of a linear one.
+    /// Elongation, m from the middle of the slack, and force, N, of the worst coupler over the whole time; empty for a
+    /// linear one.
     pub way: Vec<[f64; 2]>,
 }
 

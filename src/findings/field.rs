@@ -1,5 +1,7 @@
 //! Force in every coupler over time: what a picture of the wave shows.
 
+use std::collections::HashMap;
+
 use super::CaseFindings;
 use crate::march::{self, MarchOptions};
 use crate::play::Rule;
@@ -8,26 +10,26 @@ use crate::scenario::{self, Motion, Scales};
 use crate::solve::field;
 use crate::train::{Scenario, Train};
 
-/// Values that are kept: a picture has no room for more, and a page would be slow with them.
-const KEPT: usize = 400_000;
-/// Rows of a picture; of more couplers several share one.
+/// Most values kept: a picture cannot show more, and they would slow down a page.
+const MOST_VALUES: usize = 400_000;
+/// Most rows of a picture: several couplers share one.
 const ROWS: usize = 2000;
-/// Instants that are kept.
+/// Most instants kept.
 const MOST_KEPT: usize = 1600;
-/// Values that are looked at.
-const LOOKED: f64 = 1e8;
+/// Most values computed.
+const MOST_COMPUTED: f64 = 1e8;
 /// The same of a march, whose values are all held in memory.
-const LOOKED_IN_MARCH: f64 = 4e6;
+const MOST_COMPUTED_IN_MARCH: f64 = 4e6;
 /// The most instants, for their memory.
 const MOST_INSTANTS: f64 = 4e6;
 /// Instants per unit of time sqrt(m / k): about eight in the period of the fastest vibration of equal vehicles; and the fewest
-/// for which a picture of it is one.
+/// that make a picture.
 const PER_UNIT: f64 = 2.5;
 const SPARSEST: f64 = 0.4;
-/// Instants that a short picture has.
+/// Fewest instants of a picture.
 const FEWEST: f64 = 400.0;
 
-/// Whose forces.
+/// Forces of what.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Of {
     /// The couplers', after the event alone.
@@ -43,12 +45,14 @@ pub enum Of {
 pub struct Field {
     /// Neighbouring couplers that share a row; of them, and of the instants that share a column, the largest utilisation is kept.
     pub couplers_per_row: usize,
-    /// Instants that share a column; 1 if every one that was computed is there.
+    /// Instants that share a column; 1 if each has its own.
     pub instants_per_column: usize,
     /// Middle of each column, s after the event.
     pub times_s: Vec<f64>,
     /// Utilisation with the force's sign (draft positive), by rows from the head; no number where there is no coupler.
     pub share: Vec<f32>,
+    /// Of each row, whether all its couplers have slack; empty where the slack of couplers means nothing.
+    pub slack: Vec<bool>,
 }
 
 impl Field {
@@ -60,6 +64,16 @@ impl Field {
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.share.len() / self.times_s.len()
+    }
+
+    /// Whether couplers of these rows with this utilisation are open: their force is zero while they pass their slack.
+    pub fn is_open(&self, mut rows: impl Iterator<Item = usize>, share: f32) -> bool {
+        share == 0.0 && rows.all(|row| self.slack.get(row) == Some(&true))
+    }
+
+    /// Whether any coupler is open at any time.
+    pub fn opens(&self) -> bool {
+        (0..self.rows()).any(|row| self.row(row).iter().any(|share| self.is_open(row..=row, *share)))
     }
 
     /// The largest utilisation.
@@ -77,13 +91,13 @@ impl Field {
         (0..self.rows()).map(moved).sum::<usize>() > self.share.len() / 200
     }
 
-    /// The same with so many columns in one.
+    /// The same with `by` columns in one.
     pub fn folded(&self, by: usize) -> Field {
         let by = by.max(1);
         let times_s: Vec<f64> = self.times_s.chunks(by).map(middle).collect();
         let fold = |of: &[f32]| of.iter().copied().fold(f32::NAN, larger);
         let share = (0..self.rows()).flat_map(|r| self.row(r).chunks(by).map(fold)).collect();
-        Field { times_s, share, instants_per_column: self.instants_per_column * by, ..*self }
+        Field { times_s, share, slack: self.slack.clone(), instants_per_column: self.instants_per_column * by, ..*self }
     }
 
     fn keep(&mut self, row: usize, column: usize, share: f32) {
@@ -98,7 +112,7 @@ impl Field {
     }
 }
 
-/// The utilisation of larger magnitude, whichever has one.
+/// The utilisation of larger magnitude; NaN is ignored.
 pub(crate) fn larger(a: f32, b: f32) -> f32 {
     if a.is_nan() || b.abs() > a.abs() { b } else { a }
 }
@@ -117,17 +131,20 @@ impl Frame {
     /// `None` where it would take long.
     pub fn new(train: &Train, scenario: &Scenario, case: &CaseFindings) -> Option<Frame> {
         let couplers = train.couplers().len();
-        let looked = if Motion::of(train, scenario) == Motion::Events { LOOKED_IN_MARCH } else { LOOKED };
+        let looked = if Motion::of(train, scenario) == Motion::Events { MOST_COMPUTED_IN_MARCH } else { MOST_COMPUTED };
         let times_s = instants(train, case.horizon_s, looked)?;
         let couplers_per_row = couplers.div_ceil(ROWS);
         let rows = couplers.div_ceil(couplers_per_row);
-        let instants_per_column = times_s.len().div_ceil((KEPT / rows).min(MOST_KEPT));
+        let instants_per_column = times_s.len().div_ceil((MOST_VALUES / rows).min(MOST_KEPT));
         let columns: Vec<f64> = times_s.chunks(instants_per_column).map(middle).collect();
         let share = vec![f32::NAN; rows * columns.len()];
-        Some(Frame { times_s, field: Field { couplers_per_row, instants_per_column, times_s: columns, share } })
+        Some(Frame {
+            times_s,
+            field: Field { couplers_per_row, instants_per_column, times_s: columns, share, slack: vec![] },
+        })
     }
 
-    fn see(&mut self, train: &Train, instant: usize, coupler: usize, force_n: f64) {
+    fn add(&mut self, train: &Train, instant: usize, coupler: usize, force_n: f64) {
         let Field { couplers_per_row, instants_per_column, .. } = self.field;
         self.field.keep(coupler / couplers_per_row, instant / instants_per_column, use_of(train, coupler, force_n));
     }
@@ -135,16 +152,31 @@ impl Frame {
     /// From the forces of every coupler at the instants, N; not numbers after the end of the march.
     pub fn of_march(mut self, train: &Train, case: &CaseFindings, histories_n: &[Vec<f64>], of: Of) -> Field {
         let broken = case.broken_coupler.map(|b| b - 1).filter(|_| of == Of::Event);
+        let breaks = case.cascade.iter().filter(|_| of == Of::Cascade).flat_map(|c| &c.breaks);
+        let parted_s: HashMap<usize, f64> = breaks.map(|b| (b.coupler - 1, b.time_s)).collect();
         for (i, forces_n) in histories_n.iter().enumerate().filter(|(i, _)| Some(*i) != broken) {
-            forces_n.iter().enumerate().filter(|(_, f)| f.is_finite()).for_each(|(t, f)| self.see(train, t, i, *f));
+            let parted_s = parted_s.get(&i).copied().unwrap_or(f64::INFINITY);
+            for (t, force_n) in forces_n.iter().enumerate().filter(|(_, f)| f.is_finite()) {
+                // What has parted is not open, and pushes only where its vehicles meet again.
+                if *force_n != 0.0 || self.times_s[t] < parted_s {
+                    self.add(train, t, i, *force_n);
+                }
+            }
         }
+        let has_slack: Vec<bool> = train.extras().laws.iter().map(|law| law.slack_m() > 0.0).collect();
+        self.field.slack =
+            has_slack.chunks(self.field.couplers_per_row).map(|row| row.iter().all(|has| *has)).collect();
         self.finish(train, case, of)
     }
 
     /// Puts the exact largest forces in.
     fn finish(mut self, train: &Train, case: &CaseFindings, of: Of) -> Field {
-        for c in case.couplers.iter().filter(|_| of == Of::Event) {
-            let peaks = [(c.peak_draft_n, c.peak_draft_time_s), (c.peak_buff_n, c.peak_buff_time_s)];
+        for c in &case.couplers {
+            let peaks = match (of, &c.cascade) {
+                (Of::Event, _) => [(c.peak_draft_n, c.peak_draft_time_s), (c.peak_buff_n, c.peak_buff_time_s)],
+                (Of::Cascade, Some(p)) => [(p.peak_draft_n, p.peak_draft_time_s), (p.peak_buff_n, p.peak_buff_time_s)],
+                _ => continue,
+            };
             for (force_n, time_s) in peaks.into_iter().filter_map(|(f, t)| Some((f?, t?))) {
                 if let Some(column) = self.field.column(time_s) {
                     let row = (c.coupler - 1) / self.field.couplers_per_row;
@@ -163,7 +195,7 @@ fn use_of(train: &Train, coupler: usize, force_n: f64) -> f32 {
 }
 
 /// Forces in every coupler of a case; `scenario` is an index into the train's scenarios. `None` where it would take long, or
-/// for a rod that there is not.
+/// without a rod.
 ///
 /// Up to the horizon, or as far as is affordable. Every coupler's exact largest draft and buff are among the values, whatever
 /// the instants in between.
@@ -183,7 +215,7 @@ pub fn field(train: &Train, scenario: usize, case: &CaseFindings, of: Of) -> Opt
         return Some(frame.of_march(train, case, &outcome.history, of));
     }
     let times_s = frame.times_s.clone();
-    compute(train, scenario, case, of, &times_s, &mut |t, i, f| frame.see(train, t, i, f))
+    compute(train, scenario, case, of, &times_s, &mut |t, i, f| frame.add(train, t, i, f))
         .then(|| frame.finish(train, case, of))
 }
 
@@ -199,7 +231,7 @@ fn instants(train: &Train, horizon_s: f64, looked: f64) -> Option<Vec<f64>> {
     usable.then(|| (0..=count as usize).map(step).collect())
 }
 
-/// Shows the force, N, in every coupler at every instant, of what is not marched; whether it is affordable.
+/// Gives `see` the force, N, in every coupler at every instant, without a march; false if it would take long.
 fn compute(
     train: &Train,
     scenario: &Scenario,

@@ -9,14 +9,14 @@
 
 use serde::Serialize;
 
-use super::general::Within;
+use super::solved::PeriodFindings;
 use super::{CouplerFindings, of_number};
 use crate::scenario;
 use crate::train::{Scenario, Train};
 
-/// One coupler's largest forces over the first passage, t = 0 included.
+/// One coupler's largest forces over the first passage, or in a cascade up to its own break; t = 0 included.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct FirstPassage {
+pub struct PeakForces {
     /// Largest tension, N, positive; `None` if it is not in tension.
     pub peak_draft_n: Option<f64>,
     /// When, s after the event.
@@ -25,19 +25,30 @@ pub struct FirstPassage {
     pub peak_buff_n: Option<f64>,
     /// When, s after the event.
     pub peak_buff_time_s: Option<f64>,
-    /// Over its rating in either sign; `None`: not decided.
+    /// Over its rating in either sense; `None`: not decided.
     pub exceeds: Option<bool>,
+    /// Of a cascade, an estimate of the error of these forces, N, where there is no proof.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error_estimate_n: Option<f64>,
 }
 
-impl FirstPassage {
-    fn of(c: &CouplerFindings) -> FirstPassage {
-        FirstPassage {
+impl PeakForces {
+    pub(super) fn of(c: &CouplerFindings) -> PeakForces {
+        PeakForces {
             peak_draft_n: c.peak_draft_n,
             peak_draft_time_s: c.peak_draft_time_s,
             peak_buff_n: c.peak_buff_n,
             peak_buff_time_s: c.peak_buff_time_s,
             exceeds: c.exceeds,
+            error_estimate_n: None,
         }
+    }
+
+    /// The force of the largest utilisation, N, when it is, s, and that utilisation; `None` for a coupler that is never loaded.
+    pub fn most_used(&self, c: &CouplerFindings) -> Option<(f64, f64, f64)> {
+        let draft = self.peak_draft_n.zip(self.peak_draft_time_s).map(|(n, at_s)| (n, at_s, n / c.rated_draft_n));
+        let buff = self.peak_buff_n.zip(self.peak_buff_time_s).map(|(n, at_s)| (n, at_s, -n / c.rated_buff_n));
+        [draft, buff].into_iter().flatten().reduce(|a, b| if b.2 > a.2 { b } else { a })
     }
 }
 
@@ -57,20 +68,20 @@ pub(super) fn end_s(train: &Train, scenario: &Scenario, broken: Option<usize>, h
     horizon_s.min(scenario::last_change_s(train, scenario, broken) + 2.0 * transit_s)
 }
 
-/// Notes the first passage with each coupler that is known up to the horizon, `worst` among them; `within` is what was found up to
-/// its end, `None` where that is the horizon.
+/// Adds the first passage to the findings of each coupler up to the horizon; `worst` is an index into them, `within`
+/// are the findings up to its end, `None` where that is the horizon.
 pub(super) fn note(
     couplers: &mut [CouplerFindings],
     worst: Option<usize>,
     end_s: f64,
-    within: Option<Within>,
+    within: Option<PeriodFindings>,
     error_n: f64,
 ) -> Passage {
-    let told = |couplers: &mut [CouplerFindings]| {
-        couplers.iter_mut().for_each(|c| c.first_passage = Some(FirstPassage::of(c)));
+    let fill = |couplers: &mut [CouplerFindings]| {
+        couplers.iter_mut().for_each(|c| c.first_passage = Some(PeakForces::of(c)));
     };
     let Some(mut within) = within else {
-        told(couplers);
+        fill(couplers);
         return passage(end_s, couplers, worst);
     };
     for c in &mut within.couplers {
@@ -78,15 +89,16 @@ pub(super) fn note(
             no_larger(c, whole, error_n);
         }
     }
-    told(&mut within.couplers);
+    fill(&mut within.couplers);
     for c in couplers {
         c.first_passage = of_number(&within.couplers, c.coupler).and_then(|c| c.first_passage.clone());
     }
     passage(end_s, &within.couplers, within.worst)
 }
 
-/// A peak of the first passage that is also the largest of all was found twice, and the two may differ within their error: the smaller
-/// counts. Where only the worst coupler is asked for, that of another one up to the horizon may be unknown, and far smaller.
+/// A peak of the first passage that is also the largest of all was found twice, and the values may differ within their
+/// error: the smaller counts. If only the worst coupler is asked for, another one's peak may be unknown up to the
+/// horizon, and far smaller.
 fn no_larger(c: &mut CouplerFindings, whole: &CouplerFindings, error_n: f64) {
     let is_same = |own: f64, whole: f64| (0.0..=2.0 * error_n).contains(&(own.abs() - whole.abs()));
     let least = |own: Option<f64>, whole: Option<f64>| match (own, whole) {

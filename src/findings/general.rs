@@ -1,39 +1,13 @@
-//! Cases that steps of force on an undamped chain at rest cannot stand for: the whole train by Taylor series.
+//! Cases that steps of force on an undamped chain at rest cannot represent: the whole train by Taylor series.
 
-use super::march::Marched;
-use super::{CouplerFindings, Options, Seen, coupler_findings, worst};
+use super::solved::{PeriodFindings, Solved};
+use super::{CouplerFindings, CouplerPeaks, Options, coupler_findings, worst};
 use crate::chain::Scene;
 use crate::play::Rule;
 use crate::scenario::{self, Scales};
 use crate::solve::watch::SpringPeaks;
 use crate::solve::{Ask, Method, Solution, SolveError, damped_modes, taylor};
 use crate::train::{Event, Scenario, Train};
-
-/// What was found of every coupler.
-pub(super) struct Solved {
-    pub method: &'static str,
-    pub reason: String,
-    /// Infinite where nothing is proven.
-    pub error_bound_n: f64,
-    /// Where nothing is proven.
-    pub error_estimate_n: Option<f64>,
-    pub couplers: Vec<CouplerFindings>,
-    /// The one with the largest utilisation, of alike ones the first: its place among them.
-    pub worst: Option<usize>,
-    /// Couplers that were left out, with their all-time bounds, N.
-    pub left_out: Vec<(usize, f64)>,
-    /// What was found up to the mark; `None` without one.
-    pub to_mark: Option<Within>,
-    /// What only a march finds; `None` for other methods.
-    pub marched: Option<Marched>,
-}
-
-/// What was found of every coupler within a part of the horizon.
-pub(super) struct Within {
-    pub couplers: Vec<CouplerFindings>,
-    /// As in [`Solved`].
-    pub worst: Option<usize>,
-}
 
 /// Extremes of every coupler but the broken one.
 ///
@@ -59,12 +33,12 @@ pub(super) fn solved(
         let others = springs.iter().enumerate().filter(|(i, _)| Some(*i) != broken);
         let couplers = others.map(|(i, peaks)| CouplerFindings {
             initial_force_n: before_n[i],
-            ..coupler_findings(train, i, &Seen::new(peaks, &scales, error_bound_n), None)
+            ..coupler_findings(train, i, &CouplerPeaks::new(peaks, &scales, error_bound_n), None)
         });
         let couplers: Vec<CouplerFindings> = couplers.collect();
-        Within { worst: worst(&couplers, 0..couplers.len(), error_bound_n), couplers }
+        PeriodFindings { worst: worst(&couplers, 0..couplers.len(), error_bound_n), couplers }
     };
-    let Within { couplers, worst } = within(&outcome.springs);
+    let PeriodFindings { couplers, worst } = within(&outcome.springs);
     Ok(Solved {
         method: "taylor",
         reason: reason(train, &scenario.event).to_owned(),

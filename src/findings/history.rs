@@ -10,7 +10,8 @@ use crate::train::Train;
 
 /// Force in one coupler at given times, N, draft positive: what a figure shows.
 ///
-/// `scenario` is an index into the train's scenarios; `broken` and `coupler` are indices from 0. Right to a line's width.
+/// `scenario` is an index into the train's scenarios; `broken` and `coupler` are indices from 0. Exact to a line's
+/// width.
 pub fn history(train: &Train, scenario: usize, broken: Option<usize>, coupler: usize, times_s: &[f64]) -> Vec<f64> {
     let motion = Motion::of(train, &train.scenarios()[scenario]);
     if motion == Motion::Events {
@@ -47,7 +48,7 @@ pub fn rod_history(
     in_part(train, scenario, broken, coupler, times_s, |scene, i, t| Some(Rod::new(scene)?.history(i, t)))
 }
 
-/// Asks the part that holds a coupler for forces, in the solvers' units and back; `None` for the broken coupler.
+/// Forces from the part with this coupler, computed in the solvers' units; `None` for the broken coupler.
 fn in_part(
     train: &Train,
     scenario: usize,
@@ -60,8 +61,8 @@ fn in_part(
     let horizon_s = scenario::horizon_s(train, scenario, broken);
     let scales = Scales::of(train);
     let parts = scenario::parts(train, &scenario.event, broken, horizon_s);
-    let holds = |p: &&Part| (p.first_coupler..p.first_coupler + p.scene.initial.len()).contains(&coupler);
-    let part = parts.iter().find(holds)?;
+    let has_coupler = |p: &&Part| (p.first_coupler..p.first_coupler + p.scene.initial.len()).contains(&coupler);
+    let part = parts.iter().find(has_coupler)?;
     let times: Vec<f64> = times_s.iter().map(|t| t / scales.time_s).collect();
     let forces = ask(&part.scene, coupler - part.first_coupler, &times)?;
     Some(forces.into_iter().map(|f| f * scales.force_n).collect())

@@ -13,9 +13,11 @@ pub fn idle_options(train: &Train, options: &Options) -> Vec<String> {
 fn of_scenario(train: &Train, scenario: &Scenario, options: &Options) -> Vec<String> {
     let mut told = vec![];
     if options.map && matches!(scenario.event, Event::Impact { .. }) {
-        told.push(
-            "--map does nothing for an impact: its safe factor on the speed says all that a map would".to_owned(),
-        );
+        let factor = match Motion::of(train, scenario) {
+            Motion::Events => "the factor on its speed from which couplers exceed, which is searched for,",
+            _ => "its safe factor on the speed",
+        };
+        told.push(format!("--map does nothing for an impact: {factor} says all that a map would"));
     }
     if Motion::of(train, scenario) == Motion::Events {
         let why = "forces with slack, friction or brakes are not proportional to their cause";

@@ -19,7 +19,8 @@ pub struct LimitFindings {
     pub by_sense: Vec<LimitInSense>,
 }
 
-/// Whether a coupler may pass one of its limits while it is under its rating: then a bound under the rating leaves limits open.
+/// Whether a coupler may pass one of its limits while it is under its rating: a bound under the rating then decides no
+/// limit.
 pub(crate) fn any_below_rating(train: &Train) -> bool {
     train.couplers().iter().zip(&train.extras().limits).any(|(coupler, limits)| {
         let ratings = [coupler.rated_draft_n, coupler.rated_buff_n];
@@ -59,19 +60,19 @@ impl LimitFindings {
     }
 }
 
-/// A capacity that equals the load before the event as near as forces are known: only how the force moves from there can
-/// tell whether it is passed.
+/// A capacity that equals the load before the event within the error: whether it is passed depends on how the force
+/// changes from there.
 struct AtTheLoad {
-    /// Which of the couplers that are looked at.
+    /// Index of the coupler in the findings.
     place: usize,
-    /// Which of its capacities.
+    /// Index in its capacities.
     entry: usize,
 }
 
-/// Notes them where the train has any; every force after t = 0 is within `error_bound_n`.
+/// Adds limits to the findings, if any; every force after t = 0 is exact to `error_bound_n`.
 ///
-/// What a rating at the load is judged by, a capacity at the load is as well: `solve` solves the same case of a train in which
-/// such capacities are the ratings, and the verdict on those is theirs.
+/// A capacity at the load is judged as a rating at the load is: `solve` solves the same case of a train in which such
+/// capacities are the ratings, and gives their verdicts.
 ///
 /// # Errors
 /// As for the case itself.
@@ -94,7 +95,7 @@ pub(super) fn find(
         all.push(entries);
     }
     while !open.is_empty() {
-        settle(train, couplers, &mut all, &mut open, &solve)?;
+        decide_open_limits(train, couplers, &mut all, &mut open, &solve)?;
     }
     for (c, entries) in couplers.iter_mut().zip(all) {
         let [draft, buff] = largest_n(c);
@@ -125,8 +126,8 @@ fn against(train: &Train, c: &CouplerFindings, error_bound_n: f64) -> Vec<LimitI
     entries
 }
 
-/// Solves with one open capacity of each side of each coupler as its rating, and takes the verdicts.
-fn settle(
+/// Solves with one open capacity of each side of each coupler as its rating, and stores the verdicts.
+fn decide_open_limits(
     train: &Train,
     couplers: &[CouplerFindings],
     all: &mut [Vec<LimitInSense>],

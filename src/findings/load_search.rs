@@ -1,8 +1,9 @@
 //! A search for the factor on a march's load, force or speed at which couplers begin to exceed.
 //!
-//! With slack and friction forces do not grow in proportion to their cause, and more of it can even mean less: no factor below which
-//! none exceeds follows from one march. Marches are made at the factors of a grid, and then between the first of them at which a
-//! coupler exceeds and the one before. The result holds for the factors that were tried, and proves nothing about those between.
+//! With slack and friction forces do not grow in proportion to their cause, and a larger cause can even give smaller
+//! ones: no factor below which none exceeds follows from one march. Marches are made at the factors of a grid, and
+//! then between the first of them at which a coupler exceeds and the one before. The result holds for the factors that
+//! were tried, and proves nothing about those between.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -14,10 +15,10 @@ use crate::scenario;
 use crate::solve::Wanted;
 use crate::train::{Event, Scenario, Train};
 
-/// Factors of the grid: so many, so far apart.
+/// Factors of the grid: number, and distance.
 const GRID: usize = 8;
-const APART: f64 = 0.25;
-/// Halvings behind it: to 0.4 % of the cause.
+const GRID_STEP: f64 = 0.25;
+/// Halvings after it: to 0.4 % of the cause.
 const HALVINGS: usize = 6;
 /// A search that would take more than this on one core, s, is not made; the time is that of the counted work, not a measured one.
 const MOST_S: f64 = 10.0;
@@ -73,11 +74,11 @@ pub(super) fn find(
         let first = march::solve(&problem(factor), &ask).first_over_s;
         first.iter().enumerate().any(|(i, first)| Some(i) != broken && first.iter().any(Option::is_some))
     };
-    let grid: Vec<bool> = (1..=GRID).into_par_iter().map(|n| exceeds(APART * n as f64)).collect();
+    let grid: Vec<bool> = (1..=GRID).into_par_iter().map(|n| exceeds(GRID_STEP * n as f64)).collect();
     let Some(first) = grid.iter().position(|over| *over) else {
-        return Some(LoadSearch { none_exceeds_at: APART * GRID as f64, exceeds_at: None, tried: GRID });
+        return Some(LoadSearch { none_exceeds_at: GRID_STEP * GRID as f64, exceeds_at: None, tried: GRID });
     };
-    let (mut low, mut high) = (APART * first as f64, APART * (first + 1) as f64);
+    let (mut low, mut high) = (GRID_STEP * first as f64, GRID_STEP * (first + 1) as f64);
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);
         if exceeds(middle) { high = middle } else { low = middle }

@@ -1,4 +1,4 @@
-//! The map an engineer designs from: the smallest pulse that overloads a coupler, or the safe load, over what may vary.
+//! A scenario's map: the smallest overloading pulse by duration, or the safe load by broken coupler.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -53,15 +53,15 @@ pub(super) fn find(train: &Train, scenario: &Scenario, options: &Options) -> Res
     let (over, value, variants): (_, _, Vec<(f64, Option<usize>, Event)>) = match &scenario.event {
         Event::Impact { .. } | Event::Brake { .. } => return Ok(None),
         Event::Break { .. } => {
-            let each = mapped(train, &scenario.event).into_iter();
+            let each = mapped_couplers(train, &scenario.event).into_iter();
             let each = each.map(|b| (b as f64 + 1.0, Some(b), scenario.event.clone()));
             ("broken_coupler", "safe_load_factor", each.collect())
         }
         Event::Pulse { .. } | Event::Shaped { .. } => {
             let (shortest, longest) = (0.1 * wave.time_unit_s, 2.0 * wave.transit_s);
             let at = |i: usize| shortest * (longest / shortest).powf(i as f64 / (DURATIONS - 1) as f64);
-            let lasting = (0..DURATIONS).map(|i| (at(i), None, lasting(&scenario.event, at(i))));
-            ("duration_s", "overloading_force_n", lasting.collect())
+            let with_duration = (0..DURATIONS).map(|i| (at(i), None, with_duration(&scenario.event, at(i))));
+            ("duration_s", "overloading_force_n", with_duration.collect())
         }
     };
     let points = variants.into_par_iter().map(|(at, broken, event)| {
@@ -80,25 +80,25 @@ pub(super) fn find(train: &Train, scenario: &Scenario, options: &Options) -> Res
 }
 
 /// Couplers in a map of breaks: every one but those in buff, which do not part, unless the event breaks them.
-fn mapped(train: &Train, event: &Event) -> Vec<usize> {
-    let mut mapped: Vec<bool> = train.initial_force_n().iter().map(|force| *force >= 0.0).collect();
+fn mapped_couplers(train: &Train, event: &Event) -> Vec<usize> {
+    let mut mapped_couplers: Vec<bool> = train.initial_force_n().iter().map(|force| *force >= 0.0).collect();
     if let Event::Break { couplers } = event {
-        couplers.iter().for_each(|&b| mapped[b] = true);
+        couplers.iter().for_each(|&b| mapped_couplers[b] = true);
     }
-    (0..mapped.len()).filter(|&b| mapped[b]).collect()
+    (0..mapped_couplers.len()).filter(|&b| mapped_couplers[b]).collect()
 }
 
 /// How many cases a map has.
 pub(super) fn cases(train: &Train, event: &Event) -> usize {
     match event {
         Event::Impact { .. } | Event::Brake { .. } => 0,
-        Event::Break { .. } => mapped(train, event).len(),
+        Event::Break { .. } => mapped_couplers(train, event).len(),
         Event::Pulse { .. } | Event::Shaped { .. } => DURATIONS,
     }
 }
 
-/// The same pulse with another duration, its shape drawn out or pressed together.
-fn lasting(event: &Event, duration: f64) -> Event {
+/// The same pulse with its shape stretched to another duration.
+fn with_duration(event: &Event, duration: f64) -> Event {
     match event.clone() {
         Event::Pulse { vehicle, force_n, .. } => Event::Pulse { vehicle, force_n, duration_s: duration },
         Event::Shaped { vehicle, shape, force_n, duration_s, drive } => {

@@ -1,8 +1,9 @@
-//! Cases that are marched from event to event: couplers with slack and gears, brakes and drives that change.
+//! Cases that are marched from event to event: couplers with slack or gears, brakes, changing tractive efforts.
 
-use super::general::{Solved, Within};
+use super::solved::{Marched, PeriodFindings, Solved};
 use super::{
-    CouplerFindings, Ending, Options, Seen, coupler_findings, first_passage, largest_rating_n, load_search, worst,
+    CouplerFindings, CouplerPeaks, Ending, Options, coupler_findings, first_passage, largest_rating_n, load_search,
+    worst,
 };
 use crate::march::{self, Bound, Extremes, MarchOptions, MarchOutcome, Problem};
 use crate::play::Rule;
@@ -16,14 +17,6 @@ pub(super) const TOLERANCE: f64 = 1e-6;
 
 /// A rating that lies so many estimated errors from a peak, or less, is not decided.
 const MARGIN: f64 = 10.0;
-
-/// What only a march finds.
-pub(super) struct Marched {
-    /// Where the march ended before its horizon.
-    pub ending: Option<Ending>,
-    /// Where gaps of parted couplers closed, and when, s.
-    pub closures: Vec<(usize, f64)>,
-}
 
 /// The error that is asked for, N.
 pub(super) fn tolerance_n(train: &Train, options: &Options) -> f64 {
@@ -61,22 +54,11 @@ pub(super) fn solved(
     }
     let problem = problem(train, scenario, broken, horizon_s);
     let outcome = march::solve(&problem, &ask(train, options));
-    let estimated = matches!(outcome.bound, Bound::Estimated(_));
-    let before_n = scenario::initial_force_n(train, &scenario.event);
-    let findings = |of: &[Extremes], error_n: &[[f64; 2]]| {
-        let others = (0..of.len()).filter(|i| Some(*i) != broken);
-        let one = |i: usize| CouplerFindings {
-            initial_force_n: before_n[i],
-            error_estimate_n: error_n.get(i).filter(|_| estimated).map(|n| n[0].max(n[1])),
-            ..coupler_findings(train, i, &seen(train, &outcome, i, of[i], error_n.get(i)), None)
-        };
-        others.map(one).collect::<Vec<CouplerFindings>>()
-    };
-    let couplers = findings(&outcome.extremes, &outcome.error_n);
+    let couplers = of_couplers(train, scenario, broken, &outcome, false);
     let (error_bound_n, error_estimate_n) = errors(&outcome.bound);
     let error_n = error_n(error_bound_n, error_estimate_n);
-    let to_mark = findings(&outcome.to_mark, &outcome.error_to_mark_n);
-    let to_mark = Within { worst: worst(&to_mark, 0..to_mark.len(), error_n), couplers: to_mark };
+    let to_mark = of_couplers(train, scenario, broken, &outcome, true);
+    let to_mark = PeriodFindings { worst: worst(&to_mark, 0..to_mark.len(), error_n), couplers: to_mark };
     Ok(Solved {
         method: "march",
         reason: reason(train, options),
@@ -97,8 +79,36 @@ pub(super) fn ending(outcome: &MarchOutcome) -> Option<Ending> {
     [stop, lost].into_iter().flatten().reduce(|a, b| if b.at_s < a.at_s { b } else { a })
 }
 
-/// What is seen of one coupler's force.
-fn seen(train: &Train, outcome: &MarchOutcome, i: usize, extremes: Extremes, error_n: Option<&[f64; 2]>) -> Seen {
+/// Every coupler but the one that the event breaks, over all of a march or up to its mark.
+pub(super) fn of_couplers(
+    train: &Train,
+    scenario: &Scenario,
+    broken: Option<usize>,
+    outcome: &MarchOutcome,
+    to_mark: bool,
+) -> Vec<CouplerFindings> {
+    let estimated = matches!(outcome.bound, Bound::Estimated(_));
+    let before_n = scenario::initial_force_n(train, &scenario.event);
+    let (extremes, error_n) = match to_mark {
+        true => (&outcome.to_mark, &outcome.error_to_mark_n),
+        false => (&outcome.extremes, &outcome.error_n),
+    };
+    let one = |i: usize| CouplerFindings {
+        initial_force_n: before_n[i],
+        error_estimate_n: error_n.get(i).filter(|_| estimated).map(|n| n[0].max(n[1])),
+        ..coupler_findings(train, i, &coupler_peaks(train, outcome, i, extremes[i], error_n.get(i)), None)
+    };
+    (0..extremes.len()).filter(|i| Some(*i) != broken).map(one).collect()
+}
+
+/// Peaks and verdicts of one coupler.
+fn coupler_peaks(
+    train: &Train,
+    outcome: &MarchOutcome,
+    i: usize,
+    extremes: Extremes,
+    error_n: Option<&[f64; 2]>,
+) -> CouplerPeaks {
     let factor = if matches!(outcome.bound, Bound::Estimated(_)) { MARGIN } else { 1.0 };
     let margins = error_n.map_or([f64::INFINITY; 2], |of| of.map(|n| factor * n));
     let c = &train.couplers()[i];
@@ -106,7 +116,7 @@ fn seen(train: &Train, outcome: &MarchOutcome, i: usize, extremes: Extremes, err
     let ratings = [c.rated_draft_n, c.rated_buff_n];
     let exceeds = |side: usize| {
         let over_n = largest[side].0 - ratings[side];
-        // The force before the event is known as it is given.
+        // The force before the event is exact.
         let exact = largest[side].1 == 0.0 && over_n > 0.0;
         (exact || over_n.abs() > margins[side]).then_some(over_n > 0.0)
     };
@@ -114,7 +124,7 @@ fn seen(train: &Train, outcome: &MarchOutcome, i: usize, extremes: Extremes, err
     let first = outcome.first_over_s.get(i).copied().unwrap_or_default();
     let last_s = largest.map(|(_, at)| at);
     let over = |side: usize| first[side].filter(|at| exceeds[side] == Some(true) && *at <= last_s[side]);
-    Seen { largest, exceeds, first_over_s: [over(0), over(1)], error_n: margins }
+    CouplerPeaks { largest, exceeds, first_over_s: [over(0), over(1)], error_n: margins }
 }
 
 /// The proven bound, infinite without one, and the largest estimate.
@@ -126,12 +136,12 @@ pub(super) fn errors(bound: &Bound) -> (f64, Option<f64>) {
     }
 }
 
-/// What every force is within, N: proven, or else estimated.
+/// Error of every force, N: proven, or else estimated.
 pub(super) fn error_n(bound_n: f64, estimate_n: Option<f64>) -> f64 {
     estimate_n.unwrap_or(bound_n)
 }
 
-/// A rating that lies so near a peak, N, or nearer, is not decided.
+/// Ratings this close to a peak, N, are undecided.
 pub(super) fn margin_n(bound_n: f64, estimate_n: Option<f64>) -> f64 {
     estimate_n.map_or(bound_n, |n| MARGIN * n)
 }

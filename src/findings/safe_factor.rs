@@ -1,4 +1,4 @@
-//! How far the cause may grow: the largest factor on it at which no coupler exceeds.
+//! The largest factor on the load, force or speed at which no coupler exceeds.
 
 use super::CouplerFindings;
 use crate::train::{Event, Train};
@@ -14,8 +14,8 @@ pub(super) fn of_side(growth: f64, room: f64) -> Option<f64> {
 ///
 /// After a break every force, the initial one included, is proportional to the load. Under a pulse, and in an impact whose parts
 /// had one acceleration, the load stays and the rest, `F - F(0)`, is proportional to the pulse's force or the speed; for other
-/// impacts see [`super::safe_speed`]. `None` where nothing grows with the factor. Couplers left out (with their all-time bounds, N) count by these: then it is a factor at
-/// which none exceeds, and a larger one may be.
+/// impacts see [`super::safe_speed`]. `None` where nothing grows with the factor. Couplers left out count by their
+/// all-time bounds, N: no coupler exceeds at that factor, but a larger one may be safe too.
 pub(super) fn safe_load_factor(
     train: &Train,
     event: &Event,
@@ -30,7 +30,7 @@ pub(super) fn safe_load_factor(
         let draft = factor(c.rated_draft_n, initial, draft);
         let buff = factor(c.rated_buff_n, -initial, buff);
         let sides = [(initial, c.rated_draft_n), (-initial, c.rated_buff_n)];
-        // A load that may be over its rating is taken to be.
+        // A load that may be over its rating counts as over it.
         let over = |(load, rating)| !proportional && train.rounding_decides(c.coupler - 1, load, rating);
         [draft, buff, sides.into_iter().any(over).then_some(0.0)]
     });

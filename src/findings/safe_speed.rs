@@ -4,19 +4,20 @@
 //! F_i(t) = R_i(t) + factor V_i(t)        R: from speeds 0, under the forces on the vehicles        V: from the speeds alone
 //! ```
 //!
-//! Where the two parts had one acceleration, R_i(t) is the load before the blow and [`super::safe_factor`] knows the factor from
-//! the peaks. Else R changes with time, and a peak at one factor says nothing of another: the motion is followed at several. The
-//! largest excess over a rating, of all couplers and instants, is a maximum of straight lines in the factor, so convex: it has
-//! one root above a factor that is safe, and a chord through two safe factors meets 0 at a factor that is not.
+//! Where the two parts had one acceleration, R_i(t) is the load before the impact and [`super::safe_factor`] has the
+//! factor from the peaks. Else R changes with time, and peaks at one factor do not give another's: the motion is
+//! computed at several. The largest excess over a rating, of all couplers and instants, is a maximum of straight lines
+//! in the factor, so convex: it has one root above a factor that is safe, and a chord through two safe factors meets 0
+//! at a factor that is not.
 
 use crate::play::Play;
 use crate::solve::{SolveError, taylor};
 
-/// Factors at which the motion is followed, at most, and about.
-const MOST: usize = 60;
-pub(super) const ABOUT: f64 = 14.0;
+/// Factors that are computed: at most, and usually.
+const MOST_FACTORS: usize = 60;
+pub(super) const USUAL_FACTORS: f64 = 14.0;
 /// Relative error of the factor, at most.
-const NEAR: f64 = 1e-10;
+const RELATIVE_ERROR: f64 = 1e-10;
 
 /// The largest factor on the speeds at which no coupler exceeds; 0 where one does without any speed.
 ///
@@ -39,14 +40,14 @@ pub(super) fn find(play: &Play) -> Result<f64, SolveError> {
     }
     let chord = |a: (f64, f64), b: (f64, f64)| a.0 - a.1 * (b.0 - a.0) / (b.1 - a.1);
     let mut tried = 2;
-    while high.1 <= 0.0 && tried < MOST {
-        let next = if high.1 > low.1 { chord(low, high) * (1.0 + NEAR) } else { 2.0 * high.0 };
+    while high.1 <= 0.0 && tried < MOST_FACTORS {
+        let next = if high.1 > low.1 { chord(low, high) * (1.0 + RELATIVE_ERROR) } else { 2.0 * high.0 };
         (low, high) = (high, (next, excess(next)?));
         tried += 1;
     }
-    // The chord's own rule, with half the weight of an end that stays (Illinois).
+    // Regula falsi, with half the weight of an end that stays (Illinois).
     let (mut weight, mut stayed) = ([low.1, high.1], 0);
-    while high.0 - low.0 > NEAR * high.0 && tried < MOST {
+    while high.0 - low.0 > RELATIVE_ERROR * high.0 && tried < MOST_FACTORS {
         let at = chord((low.0, weight[0]), (high.0, weight[1])).clamp(low.0, high.0);
         let found = excess(at)?;
         tried += 1;

@@ -1,11 +1,11 @@
-//! The worst case of a scenario again on a train that differs in one thing: how far its verdict rests on the couplers, the brakes and
-//! the loads before that the file describes.
+//! The worst case of a scenario on a train that differs in one thing: how much its verdict depends on the couplers,
+//! brakes and earlier loads in the file.
 
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::case::Case;
-use super::general::Solved;
+use super::solved::Solved;
 use super::{CaseFindings, Options, estimate, worst_case};
 use crate::law::{Curve, Law};
 use crate::scenario::Motion;
@@ -39,7 +39,7 @@ pub struct Changed {
     pub peak_force_n: f64,
     /// When, s after the event.
     pub peak_time_s: f64,
-    /// |peak_force_n| over the rating in that sign.
+    /// |peak_force_n| over the rating in that sense.
     pub utilisation: f64,
     /// No force is further than this from the exact one, N; `None` where nothing is proven.
     pub error_bound_n: Option<f64>,
@@ -93,7 +93,7 @@ impl Variant {
         Variant::GenericGearsAndSlack,
     ];
 
-    /// The changed train and scenario; `None` where the change would be none, or mean nothing for this train.
+    /// The changed train and scenario; `None` where nothing would change, or it does not fit this train.
     fn of(self, train: &Train, scenario: &Scenario) -> Option<(Train, Scenario)> {
         let with = |train: Train| Some((train, scenario.clone()));
         let has_laws = !train.extras().laws.is_empty();
@@ -132,7 +132,7 @@ fn is_of_common_size(train: &Train) -> bool {
     masses && train.initial_force_n().iter().all(|f| f.abs() < last_n) && train.extras().damping_ratio == 0.0
 }
 
-/// The variants that mean something for the train; none without a coupler to watch, and none that takes too long.
+/// The variants that fit the train; none without a coupler to watch, and none that takes too long.
 ///
 /// # Errors
 /// As for a case.

@@ -1,4 +1,4 @@
-//! A train file as its variations begin with it: read once, whatever the number of variations.
+//! The train file that variations start from: read once, whatever their number.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

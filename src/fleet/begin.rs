@@ -24,7 +24,7 @@ const LOOK: Duration = Duration::from_millis(200);
 
 /// Everything that the results of a run depend on: this is fingerprinted, and nothing else.
 #[derive(Serialize, Deserialize)]
-struct Whole<I> {
+struct ResultInputs<I> {
     trainsafe: String,
     columns: String,
     tolerance: f64,
@@ -39,14 +39,14 @@ struct PlanFile<I> {
     /// The paths that were given; workers with the same paths compute the same run.
     #[serde(with = "names::paths")]
     paths: Vec<PathBuf>,
-    whole: Whole<I>,
+    whole: ResultInputs<I>,
 }
 
 /// A run that is under way.
 pub struct Begun {
-    /// What it is given.
+    /// Its inputs.
     pub inputs: Inputs,
-    /// What it is.
+    /// Its description.
     pub run: Run,
     /// How its cases are solved.
     pub options: Options,
@@ -54,8 +54,8 @@ pub struct Begun {
     pub left: bool,
 }
 
-fn whole<I>(request: &Request, inputs: I) -> Whole<I> {
-    Whole {
+fn whole<I>(request: &Request, inputs: I) -> ResultInputs<I> {
+    ResultInputs {
         trainsafe: env!("CARGO_PKG_VERSION").to_owned(),
         columns: rows::columns(),
         tolerance: request.options.tolerance,
@@ -65,7 +65,7 @@ fn whole<I>(request: &Request, inputs: I) -> Whole<I> {
     }
 }
 
-impl<I: Serialize> Whole<I> {
+impl<I: Serialize> ResultInputs<I> {
     fn fingerprint(&self) -> String {
         // Nothing of it can fail to be JSON: its maps have numbers as keys, and its numbers are finite.
         hex(&Sha256::digest(serde_json::to_vec(self).unwrap_or_default()))
@@ -115,7 +115,7 @@ fn made_from(request: &Request, inputs: &Inputs) -> MadeFrom {
     }
 }
 
-/// As many notes as anybody reads.
+/// The first notes and a count.
 pub fn shown(mut notes: Vec<String>) -> Vec<String> {
     const SHOWN: usize = 20;
     if notes.len() > SHOWN {
@@ -129,7 +129,7 @@ pub fn shown(mut notes: Vec<String>) -> Vec<String> {
 /// Looks at what the folder holds, and writes the plan and the description of a new run; whether something is left to compute.
 ///
 /// # Errors
-/// A folder that holds another run, or one that is not to be gone on with; a file that cannot be written.
+/// A folder with another run, or with one that is not to be continued; a file that cannot be written.
 pub fn start(request: &Request, dir: &Path, inputs: &Inputs, new: &Run) -> Result<bool, FleetError> {
     let goes_on = request.resume || request.worker.is_some();
     let found = parts::read(dir)?;
@@ -150,7 +150,7 @@ pub fn start(request: &Request, dir: &Path, inputs: &Inputs, new: &Run) -> Resul
     let path = plan_path(dir);
     let text = serde_json::to_vec(&plan).map_err(|e| WriteError::new(&path, e.into()))?;
     files::write_into(&parts::folder(dir), &[(plan_name(), text)])?;
-    // Last: a description of a run that is not complete says that its plan is there.
+    // Last: the description of an unfinished run means that its plan is there.
     parts::describe(dir, new)?;
     Ok(true)
 }
@@ -178,7 +178,7 @@ pub fn join(request: &Request, dir: &Path, claims: &Claims) -> Result<Begun, Fle
     }
 }
 
-/// The run of a folder that is not complete, from its plan; of a request, only if it is for this run.
+/// The unfinished run of a folder, from its plan; with a request, only if that is for this run.
 ///
 /// # Errors
 /// A plan that cannot be read; a run of other paths or options than the request's.
@@ -194,7 +194,7 @@ pub fn planned(dir: &Path, request: Option<&Request>) -> Result<Option<Begun>, F
     }
     let method = kept.method.as_deref().and_then(Method::from_name);
     let options = Options { tolerance: kept.tolerance, method, ..Options::default() };
-    let inputs = kept.inputs.thawed()?;
+    let inputs = kept.inputs.with_parsed_study()?;
     if let Some(request) = request
         && (paths != request.paths || whole(request, &inputs).fingerprint() != run.fingerprint)
     {

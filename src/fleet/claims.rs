@@ -1,9 +1,9 @@
 //! Who computes which chunk: workers that share a folder, and may come, go and be killed.
 //!
 //! A claim is a file that only one worker can make; it stays until the run is joined. A worker writes a file of its own every few
-//! seconds, and the claims of one that has not done so for a while are anybody's. All times are those that the file system gave, so
-//! the machines' clocks may differ. Two workers that compute the same chunk write the same bytes: a worker that was only suspended
-//! costs time, and changes no result.
+//! seconds, and the claims of one that has not done so for a while may be taken. All times are those that the file
+//! system gave, so the machines' clocks may differ. Two workers that compute the same chunk write the same bytes: a
+//! worker that was only suspended costs time, and changes no result.
 
 use std::fs::{self, File};
 use std::io::{self, Write};
@@ -27,13 +27,13 @@ pub const PLAN: &str = "plan";
 const CLAIM: &str = "claim";
 const ALIVE: &str = "alive";
 
-/// The name under which a process takes chunks, which no other has.
+/// The unique name under which a process takes chunks.
 #[derive(Clone, Debug)]
 pub struct Worker(String);
 
 impl Worker {
     /// The machine, the process and the time.
-    #[allow(clippy::new_without_default)] // Each is another one.
+    #[allow(clippy::new_without_default)] // Each is unique.
     pub fn new() -> Worker {
         let machine = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
         let plain: String = machine.trim().chars().filter(|c| c.is_ascii_alphanumeric() || *c == '-').collect();
@@ -41,9 +41,9 @@ impl Worker {
         Worker(format!("{plain}-{}-{:x}", std::process::id(), since.as_nanos()))
     }
 
-    /// Gives up what it holds in a folder and has not done.
+    /// Gives up its unfinished chunks in a folder.
     pub fn leave(&self, dir: &Path) {
-        // What cannot be removed is stale in half a minute.
+        // A sign that stays is stale in half a minute.
         let _ = fs::remove_file(self.sign(&parts::folder(dir)));
     }
 
@@ -56,8 +56,8 @@ impl Worker {
 pub struct Claims {
     folder: PathBuf,
     worker: Worker,
-    /// Dropped, it ends the thread.
-    heart: Option<(Sender<()>, JoinHandle<()>)>,
+    /// Ends the thread if dropped.
+    sign_thread: Option<(Sender<()>, JoinHandle<()>)>,
 }
 
 impl Claims {
@@ -73,14 +73,14 @@ impl Claims {
         let (sender, end) = mpsc::channel();
         let thread = std::thread::spawn(move || {
             while let Err(RecvTimeoutError::Timeout) = end.recv_timeout(SIGN) {
-                // One that fails is followed by another.
+                // If it fails, the next one follows.
                 let _ = fs::write(&sign, &name);
             }
         });
-        Ok(Claims { folder, worker: worker.clone(), heart: Some((sender, thread)) })
+        Ok(Claims { folder, worker: worker.clone(), sign_thread: Some((sender, thread)) })
     }
 
-    /// Takes what nobody has, or somebody dead; whether it is this worker's now.
+    /// Takes what no live worker has; whether it is this worker's now.
     ///
     /// # Errors
     /// [`WriteError`] with the path.
@@ -110,7 +110,7 @@ impl Claims {
     /// Whether the worker that made a claim has shown no sign of life for long.
     fn is_stale(&self, path: &Path) -> bool {
         let Ok(owner) = fs::read_to_string(path) else { return false };
-        // Its owner was killed before it wrote its name, or is about to write it.
+        // Empty: its owner was killed before it wrote its name, or is about to.
         let last = if owner.is_empty() { time(path) } else { time(&Worker(owner).sign(&self.folder)) };
         match (last, time(&self.worker.sign(&self.folder))) {
             (Ok(last), Ok(own)) => own.duration_since(last).is_ok_and(|age| age > STALE),
@@ -122,12 +122,12 @@ impl Claims {
 
 impl Drop for Claims {
     fn drop(&mut self) {
-        if let Some((sender, thread)) = self.heart.take() {
+        if let Some((sender, thread)) = self.sign_thread.take() {
             drop(sender);
             let _ = thread.join();
         }
         let _ = fs::remove_file(self.worker.sign(&self.folder));
-        // It goes only if it is empty: a worker that came late leaves a finished run as it was.
+        // Only an empty folder is removed: a late worker leaves a finished run as it was.
         let _ = fs::remove_dir(&self.folder);
     }
 }
@@ -148,7 +148,7 @@ pub fn owner(dir: &Path, what: &str) -> Option<String> {
     Worker(owner.clone()).sign(&folder).exists().then_some(owner)
 }
 
-/// Whether a file in the folder of parts says who is there or makes the plan, and not what is done.
+/// Whether a file in the folder of parts is a worker's sign of life or the claim on the plan.
 pub fn is_sign(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension == ALIVE) || path.ends_with(format!("{PLAN}.{CLAIM}"))
 }

@@ -1,4 +1,4 @@
-//! The chunks of a run that are missing: those that this process gets hold of, on all threads, until none is left.
+//! Computes the missing chunks of a run that this process can claim, on all threads, until none is left.
 
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::claims::Claims;
 use super::plan::{Computed, Plan};
-use super::progress::{Progress, Telling};
+use super::progress::{Progress, ProgressTarget};
 use super::{FleetError, parts};
 
 /// Time between looks at chunks that other workers have.
@@ -19,7 +19,12 @@ const LOOK: Duration = Duration::from_millis(500);
 ///
 /// # Errors
 /// As for [`Plan::compute`]; a part that cannot be written.
-pub fn compute(dir: &Path, plan: &Plan, claims: Option<&Claims>, telling: &Telling) -> Result<usize, FleetError> {
+pub fn compute(
+    dir: &Path,
+    plan: &Plan,
+    claims: Option<&Claims>,
+    telling: &ProgressTarget,
+) -> Result<usize, FleetError> {
     parts::prepare(dir)?;
     let mut missing: Vec<usize> = (0..plan.chunks()).filter(|&chunk| !parts::is_done(dir, chunk)).collect();
     let cases = |chunk: usize| plan.range(chunk).end - plan.range(chunk).start;

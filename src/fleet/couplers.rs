@@ -21,8 +21,8 @@ pub struct Couplers {
 }
 
 impl Couplers {
-    /// None yet. The columns are the same in every chunk: those that `fleet.csv` begins with, then those of `couplers.csv`, also where
-    /// they have nothing to say.
+    /// None yet. The columns are the same in every chunk: those that `fleet.csv` begins with, then those of
+    /// `couplers.csv`, even if empty.
     pub fn new(study: Option<&Study>) -> Couplers {
         let front = FRONT.iter().map(|heading| ((*heading).to_owned(), Column::named(heading)));
         let inputs = study.iter().flat_map(|study| variation::headings(study).into_iter().zip(&study.inputs));

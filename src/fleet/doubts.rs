@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::inputs::Words;
+use super::inputs::DoubtTexts;
 use super::summary::Summary;
 use crate::train::count;
 
@@ -26,9 +26,9 @@ pub fn sentence(summary: &Summary) -> Option<String> {
     (trains > 0).then(|| format!("{} {have} doubts ({totals}).", count(trains, "train")))
 }
 
-/// A line for each train and kind of doubt, and of very many the totals. A run that only joins what others computed has no words
-/// for them.
-pub fn lines(summary: &Summary, words: &Words) -> Vec<String> {
+/// A line for each train and kind of doubt, and beyond [`LINES`] the totals. A run that only joins parts has no texts
+/// of doubts, but codes.
+pub fn lines(summary: &Summary, words: &DoubtTexts) -> Vec<String> {
     let kinds = summary.trains.iter().flat_map(|train| train.doubts.iter().map(move |doubt| (train, doubt)));
     let line = |(train, (code, cases)): (&super::summary::TrainSummary, (&String, &usize))| {
         let what = words.get(&(train.file.clone(), code.clone()));
@@ -47,8 +47,8 @@ pub fn lines(summary: &Summary, words: &Words) -> Vec<String> {
     lines
 }
 
-/// The same of a share of a run, whose rows are not summed up.
-pub fn lines_of_share(words: &Words) -> Vec<String> {
+/// The same for one worker's part of a run.
+pub fn lines_of_share(words: &DoubtTexts) -> Vec<String> {
     let line = |((file, code), (_, doubt)): (&(String, String), &(usize, crate::train::Doubt))| {
         format!("{file}: {doubt} [{code}]")
     };

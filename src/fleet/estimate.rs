@@ -8,7 +8,7 @@
 //! ```
 //!
 //! where the mean is over all that were counted and the sums over those that were solved: the counts say how cases differ,
-//! the measurements what a count is worth on this machine today. A case is solved together with the one that mirrors it in its
+//! the measurements what a count takes on this machine. A case is solved together with the one that mirrors it in its
 //! train, for equal vehicles make them the same. That other trains may have the same scenes is left out.
 
 use std::time::Instant;
@@ -28,12 +28,12 @@ const COUNTED: u64 = 300;
 const SOLVING_S: f64 = 1.5;
 
 /// What is known of a case, s.
-struct Looked {
-    /// For reading its train.
+struct SampledCase {
+    /// To read its train.
     load: f64,
-    /// By the count of its work, and of the one that mirrors it.
+    /// By the counted work of it and of its mirror.
     counted: f64,
-    /// Until they were solved; `None` where they were not.
+    /// Measured for both; `None` if they were not solved.
     solved: Option<f64>,
 }
 
@@ -48,18 +48,18 @@ pub fn seconds(plan: &Plan) -> Result<[f64; 2], FleetError> {
     if cases > COUNTED {
         sample.iter_mut().for_each(|case| *case = random.next_u64() % cases);
     } else {
-        // Which of them there is time for must not depend on the order of the trains.
+        // Which of them are solved must not depend on the order of the trains.
         sample.sort_by_cached_key(|_| random.next_u64());
     }
     let start = Instant::now();
-    let looked = sample.par_iter().with_max_len(1).map(|&case| look(plan, case, start));
+    let looked = sample.par_iter().with_max_len(1).map(|&case| sample_case(plan, case, start));
     // Trains that cannot be read take no time.
-    let looked: Vec<Looked> = looked.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
+    let looked: Vec<SampledCase> = looked.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
     let count = looked.len() as f64;
     if count == 0.0 {
         return Ok([0.0, 0.0]);
     }
-    let mean = |of: fn(&Looked) -> f64| looked.iter().map(of).sum::<f64>() / count;
+    let mean = |of: fn(&SampledCase) -> f64| looked.iter().map(of).sum::<f64>() / count;
     let (load, counted) = (mean(|l| l.load), mean(|l| l.counted));
     let solved: Vec<(f64, f64)> = looked.iter().filter_map(|l| Some((l.counted, l.solved?))).collect();
     let (sum_counted, sum_solved) = solved.iter().fold((0.0, 0.0), |(c, t), one| (c + one.0, t + one.1));
@@ -68,7 +68,7 @@ pub fn seconds(plan: &Plan) -> Result<[f64; 2], FleetError> {
     let of_mean = looked.iter().map(|l| (l.counted / counted - 1.0).powi(2)).sum::<f64>() / (count * count);
     let of_mean = if cases > COUNTED { of_mean } else { 0.0 };
     let of_ratio = solved.iter().map(|(c, t)| (t - worth * c).powi(2)).sum::<f64>() / sum_solved.powi(2);
-    // Two standard deviations; of a handful no deviation can be told.
+    // Two standard deviations; a handful gives no deviation.
     let spread = if solved.len() < 5 { 1.0 } else { (2.0 * (of_mean + of_ratio).sqrt()).clamp(0.1, 1.0) };
     let loads = (plan.chunks() + plan.units()) as f64;
     let threads = rayon::current_num_threads() as f64;
@@ -77,7 +77,7 @@ pub fn seconds(plan: &Plan) -> Result<[f64; 2], FleetError> {
 }
 
 /// Counts the work of a case and of its mirror, and solves them if there is time.
-fn look(plan: &Plan, case: u64, start: Instant) -> Result<Option<Looked>, FleetError> {
+fn sample_case(plan: &Plan, case: u64, start: Instant) -> Result<Option<SampledCase>, FleetError> {
     let (unit, index) = plan.place(case);
     let from = Instant::now();
     let Ok(train) = plan.load(unit)?.train else { return Ok(None) };
@@ -98,7 +98,7 @@ fn look(plan: &Plan, case: u64, start: Instant) -> Result<Option<Looked>, FleetE
                         let _ = findings::case_findings(&train, scenario, broken, &plan.options, shared);
                     }
                 };
-                // A response is found once for many cases.
+                // Untimed: the run finds a response once.
                 if matches!(shared, Shared::EveryChain(_)) {
                     solve();
                 }
@@ -106,7 +106,7 @@ fn look(plan: &Plan, case: u64, start: Instant) -> Result<Option<Looked>, FleetE
                 solve();
                 begun.elapsed().as_secs_f64()
             });
-            return Ok(Some(Looked { load, counted, solved }));
+            return Ok(Some(SampledCase { load, counted, solved }));
         }
         before += all.len();
     }

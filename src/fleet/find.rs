@@ -1,4 +1,4 @@
-//! Paths into train files: themselves, those in a folder and below, those that a glob matches.
+//! The train files of a path: itself, those in a folder and below, those that a glob matches.
 
 use std::collections::HashSet;
 use std::fs;
@@ -58,7 +58,7 @@ impl Found {
         }
     }
 
-    /// Takes all but studies; how many those are.
+    /// Adds all but studies; how many it added.
     fn trains(&mut self, files: Vec<PathBuf>, study: Option<&Path>) -> usize {
         let mut count = 0;
         for file in files {
@@ -89,7 +89,7 @@ impl Found {
     }
 }
 
-/// Whether paths that are no globs are there: what is misspelt is told before anything is written.
+/// Whether paths that are no globs exist: a wrong one is reported before anything is written.
 ///
 /// # Errors
 /// The first that is not.
@@ -106,7 +106,7 @@ fn same(a: &Path, b: &Path) -> bool {
     matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 
-/// Whether a file is a study. What cannot be read is a bad train, and told as such later.
+/// Whether a file is a study. One that cannot be read counts as a train.
 pub fn is_study_file(path: &Path) -> bool {
     // Most trains have neither word, and need not be parsed twice. A pipe can be read once only.
     let may_be = |text: &str| text.contains("trains") || text.contains("vary");
@@ -118,7 +118,7 @@ fn in_folder(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), FleetError> 
     let mut entries = fs::read_dir(folder).map_err(unreadable)?.flatten().map(|e| e.path()).collect::<Vec<_>>();
     entries.sort();
     for entry in entries {
-        // A link to a folder above would lead round for ever.
+        // A link to a folder above would never end.
         if entry.is_dir() && !entry.is_symlink() {
             in_folder(&entry, files)?;
         } else if entry.extension().is_some_and(|e| e == "toml") && entry.is_file() {

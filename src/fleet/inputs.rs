@@ -22,9 +22,10 @@ use crate::report::cells::text;
 use crate::train::{Doubt, Source};
 
 /// Doubts by train file and code, each of a variation from 0.
-pub type Words = BTreeMap<(String, String), (usize, Doubt)>;
+pub type DoubtTexts = BTreeMap<(String, String), (usize, Doubt)>;
 
-/// The train files and the study, as they were found at the start. Kept in a plan file, it leaves out what only the first worker tells.
+/// The train files and the study, as they were found at the start. A plan file leaves out what only the first worker
+/// reports.
 #[derive(Serialize, Deserialize)]
 pub struct Inputs {
     /// Train files, in the order in which they are run.
@@ -88,8 +89,8 @@ impl Inputs {
         self.study.as_ref().map_or(1, Study::variations)
     }
 
-    /// What there is to say of the study's inputs and of options, as sentences: what they do not reach, draws that are not as they were
-    /// drawn, options that do nothing for a train.
+    /// Notes on the study's inputs and on options, as sentences: what inputs do not reach, draws below zero that are
+    /// replaced, options that do nothing for a train.
     pub fn notes(&self) -> Vec<String> {
         let inputs = self.study.iter().flat_map(|study| &study.inputs);
         let traces = inputs.filter_map(|input| {
@@ -101,7 +102,7 @@ impl Inputs {
                 input.key,
                 2.0 * share
             );
-            // What is less is not met in any number of draws that a study can have.
+            // A smaller share does not occur in as many draws as a study can have.
             (share > 1e-14).then_some(text)
         });
         let idle = |(file, survey): (&PathBuf, &Survey)| {
@@ -130,8 +131,8 @@ impl Inputs {
         study::written(&self.study_text)
     }
 
-    /// Words for the doubts about the first variation of each train.
-    pub fn words(&self) -> Words {
+    /// Texts of the doubts about the first variation of each train.
+    pub fn words(&self) -> DoubtTexts {
         let words = |(file, survey): (&PathBuf, &Survey)| {
             let file = file_cell(file);
             survey.doubts.clone().into_iter().rev().map(move |d| ((file.clone(), d.code.to_owned()), (0, d)))
@@ -139,11 +140,11 @@ impl Inputs {
         self.files.iter().zip(&self.surveys).flat_map(words).collect()
     }
 
-    /// Makes inputs that come from a plan file whole again.
+    /// Inputs of a plan file with their study.
     ///
     /// # Errors
     /// A study that this program cannot have planned.
-    pub fn thawed(self) -> Result<Inputs, FleetError> {
+    pub fn with_parsed_study(self) -> Result<Inputs, FleetError> {
         let text = Some(self.study_text.as_str()).filter(|text| !text.is_empty());
         let study = text.map(|text| study::parse(text, Path::new("study"))).transpose()?;
         Ok(Inputs { study, ..self })

@@ -1,4 +1,4 @@
-//! The parts of a run into its tables, `fleet.csv` and `errors.csv`, from which everything else is made.
+//! Joins the parts of a run to its tables, `fleet.csv` and `errors.csv`, from which everything else is made.
 
 use std::fs;
 use std::path::Path;
@@ -39,7 +39,7 @@ pub fn join(dir: &Path, run: &Run) -> Result<Summary, FleetError> {
 /// Whether every part is there, or the run is joined already.
 ///
 /// # Errors
-/// [`FleetError::Usage`] that names what is missing, and who is at it.
+/// [`FleetError::Usage`] that names what is missing, and who has it.
 pub fn none_is_missing(dir: &Path, run: &Run) -> Result<(), FleetError> {
     const SHOWN: usize = 5;
     let missing: Vec<usize> = (0..run.chunks()).filter(|&chunk| !parts::is_done(dir, chunk)).collect();
@@ -48,7 +48,7 @@ pub fn none_is_missing(dir: &Path, run: &Run) -> Result<(), FleetError> {
     }
     let named = begin::planned(dir, None)?.map(|begun| begun.trains_of_chunks(&missing[..missing.len().min(SHOWN)]));
     let named = named.unwrap_or_default().into_iter().zip(&missing).map(|(trains, &chunk)| {
-        let at_it = claims::owner(dir, &chunk.to_string()).map(|owner| format!("; {owner} is at it"));
+        let at_it = claims::owner(dir, &chunk.to_string()).map(|owner| format!("; {owner} has it"));
         format!("{} ({trains}{})", chunk + 1, at_it.unwrap_or_default())
     });
     let mut named: Vec<String> = named.collect();
@@ -61,7 +61,7 @@ pub fn none_is_missing(dir: &Path, run: &Run) -> Result<(), FleetError> {
     Err(FleetError::Usage(format!("{parts}: {}: {help}", named.join(", "))))
 }
 
-/// What the rows of a complete run come to.
+/// The summary of a complete run.
 ///
 /// # Errors
 /// A file that cannot be read.

@@ -2,10 +2,10 @@
 
 use std::fmt;
 
-use crate::consist::keys::TRAIN;
+use crate::consist::{self, keys::TRAIN};
 use crate::error::quoted;
 use crate::keys::{Kind, Shape, Sign};
-use crate::units::{Dimension, one_of};
+use crate::units::{self, Amount, Dimension, one_of};
 
 /// A key of a train file that is no table.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -57,6 +57,8 @@ type Leaf = (Vec<&'static str>, &'static str, Option<Measure>);
 fn leaves(shape: &'static Shape) -> impl Iterator<Item = Leaf> {
     let measure = |kind| match kind {
         Kind::Quantity { of, sign, share } => Some(Measure { of, sign, share }),
+        // Rows over time are varied by a factor on their times.
+        Kind::Rows { .. } => Some(Measure { of: Dimension::Share, sign: Sign::Positive, share: false }),
         _ => None,
     };
     let within = |name, (mut inner, leaf, of): Leaf| {
@@ -66,6 +68,11 @@ fn leaves(shape: &'static Shape) -> impl Iterator<Item = Leaf> {
     shape.keys.iter().flat_map(move |key| match key.kind {
         Kind::Table(shape) => leaves(shape).map(|leaf| within(key.name, leaf)).collect(),
         Kind::Tables(_) => Vec::new(),
+        // Of a table that a word may stand for, what can be measured; and the whole.
+        Kind::Either([_, Kind::Table(shape)]) => {
+            let quantities = leaves(shape).filter(|leaf| leaf.2.is_some()).map(|leaf| within(key.name, leaf));
+            quantities.chain([(Vec::new(), key.name, None)]).collect()
+        }
         kind => vec![(Vec::new(), key.name, measure(kind))],
     })
 }
@@ -130,18 +137,18 @@ impl Key {
         self.measure.map(|measure| measure.of)
     }
 
-    /// The same with what it can be.
+    /// The same with sign and share.
     pub(super) fn measure(&self) -> Option<Measure> {
         self.measure
     }
 
     /// Whether every coupler can have its own value.
-    pub fn of_every_coupler(&self) -> bool {
+    pub(crate) fn of_every_coupler(&self) -> bool {
         self.table == Some("coupler")
     }
 
     /// Whether every vehicle of a group can have its own value.
-    pub fn of_every_vehicle(&self) -> bool {
+    pub(crate) fn of_every_vehicle(&self) -> bool {
         self.table == Some("vehicle") && self.measure.is_some()
     }
 
@@ -160,8 +167,13 @@ impl Key {
                 train.get_mut(table).and_then(|v| v.as_array_mut()?.get_mut(index)?.as_table_mut())
             }
         };
-        let within =
-            |table: &'t mut toml::Table, inner: &&str| table.entry(*inner).or_insert_with(empty).as_table_mut();
+        let within = |table: &'t mut toml::Table, inner: &&str| {
+            let entry = table.entry(*inner).or_insert_with(empty);
+            if let Some(named) = entry.as_str().and_then(|name| consist::application_table(inner, name)) {
+                *entry = toml::Value::Table(named);
+            }
+            entry.as_table_mut()
+        };
         let at = at.and_then(|table| self.inner.iter().try_fold(table, within));
         let missing = || {
             let index = self.index.unwrap_or(0);
@@ -172,8 +184,37 @@ impl Key {
             };
             format!("the train file has no {table}[{index}] (counted from 0){rows}")
         };
-        at.ok_or_else(missing)?.insert(self.leaf.to_owned(), value);
+        let at = at.ok_or_else(missing)?;
+        let of_application = self.inner.first().filter(|inner| APPLICATIONS.contains(inner));
+        if let Some(application) = of_application.filter(|_| at.is_empty()) {
+            return Err(format!("its {table}[{}] has no {application}", self.index.unwrap_or(0)));
+        }
+        let factor = value.as_str().filter(|_| self.leaf == "build_up").and_then(share);
+        match (factor, at.get_mut(self.leaf)) {
+            (Some(factor), Some(rows)) => scale_times(rows, factor),
+            _ => {
+                at.insert(self.leaf.to_owned(), value);
+            }
+        }
         Ok(())
+    }
+}
+
+/// Keys of a scenario whose table a word may stand for.
+const APPLICATIONS: [&str; 2] = ["emergency", "service"];
+
+fn share(text: &str) -> Option<f64> {
+    match units::parse(text, Dimension::Share, false).ok()? {
+        Amount::Si(share) | Amount::Share(share) => Some(share),
+    }
+}
+
+/// Multiplies the times of rows, which stand first in each; what is no time is left for the reader to refuse.
+fn scale_times(rows: &mut toml::Value, factor: f64) {
+    for time in rows.as_array_mut().into_iter().flatten().filter_map(|row| row.as_array_mut()?.first_mut()) {
+        if let Some(Ok(Amount::Si(time_s))) = time.as_str().map(|text| units::parse(text, Dimension::Time, false)) {
+            *time = super::spread::written(factor * time_s, Dimension::Time, false);
+        }
     }
 }
 

@@ -51,16 +51,17 @@ use rayon::prelude::*;
 
 pub use claims::Worker;
 pub use outputs::FleetFormat;
-pub use progress::{Count, Telling};
+pub use progress::{Count, ProgressTarget};
 
 use crate::error::{InputError, printable_path};
 use crate::findings::{Options, Stopped};
 use crate::report::files::WriteError;
 use crate::solve::responses::Responses;
+use crate::units::UnitSystem;
 use begin::{Begun, description, shown};
 use claims::Claims;
 use compute::{compute, work};
-use inputs::{Inputs, Words};
+use inputs::{DoubtTexts, Inputs};
 use parts::Run;
 use plan::Plan;
 use progress::Progress;
@@ -115,12 +116,14 @@ pub struct Request {
     pub formats: Vec<FleetFormat>,
     /// Trains, the worst, whose full reports are written as well.
     pub reports: usize,
+    /// Units of the page and of full reports; `None`: SI in the page, and each train's own in its report.
+    pub units: Option<UnitSystem>,
     /// Keep every coupler of every case too, in `couplers/`.
     pub couplers: bool,
     /// Bytes of memory for responses that were found; `None`: 320 MiB. Results do not depend on it.
     pub response_bytes: Option<usize>,
-    /// Who is told how far the run is.
-    pub progress: Telling,
+    /// Where progress is reported.
+    pub progress: ProgressTarget,
 }
 
 /// What a run came to.
@@ -136,9 +139,9 @@ pub struct Outcome {
     pub failed: usize,
     /// Cases with an exceedance, or not decided.
     pub exceeding: usize,
-    /// What else there is to say, as sentences.
+    /// Warnings, as sentences.
     pub warnings: Vec<String>,
-    /// What is no reason for a warning, as sentences.
+    /// Notes, as sentences.
     pub notes: Vec<String>,
     /// Scenes whose response was known, and scenes that were solved.
     pub scenes: (u64, u64),
@@ -155,9 +158,9 @@ pub struct Estimate {
     pub cases: u64,
     /// The shortest and the longest time that it will probably take on all threads, s.
     pub seconds: [f64; 2],
-    /// How many those are.
+    /// Threads used.
     pub threads: usize,
-    /// What else there is to say, as sentences.
+    /// Notes, as sentences.
     pub notes: Vec<String>,
 }
 
@@ -178,7 +181,7 @@ pub fn run(request: &Request, dir: &Path) -> Result<Outcome, FleetError> {
     if begin::start(request, dir, &inputs, &description)? {
         compute(dir, &plan, None, &request.progress)?;
     }
-    // What was computed before has no words any more.
+    // Earlier doubts are kept as codes only.
     let mut words = inputs.words();
     words.extend(plan.doubts());
     let mut outcome = finish(request, dir, &description, Some(&inputs), &words)?;
@@ -186,7 +189,7 @@ pub fn run(request: &Request, dir: &Path) -> Result<Outcome, FleetError> {
     Ok(Outcome { scenes: responses.counts(), ..outcome })
 }
 
-/// Does what no other worker does of the run in a folder.
+/// Computes a worker's part of the run in a folder.
 fn take_part(request: &Request, dir: &Path, worker: &Worker) -> Result<Outcome, FleetError> {
     find::exist(&request.paths)?;
     let _lock = lock::hold(dir, true)?;
@@ -195,7 +198,7 @@ fn take_part(request: &Request, dir: &Path, worker: &Worker) -> Result<Outcome, 
     let responses = responses(request);
     let plan = Plan::new(&inputs, request, &responses);
     if (0..plan.chunks()).all(|chunk| parts::is_done(dir, chunk)) {
-        // Nothing will be read again that could show a change.
+        // No train is read again, so no change would show.
         inputs.unchanged()?;
     }
     let failed = if left { compute(dir, &plan, Some(&claims), &request.progress)? } else { 0 };
@@ -231,7 +234,7 @@ pub fn merge(request: &Request, dir: &Path) -> Result<Outcome, FleetError> {
         _ => None,
     });
     let request = Request { options: options.unwrap_or_default(), ..request.clone() };
-    let mut outcome = finish(&request, dir, &run, inputs.as_ref(), &Words::new())?;
+    let mut outcome = finish(&request, dir, &run, inputs.as_ref(), &DoubtTexts::new())?;
     outcome.warnings.extend(changed.map(|path| {
         let file = printable_path(&path);
         format!("{file} has changed since the run was planned: the results are of the file as it was")
@@ -302,25 +305,25 @@ pub fn stream(request: &Request, out: &mut dyn Write) -> Result<Outcome, FleetEr
     Ok(Outcome { scenes: responses.counts(), notes, ..outcome(&run, &summary, None, &plan.doubts()) })
 }
 
-/// Joins the parts, unless that has been done, and makes of them what is asked for.
+/// Joins the parts, unless that is done, and writes what is asked for.
 fn finish(
     request: &Request,
     dir: &Path,
     run: &Run,
     inputs: Option<&Inputs>,
-    words: &Words,
+    words: &DoubtTexts,
 ) -> Result<Outcome, FleetError> {
     let known = parts::read(dir)?.is_some_and(|found| found.complete);
     let summary = if known { join::summarise(dir, run)? } else { join::join(dir, run)? };
     let reports = match (request.reports, inputs) {
         (0, _) => Reports::default(),
-        (most, Some(inputs)) => reports::write(dir, inputs, &request.options, &summary, most)?,
+        (most, Some(inputs)) => reports::write(dir, inputs, request, &summary, most)?,
         (_, None) => {
             let why = format!("{} is joined already, and its plan is gone", printable_path(dir));
             return Err(FleetError::Usage(format!("{why}: for reports give the paths, with --resume and --reports")));
         }
     };
-    let report = outputs::write(dir, run, &summary, &request.formats, &reports.links)?;
+    let report = outputs::write(dir, run, &summary, request, &reports.links)?;
     if !known {
         outputs::remove_others(dir, &request.formats);
         parts::describe(dir, &Run { complete: true, ..run.clone() })?;
@@ -331,7 +334,7 @@ fn finish(
     Ok(outcome)
 }
 
-fn outcome(run: &Run, summary: &Summary, report: Option<PathBuf>, words: &Words) -> Outcome {
+fn outcome(run: &Run, summary: &Summary, report: Option<PathBuf>, words: &DoubtTexts) -> Outcome {
     let open: usize = summary.trains.iter().map(|t| t.undecided_variations).sum();
     Outcome {
         verdict: sections::verdict(run, summary),

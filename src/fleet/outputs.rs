@@ -1,4 +1,4 @@
-//! What is made of the rows of a complete run: the files that were asked for, in constant memory but for the summary.
+//! Writes the files that were asked for from a complete run's rows, in constant memory but for the summary.
 
 use std::collections::HashMap;
 use std::fs;
@@ -80,9 +80,10 @@ pub fn write(
     dir: &Path,
     run: &Run,
     summary: &Summary,
-    formats: &[FleetFormat],
+    request: &Request,
     links: &HashMap<String, String>,
 ) -> Result<Option<PathBuf>, FleetError> {
+    let formats = &request.formats;
     #[cfg(feature = "parquet")]
     if formats.contains(&FleetFormat::Parquet) {
         super::parquet_file::write(&dir.join(super::join::ROWS), run, summary, &dir.join(PARQUET))?;
@@ -98,7 +99,10 @@ pub fn write(
         report = Some(put(dir, figures.chain([(MARKDOWN, fleet_md::fleet_md(run, summary, &before, &date))]))?);
     }
     if formats.contains(&FleetFormat::Html) {
-        report = Some(put(dir, [(HTML, page::page(run, summary, &before, links, &date))].into_iter())?);
+        report = Some(put(
+            dir,
+            [(HTML, page::page(run, summary, &before, links, request.units.unwrap_or_default(), &date))].into_iter(),
+        )?);
     }
     Ok(report)
 }

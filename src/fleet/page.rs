@@ -1,6 +1,6 @@
 //! `fleet.html`: the trains as a table to sort and search, and the worst cases of each, in one file that needs nothing else.
 //!
-//! Of a large fleet it has as much as a browser can carry, and says so.
+//! Of a large fleet it shows what a browser can handle, and says so.
 
 use std::collections::HashMap;
 
@@ -11,14 +11,17 @@ use crate::error::harmless;
 use crate::figures::{css, escaped};
 use crate::report::block::{Block, Table};
 use crate::report::html::{inline, spans};
-use crate::report::numbers::{digits, percent};
+use crate::report::numbers::{Unit, digits, force_unit, percent};
 use crate::report::words::count;
+use crate::units::UnitSystem;
 
 /// Trains in the table, and trains with their worst cases, at most.
 const LISTED: usize = 10_000;
 const DETAILED: usize = 1000;
 /// Bytes of each of the two at most.
 const MOST_BYTES: usize = 10 << 20;
+/// A force, N, in whose unit those of a table are written, from the smallest train to the largest: kN or kip.
+const LARGE_N: f64 = 1e5;
 /// Characters of a name at most.
 const LONGEST: usize = 200;
 
@@ -49,12 +52,21 @@ struct Trains<'a> {
     causes: &'a [usize],
     /// Links to the reports of some, by their files.
     reports: &'a HashMap<String, String>,
+    /// Of forces.
+    unit: Unit,
 }
 
 /// The page; `reports` has the links to the reports of some trains, by their files.
-pub fn page(run: &Run, summary: &Summary, before: &[Block], reports: &HashMap<String, String>, date: &str) -> String {
+pub fn page(
+    run: &Run,
+    summary: &Summary,
+    before: &[Block],
+    reports: &HashMap<String, String>,
+    units: UnitSystem,
+    date: &str,
+) -> String {
     let trains = summary.worst_first();
-    let all = Trains { causes: &sections::causes(summary), reports };
+    let all = Trains { causes: &sections::causes(summary), reports, unit: force_unit(units, LARGE_N) };
     let (details, detailed) = written(trains.iter().take(DETAILED).enumerate().map(|(i, t)| all.details(i, t)));
     let rows = trains.iter().take(LISTED).enumerate().map(|(i, t)| all.row(i, t, i < detailed));
     let (rows, listed) = written(rows);
@@ -116,7 +128,7 @@ pub fn page(run: &Run, summary: &Summary, before: &[Block], reports: &HashMap<St
     )
 }
 
-/// As many texts as a page can carry, and how many these are.
+/// The first texts, as [`MOST_BYTES`] allow, and their number.
 fn written(texts: impl Iterator<Item = String>) -> (String, usize) {
     let (mut all, mut count) = (String::new(), 0);
     for text in texts {
@@ -172,16 +184,17 @@ impl Trains<'_> {
         let later = if later > 0 { format!(", {later} of them only after the first passage") } else { String::new() };
         let report =
             self.link(train, "Report of the worst case's train").map_or_else(String::new, |link| format!(" {link}"));
-        let names =
-            ["worst coupler", "utilisation, %", "force, kN", "when, s", "couplers that exceed"].map(str::to_owned);
+        let force = format!("force, {}", self.unit.name);
+        let names = ["worst coupler", "utilisation, %", &force, "when, s", "couplers that exceed"].map(str::to_owned);
         let factors = self.causes.iter().map(|&i| format!("safe factor on the {}", CAUSES[i].1));
         let head = names.into_iter().chain(factors).map(|name| format!("<th scope=\"col\"{NUMBER}>{name}</th>"));
         format!(
-            "<details id=\"train-{number}\"><summary><bdi>{name}</bdi></summary>\n\
+            "<details id=\"train-{number}\"{open}><summary><bdi>{name}</bdi></summary>\n\
              <p><bdi>{file}</bdi>: {exceed} of {cases} cases exceed{later}.{report} <a href=\"#trains\">Back to the table</a></p>\n\
              <div class=\"table\"><table><thead><tr><th scope=\"col\">case</th>{head}</tr></thead><tbody>\n{rows}</tbody></table></div>\n\
              </details>\n",
             number = index + 1,
+            open = if index == 0 { " open" } else { "" },
             name = clean_html(&train.name),
             file = clean_html(&train.file),
             head = head.collect::<String>(),
@@ -195,7 +208,7 @@ impl Trains<'_> {
             format!("<tr{}><th scope=\"row\"><bdi>{}</bdi></th>", class(over), clean_html(&sections::case_words(case))),
             number(&case.coupler),
             format!("<td class=\"number worst\">{}</td>", percent(case.utilisation)),
-            number(&digits(case.force_n / 1e3, 0.0, 4)),
+            number(&digits(case.force_n / self.unit.size, 0.0, 4)),
             number(&digits(case.time_s, 0.0, 4)),
             number(&case.exceeding),
             self.causes.iter().map(|&i| number(&sections::factor(&case.safe, i))).collect(),
@@ -218,7 +231,7 @@ fn class(class: &str) -> String {
     if class.is_empty() { String::new() } else { format!(" class=\"{class}\"") }
 }
 
-/// A safe factor that something bounds.
+/// A safe factor, if it is finite.
 fn finite(safe: &Factors, cause: usize) -> Option<f64> {
     safe[cause].filter(|f| f.is_finite())
 }
@@ -262,7 +275,7 @@ fn table(table: &Table, heading: &str) -> String {
     )
 }
 
-/// The class of what has so many exceedances, and so many cases that are not decided.
+/// The CSS class for so many exceedances and undecided cases.
 fn state(over: usize, open: usize) -> &'static str {
     match (over, open) {
         (1.., _) => "over",
@@ -271,7 +284,7 @@ fn state(over: usize, open: usize) -> &'static str {
     }
 }
 
-/// A text of a bounded length with nothing in it that is obeyed rather than shown.
+/// A text of limited length without control characters.
 fn clean(text: &str) -> String {
     match text.char_indices().nth(LONGEST) {
         Some((end, _)) => harmless(&text[..end]) + "…",

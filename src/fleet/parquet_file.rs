@@ -25,7 +25,7 @@ use crate::report::files::Unnamed;
 /// Rows of a group: some 20 MB while it is under way.
 const GROUP: usize = 32_768;
 
-/// The cells of a column in a group of rows that are there, and for each row whether it is (1) or null (0).
+/// The cells of a column in a group of rows, without nulls, and for each row whether it has one (1) or null (0).
 pub struct Column {
     cells: Cells,
     there: Vec<i16>,
@@ -192,7 +192,7 @@ impl Column {
 }
 
 impl Cells {
-    /// Adds a cell; whether it is one of its kind, as every cell is that this program has written.
+    /// Adds a cell; whether it could be parsed, as all that this program has written can.
     fn add(&mut self, cell: &str) -> bool {
         match self {
             Cells::Text(cells) => push(cells, Some(cell.as_bytes().to_vec().into())),
@@ -203,14 +203,14 @@ impl Cells {
     }
 }
 
-/// Appends what is there; whether it is.
+/// Appends a value; whether there is one.
 fn push<T>(to: &mut Vec<T>, value: Option<T>) -> bool {
     let there = value.is_some();
     to.extend(value);
     there
 }
 
-/// The system's own error, where there is one behind it: a full disk is told as such.
+/// The system's error, where one is the cause, such as a full disk.
 pub fn plain(error: ParquetError) -> io::Error {
     match error {
         ParquetError::External(inner) => inner.downcast::<io::Error>().map_or_else(io::Error::other, |e| *e),

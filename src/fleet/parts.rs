@@ -78,7 +78,7 @@ impl Run {
 /// The run in a folder, if there is one.
 ///
 /// # Errors
-/// A description that is none.
+/// An invalid description.
 pub fn read(dir: &Path) -> Result<Option<Run>, FleetError> {
     let path = dir.join(DESCRIPTION);
     match fs::read(&path) {
@@ -131,7 +131,7 @@ pub fn prepare(dir: &Path) -> Result<(), FleetError> {
     Ok(fs::create_dir_all(&parts).map_err(|e| WriteError::new(&parts, e))?)
 }
 
-/// Keeps a chunk's rows and errors. A folder that has gone since the run began is not made again: what was in it is missing.
+/// Writes a chunk's rows and errors. A folder removed during the run is not made again: its other parts are missing.
 ///
 /// # Errors
 /// [`WriteError`] with the path.

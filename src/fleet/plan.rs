@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 
 #[cfg(feature = "parquet")]
 use super::couplers::Couplers;
-use super::inputs::{Inputs, Words, file_cell};
+use super::inputs::{DoubtTexts, Inputs, file_cell};
 use super::rows::{Chunk, Place};
 use super::variation::Varied;
 use super::{FleetError, REMEMBERED, Request};
@@ -15,14 +15,14 @@ use crate::solve::Wanted;
 use crate::solve::responses::{Responses, Shared};
 use crate::train::{Doubt, Train};
 
-/// Chunks that a run is cut into, if they keep within the limits that follow.
+/// Chunks of a run, if their size is within the limits that follow.
 const CHUNKS: u64 = 1000;
 const FEWEST_CASES: u64 = 8;
 const MOST_CASES: u64 = 500;
 
 /// With so many variations of loads and ratings of one chain, or more, its response is computed once and shared.
 const LEAST_REPEATS: usize = 10;
-/// About what the response of a chain takes in memory, bytes per square of its springs, and what those of a train may.
+/// Memory of a chain's response, roughly, bytes per square of its springs, and the limit for those of a train.
 const SPRING_BYTES: usize = 64;
 const MOST_BYTES: usize = REMEMBERED / 2;
 
@@ -40,7 +40,7 @@ pub struct Plan<'a> {
     ends: Vec<u64>,
     /// Cases in each chunk but the last.
     pub chunk_cases: u64,
-    doubts: Mutex<Words>,
+    doubts: Mutex<DoubtTexts>,
 }
 
 /// What the cases of a chunk come to.
@@ -65,10 +65,10 @@ impl<'a> Plan<'a> {
         let ends: Vec<u64> = ends.collect();
         let total = ends.last().copied().unwrap_or(0);
         let cases = (total / CHUNKS).clamp(FEWEST_CASES, MOST_CASES);
-        // Of variations with as many cases each none is cut in two: it would be read twice.
+        // A chunk holds whole variations, if all are equally long: half ones would be read twice.
         let of_one = ends.first().map_or(1, |first| (*first).max(1));
         let chunk_cases = if cases > of_one { cases - cases % of_one } else { cases };
-        // A row tells of the worst coupler, and counts the others.
+        // A row has the worst coupler, and counts the others.
         let wanted = if request.couplers { Wanted::Everything } else { Wanted::Worst };
         let repeats = inputs.study.as_ref().is_some_and(|study| study.chain_repeats() >= LEAST_REPEATS);
         let shared = if repeats { Shared::EveryChain(responses) } else { Shared::EqualChains(responses) };
@@ -143,7 +143,7 @@ impl<'a> Plan<'a> {
         Ok(done)
     }
 
-    /// Keeps the words of doubts, of each kind those of a train's first variation that has it.
+    /// Keeps the texts of doubts: of each kind that of a train's first variation with it.
     fn keep(&self, file: &str, variation: usize, doubts: &[Doubt]) {
         let mut kept = self.doubts.lock().unwrap_or_else(PoisonError::into_inner);
         for doubt in doubts {
@@ -156,7 +156,7 @@ impl<'a> Plan<'a> {
     }
 
     /// The words of the doubts that were met, by train and kind.
-    pub fn doubts(self) -> Words {
+    pub fn doubts(self) -> DoubtTexts {
         self.doubts.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -188,7 +188,7 @@ impl<'a> Plan<'a> {
         let train = match varied.train {
             Ok(train) => train,
             Err(error) => {
-                // Told once, with the first of the cases that were to be.
+                // Reported once, with the first of its cases.
                 if range.start == 0 {
                     done.rows.fail(&place, None, &error);
                 }

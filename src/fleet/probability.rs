@@ -34,7 +34,7 @@ impl Shares {
         Shares { draws, computed: draws - failed.min(draws), harmful, open }
     }
 
-    /// The share, or between what it lies.
+    /// The share, or its range.
     fn estimate(&self) -> String {
         let share = |k: usize| percent(k as f64 / self.draws as f64);
         match self.open {
@@ -110,7 +110,7 @@ pub fn shares(run: &Run, summary: &Summary) -> Vec<Block> {
     section(title, text, None, head, trains.into_iter().take(LISTED).map(row).collect())
 }
 
-/// How each input goes together with the largest utilisation, strongest first.
+/// Correlation of each input with the largest utilisation, strongest first.
 pub fn influences(run: &Run, summary: &Summary) -> Vec<Block> {
     let Some((utilisation, inputs)) = summary.columns.split_last() else { return Vec::new() };
     let mut found: Vec<(String, f64)> = run

@@ -1,4 +1,4 @@
-//! How far a run is: a bar on a terminal, plain lines elsewhere.
+//! Progress of a run: a bar on a terminal, plain lines elsewhere.
 
 use std::fmt;
 use std::io::{IsTerminal, Write, stderr};
@@ -11,13 +11,13 @@ use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 /// Time between plain lines.
 const EVERY: Duration = Duration::from_secs(10);
 
-/// Who is told how far a run is.
+/// Where progress is reported.
 #[derive(Clone, Default)]
-pub enum Telling {
+pub enum ProgressTarget {
     /// To standard error: a bar on a terminal, plain lines elsewhere.
     #[default]
     Terminal,
-    /// Nobody.
+    /// Nowhere.
     Nothing,
     /// A function, often and from any thread.
     Call(Arc<dyn Fn(Count) + Send + Sync>),
@@ -26,7 +26,7 @@ pub enum Telling {
 /// How far a run is, in cases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Count {
-    /// Done, those that failed among them.
+    /// Done, failed ones included.
     pub done: u64,
     /// Those that failed; a train that cannot be read is one.
     pub failed: u64,
@@ -34,19 +34,19 @@ pub struct Count {
     pub total: u64,
 }
 
-impl fmt::Debug for Telling {
+impl fmt::Debug for ProgressTarget {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Telling::Terminal => "Terminal",
-            Telling::Nothing => "Nothing",
-            Telling::Call(_) => "Call(..)",
+            ProgressTarget::Terminal => "Terminal",
+            ProgressTarget::Nothing => "Nothing",
+            ProgressTarget::Call(_) => "Call(..)",
         })
     }
 }
 
-/// Counts cases that are done, and says so.
+/// Counts and reports cases that are done.
 pub struct Progress {
-    telling: Telling,
+    telling: ProgressTarget,
     bar: Option<ProgressBar>,
     start: Instant,
     last: Mutex<Instant>,
@@ -57,9 +57,9 @@ pub struct Progress {
 
 impl Progress {
     /// Of so many cases.
-    pub fn new(total: u64, telling: &Telling) -> Progress {
+    pub fn new(total: u64, telling: &ProgressTarget) -> Progress {
         let style = "{bar:30} {pos}/{len} cases, {msg}, {per_sec}, {eta} left";
-        let wanted = matches!(telling, Telling::Terminal) && stderr().is_terminal();
+        let wanted = matches!(telling, ProgressTarget::Terminal) && stderr().is_terminal();
         let bar = wanted.then(|| {
             let style = ProgressStyle::with_template(style).unwrap_or_else(|_| ProgressStyle::default_bar());
             ProgressBar::new(total).with_style(style).with_message("0 failed")
@@ -74,9 +74,9 @@ impl Progress {
         let done = self.done.fetch_add(cases, Ordering::Relaxed) + cases;
         let failed = self.failed.fetch_add(failed, Ordering::Relaxed) + failed;
         match &self.telling {
-            Telling::Terminal => {}
-            Telling::Nothing => return,
-            Telling::Call(function) => {
+            ProgressTarget::Terminal => {}
+            ProgressTarget::Nothing => return,
+            ProgressTarget::Call(function) => {
                 return function(Count { done: done as u64, failed: failed as u64, total: self.total });
             }
         }
@@ -85,7 +85,7 @@ impl Progress {
             bar.inc(cases as u64);
             return;
         }
-        // Whoever finds the lock taken leaves the line to the other.
+        // If another thread has the lock, it writes the line.
         let Ok(mut last) = self.last.try_lock() else { return };
         if last.elapsed() >= EVERY {
             *last = Instant::now();
@@ -98,7 +98,7 @@ impl Progress {
         let rate = done as f64 / seconds;
         let left = Duration::from_secs_f64((self.total.saturating_sub(done as u64) as f64 / rate).min(1e9));
         let of = self.total;
-        // Nobody is left to hear of it if that fails.
+        // A failure could not be reported either.
         let _ = writeln!(
             stderr(),
             "{done} of {of} cases, {failed} failed, {rate:.0} cases/s, {} left",

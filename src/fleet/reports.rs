@@ -3,10 +3,10 @@
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
-use super::FleetError;
 use super::inputs::Inputs;
 use super::summary::Summary;
-use crate::findings::{self, Options};
+use super::{FleetError, Request};
+use crate::findings;
 use crate::report;
 
 const FOLDER: &str = "trains";
@@ -27,7 +27,7 @@ pub struct Reports {
 pub fn write(
     dir: &Path,
     inputs: &Inputs,
-    options: &Options,
+    request: &Request,
     summary: &Summary,
     most: usize,
 ) -> Result<Reports, FleetError> {
@@ -39,7 +39,7 @@ pub fn write(
         let Some(&file) = files.get(&worst.file) else { continue };
         let variation = worst.worst[0].variation.parse::<usize>().ok();
         let varied = inputs.load(file, variation.map_or(0, |v| v - 1))?;
-        // It was one when its rows were made.
+        // It was valid in the run.
         let Ok(train) = varied.train else { continue };
         // A table that was read can be written.
         let text = varied.tree.and_then(|tree| toml::to_string(&tree).ok());
@@ -47,7 +47,11 @@ pub fn write(
             Some(text) => train.with_text(&text),
             None => train,
         };
-        let analysis = match findings::analyze(&train, options) {
+        let train = match request.units {
+            Some(units) => train.with_units(units),
+            None => train,
+        };
+        let analysis = match findings::analyze(&train, &request.options) {
             Ok(analysis) => analysis,
             Err(e) => {
                 reports.missing.push(format!("no report of {}: {e}", worst.file));
@@ -64,7 +68,7 @@ pub fn write(
     Ok(reports)
 }
 
-/// A folder named after a train file, in letters that mean the same in a link, that no other train has.
+/// A unique name for the folder of a train file, in letters that a link can have as they are.
 fn folder(file: &Path, variation: Option<usize>, taken: &mut HashSet<String>) -> String {
     let stem = file.file_stem().unwrap_or_default().to_string_lossy();
     let plain = |c: char| if c.is_ascii_alphanumeric() || "-_".contains(c) { c } else { '_' };

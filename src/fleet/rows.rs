@@ -153,7 +153,7 @@ pub fn headings(inputs: &[String]) -> Vec<String> {
     FRONT.map(str::to_owned).into_iter().chain(inputs.iter().cloned()).chain(BACK.map(str::to_owned)).collect()
 }
 
-/// Every column but a study's inputs, as one text: a run with others cannot be gone on with.
+/// Every column but a study's inputs, as one text: a run with others cannot be continued.
 pub fn columns() -> String {
     FRONT.iter().chain(&BACK).chain(&ERRORS).copied().collect::<Vec<_>>().join(" ")
 }
@@ -219,7 +219,7 @@ fn whole(number: Option<usize>) -> String {
     number.map(|n| n.to_string()).unwrap_or_default()
 }
 
-/// An input's cell: a negative number is no formula.
+/// An input's cell; a number is no formula.
 fn text_or_number(cell: &str) -> String {
     if cell.parse::<f64>().is_ok() { cell.to_owned() } else { text(cell) }
 }

@@ -167,8 +167,8 @@ fn place_head(summary: &Summary) -> &'static str {
     if summary.trains.len() > 1 { "place along the train" } else { "coupler" }
 }
 
-/// Counts by coupler of the one train, most harmful first; or by tenths of different trains, whose numbers of couplers tell
-/// nothing side by side. None where nothing exceeds.
+/// Counts by coupler of the one train, most harmful first; or by tenths of several trains, whose couplers cannot be
+/// compared by number. None where nothing exceeds.
 fn places(summary: &Summary, counts: &Places, text: &mut Vec<String>) -> Vec<(String, [usize; 2])> {
     if summary.trains.len() > 1 {
         text.push("Of each train's couplers, from the head.".to_owned());

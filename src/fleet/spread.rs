@@ -4,11 +4,11 @@ use statrs::function::erf::{erfc, erfc_inv};
 
 use crate::units::{self, Amount, Dimension};
 
-/// The largest probability that a distribution may have where its key cannot be, such as a strength below zero: a millionth,
-/// less than the 95 % interval of ten thousand draws can show by a factor of 300.
-pub const TRACE: f64 = 1e-6;
+/// The largest probability that a distribution may have of impossible values, such as a strength below zero: a
+/// millionth, 300 times less than the 95 % interval of ten thousand draws can show.
+pub(crate) const LARGEST_IMPOSSIBLE: f64 = 1e-6;
 
-/// Values of a list that are looked at beforehand, at most.
+/// Values of a list that are tried before the run.
 const PROBES: usize = 20;
 
 /// What a varied key ranges over.
@@ -85,7 +85,7 @@ impl Distribution {
     }
 
     /// Whether its limits are in order.
-    pub fn is_ordered(&self) -> bool {
+    pub(crate) fn is_ordered(&self) -> bool {
         match *self {
             Distribution::Uniform { low, high } => low < high,
             Distribution::Triangular { low, mode, high } => low <= mode && mode <= high && low < high,
@@ -115,7 +115,7 @@ impl Distribution {
 
 impl Distribution {
     /// The probability of a value below 0.
-    pub fn below_zero(&self) -> f64 {
+    pub(crate) fn below_zero(&self) -> f64 {
         match *self {
             Distribution::Uniform { low, high } => (-low / (high - low)).clamp(0.0, 1.0),
             Distribution::Normal { mean, sd } => 0.5 * erfc(mean / (sd * std::f64::consts::SQRT_2)),
@@ -138,7 +138,7 @@ impl Distribution {
 
 impl Spread {
     /// The probability of a draw that its key cannot take; 0 for a list, whose values are looked at one by one.
-    pub fn impossible(&self) -> f64 {
+    pub(crate) fn impossible(&self) -> f64 {
         match self {
             Spread::Distribution { law, not_negative: true, .. } => law.below_zero(),
             _ => 0.0,
@@ -158,7 +158,7 @@ impl Spread {
         match self {
             Spread::Values(list) => list[((p * list.len() as f64) as usize).min(list.len() - 1)].clone(),
             Spread::Distribution { law, dimension, share, .. } => {
-                // The lowest draws of a distribution with a trace below zero are all the same possible one.
+                // Draws below zero, and as many above it, are all replaced by one possible value.
                 let least = 2.0 * self.impossible();
                 written(law.quantile(p.max(least)), *dimension, *share)
             }
@@ -166,7 +166,7 @@ impl Spread {
     }
 
     /// Values of the list or the distribution from end to end, and others near its middle, for a look at what the key changes.
-    pub fn probes(&self, dimension: Option<Dimension>) -> Vec<toml::Value> {
+    pub(crate) fn probes(&self, dimension: Option<Dimension>) -> Vec<toml::Value> {
         let mut probes = match self {
             Spread::Values(list) if list.len() > PROBES => {
                 (0..PROBES).map(|i| list[i * (list.len() - 1) / (PROBES - 1)].clone()).collect()

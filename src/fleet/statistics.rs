@@ -1,4 +1,4 @@
-//! How sure a share of samples is, and how two columns go together.
+//! The confidence interval of a share, and rank correlation.
 
 use statrs::function::beta::beta_reg;
 

@@ -23,7 +23,7 @@ use std::path::Path;
 use toml::de::{DeTable, DeValue};
 
 use super::key::{Key, Measure};
-use super::spread::{Distribution, Spread, TRACE};
+use super::spread::{Distribution, LARGEST_IMPOSSIBLE, Spread};
 use super::study_keys::{LARGEST_SEED, MOST_STEPS, MOST_VARIATIONS, STUDY, VARY};
 use crate::consist;
 use crate::consist::tree::{Found, Read, Table, Value};
@@ -83,7 +83,7 @@ impl Study {
     }
 
     /// How many variations have the same masses, stiffnesses and events but for their forces.
-    pub fn chain_repeats(&self) -> usize {
+    pub(crate) fn chain_repeats(&self) -> usize {
         let is_load = |input: &&Input| {
             let table = input.key.table.unwrap_or_default();
             LOADS.iter().any(|(of, leaves)| *of == table && leaves.contains(&input.key.leaf))
@@ -187,7 +187,7 @@ fn draws(root: &Table) -> Read<Option<Draws>> {
     let seed = whole("seed", LARGEST_SEED)?;
     let latin = root.get("latin_hypercube").map(|v| v.flag()).transpose()?;
     match (samples, seed.is_some() || latin.is_some()) {
-        (None, true) => Err(root.wrong("the study has a way to draw but no number of samples", "add samples = 10000")),
+        (None, true) => Err(root.wrong("seed and latin_hypercube need a number of samples", "add samples = 10000")),
         (None, false) => Ok(None),
         (Some(samples), _) => {
             let seed = seed.unwrap_or(1) as u64;
@@ -326,7 +326,7 @@ fn law(table: &Table, name: &Value, key: &Key) -> Read<Spread> {
     only(table, word);
     let spread = Spread::Distribution { law, dimension, share: share.unwrap_or(false), not_negative };
     let impossible = spread.impossible();
-    if impossible > TRACE {
+    if impossible > LARGEST_IMPOSSIBLE {
         let what = if possible == Sign::Positive { "zero or below" } else { "below zero" };
         let percent = 100.0 * impossible;
         // Three digits, however small it is.

@@ -1,4 +1,4 @@
-//! What the rows of a run come to, gathered as they pass by.
+//! Sums over the rows of a run, row by row.
 
 use std::collections::BTreeMap;
 
@@ -28,7 +28,7 @@ pub struct Summary {
     pub cascades: [usize; 2],
     /// Where couplers break: cases, and those in which another coupler exceeds.
     pub breaks: Places,
-    /// Where the worst coupler is: cases in which some coupler exceeds, twice.
+    /// Where the worst coupler is: cases in which some coupler exceeds, in both counts.
     pub overloaded: Places,
     /// Smallest safe factors of each variation of each train.
     pub safe: Vec<Factors>,
@@ -48,7 +48,7 @@ pub struct Summary {
 /// The smallest safe factor on each of [`CAUSES`]: infinite where nothing bounds it, `None` without a case that has one.
 pub type Factors = [Option<f64>; 3];
 
-/// What safe factors multiply, each after the kind of the event in `fleet.csv`: they are never put on one axis.
+/// Kinds of events in `fleet.csv`, each with what its safe factor multiplies: they never share an axis.
 pub const CAUSES: [(&str, &str); 3] =
     [("break", "load"), ("pulse", "force of the pulse"), ("impact", "speed of the impact")];
 
@@ -135,7 +135,7 @@ fn keep(worst: &mut Vec<Case>, case: Case) {
     }
 }
 
-/// A variation of a train whose rows are passing by.
+/// A variation of a train whose rows are being read.
 #[derive(Clone, Debug)]
 struct Unit {
     file: String,
@@ -197,7 +197,7 @@ impl Summary {
         // Where forces can be told only for a part of the time, nothing is decided for the rest.
         let undecided = back("undecided") != "0" || !back("predictable_until_s").is_empty();
         let utilisation: f64 = back("utilisation").parse().unwrap_or(0.0);
-        // A march has no such factor, and says nothing of what bounds it.
+        // A march has no such factor; others leave out an infinite one.
         let factor = match back("safe_load_factor").parse() {
             Ok(factor) => Some(factor),
             Err(_) => (back("method") != "march").then_some(f64::INFINITY),
@@ -250,7 +250,7 @@ impl Summary {
         }
     }
 
-    /// Counts the variation whose rows have all passed.
+    /// Adds the variation whose rows are complete.
     pub fn close(&mut self) {
         let Some(unit) = self.unit.take() else { return };
         self.safe.push(unit.safe);

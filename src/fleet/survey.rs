@@ -34,7 +34,7 @@ pub struct Survey {
     /// The doubts about its first variation that can be read.
     #[serde(skip)]
     pub doubts: Vec<Doubt>,
-    /// Options that do nothing for that, as sentences.
+    /// Options without effect on it, as sentences.
     #[serde(skip)]
     pub idle: Vec<String>,
 }
@@ -162,8 +162,8 @@ pub fn reach(study: &Study, variation: usize, base: &Base) -> Reach {
     reach
 }
 
-/// The train as far as it has a part in any result: not where it was read from, nor the mass of what is held; lengths, the train's
-/// speed and emergency brakes only where brakes are applied, an earlier pull only where gears have friction.
+/// The train without what no result depends on: its origin and the masses of held vehicles; unless brakes are applied,
+/// lengths, the train's speed and emergency brakes; unless gears have friction, an earlier pull.
 fn effective(train: Train) -> TrainSpec {
     let has_brakes = train.scenarios().iter().any(Scenario::applies_brakes);
     let mut spec = TrainSpec { origin: Origin::default(), ..train.into_spec() };
@@ -237,7 +237,9 @@ fn keeps_cases(key: &Key) -> bool {
         None => key.leaf != "vehicles",
         Some("coupler" | "coupler_override") => !["stiffness", "at"].contains(&key.leaf),
         Some("vehicle") => ["label", "length"].contains(&key.leaf),
-        Some("scenario") => ["name", "horizon", "force", "duration", "rise", "fall", "speed"].contains(&key.leaf),
+        Some("scenario") => {
+            ["name", "horizon", "force", "duration", "rise", "fall", "speed", "wave", "build_up"].contains(&key.leaf)
+        }
         _ => false,
     }
 }
@@ -254,6 +256,7 @@ fn keeps_couplers(key: &Key) -> bool {
 
 fn case_count(train: &Train) -> u32 {
     let count: usize = train.scenarios().iter().map(|s| cases(&s.event).len()).sum();
-    // A train without a case is told as such. A train file has at most a million breaks, and at most a thousand scenarios.
+    // A train without a case counts as one. A train file has at most a million breaks, and at most a thousand
+    // scenarios.
     u32::try_from(count.max(1)).unwrap_or(u32::MAX)
 }

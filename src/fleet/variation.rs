@@ -64,8 +64,8 @@ pub fn probe(study: &Study, variation: usize, base: &Base, input: usize, value: 
 /// A train, and the tree of its file with the values of a variation.
 type VariedTrain = (Train, Option<toml::Table>);
 
-/// A train with values put into its file, and those values by input. `draw` gives so many values of an input, which is asked for
-/// by its number.
+/// A train with values put into its file, and those values by input. `draw(k, n)` gives `n` values of input
+/// `k`.
 fn varied(
     study: &Study,
     base: &Base,
@@ -103,7 +103,7 @@ fn varied(
         }
     };
     let each: Option<consist::EachCoupler> = if of(Per::Coupler).next().is_some() { Some(&each) } else { None };
-    // A value that was put in has no place in the file, so none is told.
+    // Values that were put in have no place in the file to report.
     let read = without_places(&tree, |root| consist::read_tree(root, "", &base.path, &base.files, each));
     (read.map(|train| (train, Some(tree))).map_err(|e| e.titles()), puts)
 }
@@ -113,7 +113,7 @@ fn own_coupler<'i>(tree: &toml::Table, own: impl Iterator<Item = (&'i Input, &'i
     let common = tree.get("coupler").cloned().map(|coupler| ("coupler".to_owned(), coupler));
     let mut tree: toml::Table = common.into_iter().collect();
     for (input, value) in own {
-        // The same has been put into the whole train.
+        // It succeeds, as it did in the whole train.
         let _ = input.key.put(&mut tree, value.clone());
     }
     tree

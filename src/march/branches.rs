@@ -8,7 +8,7 @@ use crate::law::{Curve, GearRow, Law};
 /// A knot lies on the line of its neighbours if it is off by less than this share of the forces there.
 const ON_A_LINE: f64 = 1e-13;
 
-/// A straight piece: `anchor + slope (w - place)`.
+/// A straight piece: `force + slope (w - place)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
     pub place: f64,
@@ -25,12 +25,12 @@ impl Line {
         self.force + self.slope * (w - self.place)
     }
 
-    /// The line turned about the origin.
+    /// The line `-line(-w)`.
     fn mirrored(&self) -> Line {
         Line { place: -self.place, force: -self.force, slope: self.slope }
     }
 
-    /// Integral from a to b of what is positive; the line does not fall.
+    /// Integral of the positive part from a to b; the line does not fall.
     fn positive(&self, a: f64, b: f64) -> f64 {
         match (self.at(a), self.at(b)) {
             (_, end) if end <= 0.0 => 0.0,
@@ -65,7 +65,7 @@ impl Branches {
         Branches::of(law, true)
     }
 
-    /// Of a coupler that has parted: nothing in draft, and in buff the heads push as before, with no adhesion.
+    /// Of a coupler that has parted: no force in draft; in buff the heads push as before but never pull.
     pub fn parted(law: &Law) -> Branches {
         Branches::of(law, false)
     }
@@ -87,7 +87,7 @@ impl Branches {
             }
             Law::Gear { solid_n_per_m, draft, buff, .. } => {
                 let rows = if draft_too { buff.rows().to_vec() } else { without_adhesion(buff) };
-                let mirrored = pairs(&rows, half).into_iter().rev().map(|p| Interval {
+                let mirrored = intervals_of_rows(&rows, half).into_iter().rev().map(|p| Interval {
                     from: -p.to,
                     to: -p.from,
                     up: p.down.mirrored(),
@@ -97,7 +97,7 @@ impl Branches {
                 intervals.extend(mirrored);
                 intervals.extend((slack_end > -half).then_some(slack));
                 if draft_too {
-                    intervals.extend(pairs(draft.rows(), half));
+                    intervals.extend(intervals_of_rows(draft.rows(), half));
                 }
                 1.0 / solid_n_per_m
             }
@@ -111,7 +111,7 @@ impl Branches {
         self.intervals.iter().position(inside).unwrap_or(self.intervals.len() - 1)
     }
 
-    /// Energy that is stored in the gear at travel w: the integral, from its rest, of the force between l and u that is nearest to 0.
+    /// Energy stored in the gear at travel w: integral from w = 0 of the force between l and u that is nearest to 0.
     pub fn stored_j(&self, w: f64) -> f64 {
         let (from, to) = (w.min(0.0), w.max(0.0));
         let part = |p: &Interval| {
@@ -124,8 +124,9 @@ impl Branches {
     /// Whether the law is a spring, alone or beside a slider of constant friction without slack, up to the stops.
     pub fn constant_friction(&self) -> bool {
         let [p] = self.intervals[..] else { return false };
-        let (scale, apart) = (p.up.at(p.to).abs().max(p.down.at(p.from).abs()), (p.up.slope - p.down.slope).abs());
-        apart == 0.0 || apart * (p.to - p.from) <= ON_A_LINE * scale
+        let (scale, slope_difference) =
+            (p.up.at(p.to).abs().max(p.down.at(p.from).abs()), (p.up.slope - p.down.slope).abs());
+        slope_difference == 0.0 || slope_difference * (p.to - p.from) <= ON_A_LINE * scale
     }
 }
 
@@ -133,8 +134,8 @@ fn straight(from: f64, to: f64, line: Line) -> Interval {
     Interval { from, to, up: line, down: line, free: true }
 }
 
-/// Intervals of a table in draft, behind half the slack.
-fn pairs(rows: &[GearRow], half: f64) -> Vec<Interval> {
+/// Intervals of a table in draft, shifted by half the slack.
+fn intervals_of_rows(rows: &[GearRow], half: f64) -> Vec<Interval> {
     let point = |r: &GearRow, force: f64| [half + r.travel_m, force];
     let interval = |pair: &[GearRow]| {
         let (a, b) = (&pair[0], &pair[1]);
@@ -161,7 +162,7 @@ fn without_adhesion(curve: &Curve) -> Vec<GearRow> {
         }
         rows.push(GearRow { unloading_n: row.unloading_n.max(0.0), ..*row });
     }
-    // What was negative in loading too, in a law that is crossed at the middle, is not either.
+    // A negative loading force, which a law may have at its middle, becomes 0 too.
     rows.into_iter().map(|r| GearRow { loading_n: r.loading_n.max(0.0), ..r }).collect()
 }
 
@@ -171,7 +172,9 @@ fn merged(intervals: Vec<Interval>) -> Vec<Interval> {
     for next in intervals.into_iter().filter(|p| p.to > p.from) {
         match out.last_mut() {
             Some(last)
-                if last.free == next.free && on(&last.up, &next.up, &next) && on(&last.down, &next.down, &next) =>
+                if last.free == next.free
+                    && continues(&last.up, &next.up, &next)
+                    && continues(&last.down, &next.down, &next) =>
             {
                 last.to = next.to;
             }
@@ -181,8 +184,8 @@ fn merged(intervals: Vec<Interval>) -> Vec<Interval> {
     out
 }
 
-/// Whether a line goes on as another over its interval.
-fn on(last: &Line, next: &Line, interval: &Interval) -> bool {
+/// Whether both are one line over the interval of `next`.
+fn continues(last: &Line, next: &Line, interval: &Interval) -> bool {
     let near = |w: f64| (last.at(w) - next.at(w)).abs() <= ON_A_LINE * last.at(w).abs().max(next.at(w).abs());
     if interval.to.is_finite() {
         near(interval.from) && near(interval.to)

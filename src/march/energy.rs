@@ -1,4 +1,4 @@
-//! The energy of a march: that of speeds and couplers against the work of outside forces.
+//! The energy of a march: kinetic and stored energy against the work of outside forces.
 
 use super::Energy;
 use super::mode::Coupler;
@@ -18,7 +18,7 @@ impl Audit {
         Audit { last: now, work_now: 0.0, energy: Energy { start_j: now, end_j: now, ..Energy::default() } }
     }
 
-    /// A coupler parts and gives off what it has stored.
+    /// A coupler parts and releases this energy.
     pub fn release(&mut self, energy: f64) {
         self.energy.released_j += energy;
         self.last -= energy;
@@ -68,7 +68,7 @@ fn total(march: &March) -> f64 {
 }
 
 impl Coupler {
-    /// Energy stored at an elongation beyond the start's.
+    /// Energy stored; `q` is relative to t = 0.
     pub fn energy(&self, q: f64) -> f64 {
         let force = self.start[1] + self.force(q);
         0.5 * force * force * self.branches.compliance + self.branches.stored_j(self.travel(q))

@@ -1,23 +1,24 @@
 //! The error of a march: proven where it can be, and estimated by two more runs where it cannot.
 //!
-//! The other runs take other steps, with noise of 32 units in the last place on every elongation and speed at every step, and the laws'
-//! constants moved by 16 units; their events count twice as far past a guard, so that what this costs shows in the differences. Estimate: 10 times the larger difference from them, and 16 units of the largest force. The runs go side by
-//! side; where the estimate of any force passes the tolerance, nothing can be said from there on.
+//! The other runs take other steps, with noise of 32 units in the last place on every elongation and speed at every
+//! step, and the laws' constants moved by 16 units. Their margin past guards is doubled, so that its effect is in the
+//! differences. Estimate: 10 times the larger difference from them, plus 16 units of the largest force. The runs
+//! advance together; the results end where the estimate of any force passes the tolerance.
 
 use super::proof::Proof;
-use super::step::{Manner, March, stiffest};
+use super::step::{March, RunSettings, stiffest};
 use super::{Bound, Extremes, MarchOptions, MarchOutcome, Problem};
 use crate::law::{Curve, GearRow, Law};
 
-/// Largest step times the largest rate: of the run that counts, and of the others.
+/// Largest step times the largest rate: of the reported run, and of the others.
 const PHASE: f64 = 1.0;
-const OTHERS: [f64; 2] = [0.73, 0.81];
+const OTHER_PHASES: [f64; 2] = [0.73, 0.81];
 /// Sizes of noise and of moved constants, in units in the last place.
 const NOISE: f64 = 32.0;
-const MOVED: f64 = 16.0;
-/// Events of the other runs count so many times further past their guards.
-const MARGIN: f64 = 2.0;
-/// The estimate is so many differences and units in the last place of the largest force.
+const CONSTANT_CHANGE: f64 = 16.0;
+/// Factor on the margin past guards in the other runs.
+const OTHER_MARGIN: f64 = 2.0;
+/// Factors of the estimate: on the difference, and on a unit in the last place of the largest force.
 const DIFFERENCES: f64 = 10.0;
 const UNITS: f64 = 16.0;
 /// Instants at which the runs are compared.
@@ -28,15 +29,15 @@ const U: f64 = 0.5 * f64::EPSILON;
 /// Follows the motion of a train.
 ///
 /// # Panics
-/// Where the lists of the problem are not of one length each for vehicles and couplers, or a law is not one
+/// If a list of the problem does not have one entry for each vehicle or coupler, or a law is not valid
 /// ([`Law::check`]).
 pub fn solve(problem: &Problem, ask: &MarchOptions) -> MarchOutcome {
     check(problem, ask);
-    let manner = Manner { phase: PHASE, noise: None, margin: 1.0 };
-    let mut march = March::new(problem, ask, manner);
+    let settings = RunSettings { phase: PHASE, noise: None, margin: 1.0 };
+    let mut march = March::new(problem, ask, settings);
     march.proof = Proof::new(&march);
     if ask.tolerance_n.is_some() && march.proof.is_none() {
-        return compared(problem, ask, march);
+        return with_estimate(problem, ask, march);
     }
     let (mark, horizon) = (problem.mark_s.min(problem.horizon_s), problem.horizon_s);
     march.advance_to(mark);
@@ -44,7 +45,7 @@ pub fn solve(problem: &Problem, ask: &MarchOptions) -> MarchOutcome {
     march.advance_to(horizon);
     let proven = march.proof.as_ref().and_then(|p| p.bound(&march));
     match (ask.tolerance_n, proven) {
-        (Some(_), None) => compared(problem, ask, March::new(problem, ask, manner)),
+        (Some(_), None) => with_estimate(problem, ask, March::new(problem, ask, settings)),
         (_, Some(bound)) => {
             let all = vec![[bound; 2]; problem.laws.len()];
             finish(march, Bound::Proven(bound), [all.clone(), all], None)
@@ -60,7 +61,7 @@ const EVENTS: f64 = 8.0;
 
 /// Estimated time of [`solve`] on one core, s.
 pub fn estimate_s(problem: &Problem, ask: &MarchOptions) -> f64 {
-    let march = March::new(problem, &MarchOptions::default(), Manner { phase: PHASE, noise: None, margin: 1.0 });
+    let march = March::new(problem, &MarchOptions::default(), RunSettings { phase: PHASE, noise: None, margin: 1.0 });
     let linear = problem.laws.iter().filter(|l| l.is_linear()).count();
     let couplers = problem.laws.len();
     let rate = march.fastest() / PHASE + EVENTS * (couplers - linear) as f64;
@@ -76,29 +77,33 @@ fn check(problem: &Problem, ask: &MarchOptions) {
         assert!(length == 0 || length == couplers, "one of every coupler, or none");
     }
     for law in &problem.laws {
-        law.check().expect("a law that can be");
+        law.check().expect("a valid law");
     }
 }
 
-/// What is kept at an instant of comparison, for the case that it is the last.
+/// Results up to an instant of comparison, used if it is the last.
 #[derive(Clone)]
-struct Kept {
+struct Snapshot {
     at: f64,
     extremes: Vec<Extremes>,
     over: Vec<[Option<f64>; 2]>,
 }
 
-fn keep(march: &March) -> Kept {
+fn snapshot(march: &March) -> Snapshot {
     let record = &march.record;
-    Kept { at: march.t, extremes: record.extremes.clone(), over: record.first_over_s.clone() }
+    Snapshot { at: march.t, extremes: record.extremes.clone(), over: record.first_over_s.clone() }
 }
 
-/// The march with two others beside it.
-fn compared(problem: &Problem, ask: &MarchOptions, mut march: March) -> MarchOutcome {
+/// The march with two other runs.
+fn with_estimate(problem: &Problem, ask: &MarchOptions, mut march: March) -> MarchOutcome {
     let moved: Vec<Problem> = (1..=2).map(|seed| moved(problem, seed)).collect();
     let quiet = MarchOptions { capacity_n: ask.capacity_n.clone(), ..MarchOptions::default() };
     let other = |(n, p)| {
-        March::new(p, &quiet, Manner { phase: OTHERS[n], noise: Some((0x9E37_79B9 + n as u64, NOISE)), margin: MARGIN })
+        March::new(
+            p,
+            &quiet,
+            RunSettings { phase: OTHER_PHASES[n], noise: Some((0x9E37_79B9 + n as u64, NOISE)), margin: OTHER_MARGIN },
+        )
     };
     let mut others: Vec<March> = moved.iter().enumerate().map(other).collect();
     let (mark, horizon) = (problem.mark_s.min(problem.horizon_s), problem.horizon_s);
@@ -107,20 +112,20 @@ fn compared(problem: &Problem, ask: &MarchOptions, mut march: March) -> MarchOut
     instants.sort_by(f64::total_cmp);
     let mut to_mark = Vec::new();
     let mut until = None;
-    let mut last: Vec<Kept> = [&march].into_iter().chain(&others).map(keep).collect();
+    let mut last: Vec<Snapshot> = [&march].into_iter().chain(&others).map(snapshot).collect();
     for t in instants {
         march.advance_to(t);
         others.iter_mut().for_each(|o| o.advance_to(march.t));
         let error = error_now(&march, &others);
         if ask.tolerance_n.is_some_and(|tolerance| error > tolerance) {
             until = Some(last[0].at);
-            march.record.cut(last[0].at, last[0].extremes.clone(), last[0].over.clone());
+            march.record.rewind(last[0].at, last[0].extremes.clone(), last[0].over.clone());
             march.partings.retain(|p| p.time_s <= last[0].at);
             march.closures.retain(|c| c.1 <= last[0].at);
             march.stopped = None;
             break;
         }
-        last = [&march].into_iter().chain(&others).map(keep).collect();
+        last = [&march].into_iter().chain(&others).map(snapshot).collect();
         if t == mark {
             march.record.mark();
             to_mark = errors(&last);
@@ -134,45 +139,45 @@ fn compared(problem: &Problem, ask: &MarchOptions, mut march: March) -> MarchOut
         to_mark = whole.clone();
     }
     let worst = whole.iter().flatten().copied().fold(0.0, f64::max);
-    time_partings(&mut march, &others);
+    estimate_parting_errors(&mut march, &others);
     finish(march, Bound::Estimated(worst), [whole, to_mark], until)
 }
 
 /// The estimate for the forces of this instant, the largest of all couplers.
 fn error_now(march: &March, others: &[March]) -> f64 {
     let force = |m: &March, i: usize| m.start[i][1] + m.state.tension(i);
-    let (mut apart, mut largest) = (0.0f64, 0.0f64);
+    let (mut difference, mut largest) = (0.0f64, 0.0f64);
     for i in 0..march.couplers.len() {
         let f = force(march, i);
         largest = largest.max(f.abs());
-        apart = others.iter().map(|o| (force(o, i) - f).abs()).fold(apart, f64::max);
+        difference = others.iter().map(|o| (force(o, i) - f).abs()).fold(difference, f64::max);
     }
-    // What parted in one run only is not foreseen, whatever the forces are.
+    // If the runs do not agree on partings, forces are not known.
     if others.iter().any(|o| o.partings.len() != march.partings.len()) {
         return f64::INFINITY;
     }
-    DIFFERENCES * apart + UNITS * U * largest
+    DIFFERENCES * difference + UNITS * U * largest
 }
 
 /// The estimates for the instants at which couplers part.
-fn time_partings(march: &mut March, others: &[March]) {
+fn estimate_parting_errors(march: &mut March, others: &[March]) {
     for p in &mut march.partings {
         let in_other = |o: &March| o.partings.iter().find(|other| other.coupler == p.coupler).map(|other| other.time_s);
-        let apart = |o: &March| in_other(o).map_or(f64::INFINITY, |at| (at - p.time_s).abs());
-        let apart = others.iter().map(apart).fold(0.0, f64::max);
-        p.uncertainty_s = DIFFERENCES * apart + UNITS * U * p.time_s;
+        let difference = |o: &March| in_other(o).map_or(f64::INFINITY, |at| (at - p.time_s).abs());
+        let difference = others.iter().map(difference).fold(0.0, f64::max);
+        p.uncertainty_s = DIFFERENCES * difference + UNITS * U * p.time_s;
     }
 }
 
 /// The estimates for every coupler's extremes.
-fn errors(kept: &[Kept]) -> Vec<[f64; 2]> {
+fn errors(kept: &[Snapshot]) -> Vec<[f64; 2]> {
     let of = |e: &Extremes| [e.draft.force_n, e.buff.force_n];
     let largest = kept[0].extremes.iter().flat_map(of).fold(0.0f64, |a, f| a.max(f.abs()));
     let error = |i: usize| {
         let mine = of(&kept[0].extremes[i]);
         [0, 1].map(|sense| {
-            let apart = |k: &Kept| (of(&k.extremes[i])[sense] - mine[sense]).abs();
-            DIFFERENCES * kept[1..].iter().map(apart).fold(0.0, f64::max) + UNITS * U * largest
+            let difference = |k: &Snapshot| (of(&k.extremes[i])[sense] - mine[sense]).abs();
+            DIFFERENCES * kept[1..].iter().map(difference).fold(0.0, f64::max) + UNITS * U * largest
         })
     };
     (0..kept[0].extremes.len()).map(error).collect()
@@ -182,9 +187,9 @@ fn errors(kept: &[Kept]) -> Vec<[f64; 2]> {
 fn moved(problem: &Problem, seed: u64) -> Problem {
     let mut bits = seed;
     let mut factor = || {
-        // A linear congruence; its high bits are even enough for signs.
+        // Linear congruential generator; its highest bit is a random sign.
         bits = bits.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        if bits >> 63 == 0 { 1.0 + MOVED * U } else { 1.0 - MOVED * U }
+        if bits >> 63 == 0 { 1.0 + CONSTANT_CHANGE * U } else { 1.0 - CONSTANT_CHANGE * U }
     };
     let laws = problem.laws.iter().map(|law| match law {
         Law::Elastic { draft_n_per_m, buff_n_per_m, slack_m } => {
@@ -199,7 +204,7 @@ fn moved(problem: &Problem, seed: u64) -> Problem {
         }
         Law::Gear { solid_n_per_m, slack_m, draft, buff } => {
             let mut table = |c: &Curve| {
-                // One factor for a column, so that what rises, is level or equal stays so.
+                // One factor for a column, so that rising, level and equal values stay so.
                 let (travel, loading, back) = (factor(), factor(), factor());
                 let equal = c.rows().iter().any(|r| r.loading_n == r.unloading_n && r.loading_n != 0.0);
                 let back = if equal || back > loading { loading } else { back };
@@ -224,7 +229,7 @@ fn finish(
     predictable_until_s: Option<f64>,
 ) -> MarchOutcome {
     // An elongation may be twice the margin past a guard, at its largest stiffness.
-    let none = |i: usize| 2.0 * march.past * stiffest(&march.problem.laws[i]);
+    let none = |i: usize| 2.0 * march.guard_margin * stiffest(&march.problem.laws[i]);
     march.record.finish(none);
     let record = march.record;
     let [error_n, error_to_mark_n] = errors;

@@ -1,20 +1,20 @@
-//! What ends a step, the part of the train that moves, and what a step needs to know beforehand.
+//! Events that end a step, the part of the train that moves, and preparations of a step.
 
 use super::Problem;
 use super::mode::{Coupler, End, Mode};
 use super::roots;
 use super::series::DEGREE;
-use super::step::{March, What};
+use super::step::{EventKind, March};
 
 /// Terms are left out where they are under this share of the first.
 const LAST_TERM: f64 = 1e-19;
-/// Instants within this share of a step are one.
+/// Events closer than this share of their time are at one instant.
 const TOGETHER: f64 = 4.0 * f64::EPSILON;
-/// A steady force counts as balanced by the couplers up to this share of the largest force.
+/// An unbalanced steady force under this share of the largest force counts as 0.
 const BALANCE: f64 = 1e-12;
 
-/// An event: the share of the step at which it is, where, and what.
-pub type Event = (f64, usize, What);
+/// An event: its share of the step, its coupler or vehicle, its kind.
+pub type Event = (f64, usize, EventKind);
 
 /// The events that come first, all at one instant.
 struct Earliest {
@@ -23,7 +23,7 @@ struct Earliest {
 }
 
 impl Earliest {
-    fn take(&mut self, share: f64, i: usize, what: What) {
+    fn take(&mut self, share: f64, i: usize, what: EventKind) {
         if share > self.share * (1.0 + TOGETHER) {
             return;
         }
@@ -48,28 +48,28 @@ impl March<'_> {
     }
 
     fn ends_of_modes(&self, first: &mut Earliest) {
-        let (state, series, past) = (&self.state, &self.series, self.past);
+        let (state, series, past) = (&self.state, &self.series, self.guard_margin);
         let mut c = [0.0; DEGREE + 1];
         let n = series.terms;
         for i in state.couplers() {
             let coupler = &self.couplers[i];
             let (q, rise, reach) = (state.elongation(i), series.q[1][i + 1], series.reach[i + 1]);
             if q + rise.max(0.0) + reach > coupler.upper + past {
-                series.beyond(state, i, coupler.upper + past, 1.0, &mut c);
+                series.elongation_from(state, i, coupler.upper + past, 1.0, &mut c);
                 if let Some(s) = roots::first_positive(&c[..=n]) {
-                    first.take(s, i, What::Mode(End::Upper));
+                    first.take(s, i, EventKind::Mode(End::Upper));
                 }
             }
             if q + rise.min(0.0) - reach < coupler.lower - past {
-                series.beyond(state, i, coupler.lower - past, -1.0, &mut c);
+                series.elongation_from(state, i, coupler.lower - past, -1.0, &mut c);
                 if let Some(s) = roots::first_positive(&c[..=n]) {
-                    first.take(s, i, What::Mode(End::Lower));
+                    first.take(s, i, EventKind::Mode(End::Lower));
                 }
             }
             if coupler.turn != 0.0 && -coupler.turn * rise + series.reach_of_speed[i + 1] > 0.0 {
                 series.rate_of(i, -coupler.turn, &mut c);
                 if let Some(s) = roots::first_positive(&c[..n]) {
-                    first.take(s, i, What::Mode(End::Turn));
+                    first.take(s, i, EventKind::Mode(End::Turn));
                 }
             }
         }
@@ -89,7 +89,7 @@ impl March<'_> {
                 if limit.is_finite()
                     && let Some(s) = roots::first_positive(&over[..=n])
                 {
-                    first.take(s, i, What::Breaks);
+                    first.take(s, i, EventKind::Breaks);
                 }
             }
         }
@@ -109,17 +109,17 @@ impl March<'_> {
             c[0] -= sign * (common + self.common_m_s2 * self.t);
             c[1] -= sign * self.common_m_s2 * self.width;
             if let Some(s) = roots::first_positive(&c[..=n]) {
-                first.take(s, v, What::Stops);
+                first.take(s, v, EventKind::Stops);
             }
         }
     }
 
-    /// Lets the part that moves reach as far as the series of one step can.
+    /// Extends the part that moves as far as the series of one step reaches.
     pub fn grow(&mut self) {
         let n = self.state.v[0].len();
         let [from, to] = self.state.moving;
         let (mut from, mut to) = (from, to);
-        for v in self.forces.loud(self.t) {
+        for v in self.forces.forced_vehicles(self.t) {
             (from, to) = (from.min(v), to.max(v + 1));
         }
         let margin = DEGREE / 2 + 1;
@@ -129,19 +129,19 @@ impl March<'_> {
     /// Leaves out what is at rest at either end of the part that moves.
     pub fn shrink(&mut self) {
         let [mut from, mut to] = self.state.moving;
-        while to - from > 1 && self.rests(from, from) {
+        while to - from > 1 && self.set_at_rest(from, from) {
             from += 1;
         }
-        while to - from > 1 && self.rests(to - 1, to) {
+        while to - from > 1 && self.set_at_rest(to - 1, to) {
             to -= 1;
         }
         self.state.moving = [from, to];
     }
 
-    /// Whether vehicle `v` and the coupler at padded place `x` beside it are at rest; sets them to it.
-    fn rests(&mut self, v: usize, x: usize) -> bool {
+    /// Whether vehicle `v` and the coupler at entry `x` beside it are at rest; if so, sets both to 0.
+    fn set_at_rest(&mut self, v: usize, x: usize) -> bool {
         let s = &mut self.state;
-        let [q, speed] = self.nothing;
+        let [q, speed] = self.rest_limits;
         let tension = s.force[x] + s.slope[x] * ((s.q[0][x] - s.place[x]) + s.q[1][x]);
         let rests = s.v[0][v].abs() <= speed
             && s.unbalanced[v] == 0.0
@@ -153,12 +153,12 @@ impl March<'_> {
         rests
     }
 
-    /// Noise as of rounding, on every elongation and speed in motion.
+    /// Adds noise like rounding to every elongation and speed in motion.
     pub fn disturb(&mut self) {
-        let Some((_, size)) = self.manner.noise else { return };
+        let Some((_, size)) = self.settings.noise else { return };
         let unit = size * 0.5 * f64::EPSILON;
         for i in self.state.couplers() {
-            // Ahead of the wave it must not be what moves a train at rest.
+            // Ahead of the wave, noise must not set vehicles in motion.
             let moved = self.state.q[0][i + 1];
             let scale = (self.start[i][0] + moved).abs().min(1e3 * moved.abs());
             self.state.q[1][i + 1] += unit * scale * self.noise();
@@ -168,7 +168,7 @@ impl March<'_> {
         }
     }
 
-    /// Evenly from -1 to 1 (xorshift64*).
+    /// Uniform from -1 to 1 (xorshift64*).
     fn noise(&mut self) -> f64 {
         let x = &mut self.random;
         *x ^= *x >> 12;
@@ -186,7 +186,7 @@ impl Coupler {
     }
 }
 
-/// How many terms a step of that phase needs.
+/// Terms of a step; `phase`: width times the largest rate.
 pub fn terms(phase: f64) -> usize {
     let mut term = 1.0;
     for k in 1..=DEGREE {
@@ -199,7 +199,7 @@ pub fn terms(phase: f64) -> usize {
     DEGREE
 }
 
-/// What the couplers' forces at t = 0 leave of the steady forces on each vehicle, and the common acceleration.
+/// Steady force on each vehicle that the couplers' at t = 0 do not balance, and the common acceleration.
 pub fn unbalanced(problem: &Problem, start: &[[f64; 2]]) -> (Vec<f64>, f64) {
     let n = problem.mass_kg.len();
     let free = !problem.held_head && !problem.held_tail;

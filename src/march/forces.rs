@@ -12,7 +12,8 @@ struct Source {
 
 #[derive(Clone, Debug)]
 enum Course {
-    /// Straight lines between points; the last value holds, or there is none after it. The index is that of the next point.
+    /// Straight lines between points; after the last, its value if `holds`, else 0. `next` is the index of the next
+    /// point.
     Lines { points: Vec<[f64; 2]>, holds: bool, next: usize },
     /// `peak sin(omega t)` until an instant.
     Sine { peak: f64, omega: f64, until: f64 },
@@ -36,7 +37,7 @@ impl Source {
         }
     }
 
-    /// Passes what lies at or before `t`.
+    /// Moves on beyond points up to `t`.
     fn pass(&mut self, t: f64) {
         if let Course::Lines { points, next, .. } = &mut self.course {
             while points.get(*next).is_some_and(|p| p[0] <= t) {
@@ -71,8 +72,8 @@ impl Source {
         }
     }
 
-    /// Whether it is nothing until its next kink.
-    fn quiet(&self, t: f64) -> bool {
+    /// Whether it is 0 until its next kink.
+    fn is_zero(&self, t: f64) -> bool {
         match &self.course {
             Course::Lines { points, holds, next } => {
                 match (next.checked_sub(1).map(|n| points[n]), points.get(*next)) {
@@ -116,7 +117,7 @@ impl Forces {
 
     /// The pipe opens at coupler `c` at `t`: the wave runs both ways, and each vehicle brakes
     /// from its first arrival on, against the `direction` of the motion (1 or -1).
-    pub fn vent(&mut self, emergency: &Brakes, direction: f64, c: usize, t: f64) {
+    pub fn apply_from_coupler(&mut self, emergency: &Brakes, direction: f64, c: usize, t: f64) {
         self.apply(emergency, direction, emergency.length_m[..=c].iter().sum(), t);
     }
 
@@ -148,14 +149,14 @@ impl Forces {
         self.sources.iter().map(|s| s.next_kink(t)).fold(f64::INFINITY, f64::min)
     }
 
-    /// Passes kinks at `t`.
+    /// Moves on beyond kinks up to `t`.
     pub fn pass(&mut self, t: f64) {
         self.sources.iter_mut().for_each(|s| s.pass(t));
     }
 
     /// Vehicles that some force acts on until the next kink.
-    pub fn loud(&self, t: f64) -> impl Iterator<Item = usize> {
-        self.sources.iter().filter(move |s| !s.quiet(t)).map(|s| s.vehicle)
+    pub fn forced_vehicles(&self, t: f64) -> impl Iterator<Item = usize> {
+        self.sources.iter().filter(move |s| !s.is_zero(t)).map(|s| s.vehicle)
     }
 
     /// The fastest sine, 1/s.
@@ -180,8 +181,8 @@ impl Forces {
 mod tests {
     use super::*;
 
-    /// Locomotives of 392 t and 30 cars of 130 t, rigid; the pipe parts at the rear: the brakes' forces at once give the
-    /// couplers' by plain arithmetic.
+    /// A rigid train, locomotives of 392 t and 30 cars of 130 t, whose pipe opens at the rear: its coupler forces
+    /// follow from the brake forces by arithmetic.
     #[test]
     fn brake_wave_on_a_rigid_train() {
         let build_up = vec![[0.0, 0.0], [1.5, 0.3], [8.0, 1.0]];
@@ -197,7 +198,7 @@ mod tests {
         for (t, first, fifteenth) in want {
             let mut forces = Forces::new(&[], 31);
             // Behind the last vehicle.
-            forces.vent(&emergency, 1.0, 30, 0.0);
+            forces.apply_from_coupler(&emergency, 1.0, 30, 0.0);
             forces.pass(t);
             let mut force = [0.0; 31];
             forces.expand(t, 1.0, 20, |v, k, f| {
@@ -219,10 +220,10 @@ mod tests {
         let (build_up, length_m) = (vec![[0.0, 0.0], [1.0, 1.0]], vec![16.0; 31]);
         let emergency = Brakes { wave_m_s: 320.0, build_up, full_n: vec![1.0; 31], length_m };
         let mut forces = Forces::new(&[], 31);
-        forces.vent(&emergency, 1.0, 3, 0.0);
+        forces.apply_from_coupler(&emergency, 1.0, 3, 0.0);
         let first: Vec<f64> = (0..31).map(|v: i32| (f64::from(v) - 3.5).abs() / 20.0).collect();
         assert_eq!(forces.braked_from, first);
-        forces.vent(&emergency, 1.0, 27, 0.5);
+        forces.apply_from_coupler(&emergency, 1.0, 27, 0.5);
         let second: Vec<f64> = (0..31).map(|v: i32| 0.5 + (f64::from(v) - 27.5).abs() / 20.0).collect();
         let earliest: Vec<f64> = first.iter().zip(&second).map(|(a, b)| a.min(*b)).collect();
         assert_eq!((&forces.braked_from, forces.sources.len()), (&earliest, 31));

@@ -1,14 +1,15 @@
 //! The motion of a train whose couplers have slack and friction, from event to event.
 //!
-//! Between events every coupler's force is linear in its elongation ([`crate::law`]), so that the motion is a Taylor series;
-//! events (a gear that locks or unlocks, a gap that closes, a coupler that breaks, a kink of an outside force) are found to the
-//! last digits and end steps. Motion is counted against the common motion at t = 0, forward positive; forces in draft positive.
+//! Between events every coupler's force is linear in its elongation ([`crate::law`]), so that the motion is a Taylor
+//! series. A step ends at each event: a gear that locks or unlocks, a gap that closes, a coupler that breaks, a kink
+//! of an outside force. Speeds are relative to the common motion at t = 0, forward positive; forces are positive in
+//! draft.
 //!
 //! ```text
 //! q_i' = v_i - v_{i+1}       m_j v_j' = F_{j-1} - F_j + f_j(t)       F_i = law of coupler i (q_i, its travel)
 //! ```
 //!
-//! [`solve`] answers a [`Problem`]. Its surface is SI.
+//! [`solve`] solves a [`Problem`], in SI units.
 
 mod branches;
 mod energy;
@@ -38,7 +39,7 @@ pub struct Problem {
     pub held_tail: bool,
     /// Coupler `i` lies between vehicles `i` and `i + 1`.
     pub laws: Vec<Law>,
-    /// A dashpot beside each coupler, N s/m; acts until it parts. Empty for none; not beside slack.
+    /// Dashpot beside each coupler, N s/m, until the coupler parts. Empty for none; not with slack.
     pub dashpot_n_s_per_m: Vec<f64>,
     /// Each coupler at t = 0.
     pub start: Vec<Rest>,
@@ -47,14 +48,14 @@ pub struct Problem {
     /// Speed of the common motion at t = 0 against the track, where brakes act: they act against it, and the march ends when a
     /// braked vehicle would stop. `None`: forward, and no vehicle stops.
     pub common_speed_m_s: Option<f64>,
-    /// Acceleration of the common motion against the track, beside what `steady_n` gives.
+    /// Acceleration of the common motion against the track, added to that of `steady_n`.
     pub common_m_s2: f64,
-    /// Steady outside force on each vehicle. Of a train without a held vehicle the common acceleration that they give is taken
-    /// off, so that they may be given with it or without. What is under 1e-12 of the largest force counts as balance.
+    /// Steady outside force on each vehicle. Without a held vehicle the common acceleration that these forces cause is
+    /// subtracted, so they may include it or not. A remainder under 1e-12 of the largest force counts as 0.
     pub steady_n: Vec<f64>,
-    /// Further forces over time, each on a vehicle; one that is to hold needs a last point beyond the horizon.
+    /// Further forces over time, each on a vehicle; one that does not end needs a last point beyond the horizon.
     pub forcing: Vec<(usize, Drive)>,
-    /// Couplers that part at t = 0. What has parted carries no draft, and pushes by its law in buff when the gap closes.
+    /// Couplers that part at t = 0. A parted coupler carries no draft; once its gap closes, its law in buff holds.
     pub gone: Vec<usize>,
     /// Force in draft and in buff, both positive, above which each coupler parts; infinite for never. Empty for none.
     pub break_at_n: Vec<[f64; 2]>,
@@ -105,7 +106,7 @@ impl Problem {
     }
 }
 
-/// Brakes along a train: a wave runs both ways from where they are applied, as where a coupler parts and the pipe opens.
+/// Brakes along a train: a wave runs both ways from where they are applied or a coupler parts and opens the pipe.
 #[derive(Clone, Debug)]
 pub struct Brakes {
     /// Speed of the wave.
@@ -119,7 +120,7 @@ pub struct Brakes {
     pub length_m: Vec<f64>,
 }
 
-/// What is asked of a march.
+/// Options of a march.
 #[derive(Clone, Debug, Default)]
 pub struct MarchOptions {
     /// Capacity of each coupler in draft and buff, for the first instants above it. Empty for none.
@@ -130,10 +131,10 @@ pub struct MarchOptions {
     pub times_s: Vec<f64>,
     /// A coupler whose force and elongation are wanted at instants of its own, in order.
     pub watched: Option<(usize, Vec<f64>)>,
-    /// How good forces have to be: the march ends where the estimate of any coupler's error passes this. `None`: one run only,
-    /// and no estimate.
+    /// Largest error of a force: the march ends where the estimate for any coupler passes it. `None`: one run, no
+    /// estimate.
     pub tolerance_n: Option<f64>,
-    /// Follow the energy.
+    /// Compute the energy.
     pub audit: bool,
 }
 
@@ -164,13 +165,14 @@ pub struct Parting {
     pub time_s: f64,
     /// Its force just before.
     pub force_n: f64,
-    /// Energy that it gives up, J: none where its vehicles go on pushing each other.
+    /// Energy that it releases, J; 0 while its vehicles still push each other.
     pub energy_j: f64,
-    /// Estimate of the error of the instant, by the same runs as that of forces; infinite without them, or where it did not part in all.
+    /// Estimated error of the instant, from the same runs as for forces; infinite without them, or if it parted in
+    /// some only.
     pub uncertainty_s: f64,
 }
 
-/// What forces are within.
+/// Error of the forces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bound {
     /// Proven: no force is further than this from the exact motion's, N.
@@ -181,29 +183,29 @@ pub enum Bound {
     None,
 }
 
-/// What a march comes to.
+/// Result of a march.
 #[derive(Clone, Debug)]
 pub struct MarchOutcome {
-    /// Of each coupler up to the horizon, or up to where the march ended; a coupler that is gone from t = 0 begins with
-    /// what its vehicles push.
+    /// Of each coupler up to the horizon, or up to where the march ended; one that parts at t = 0 starts with the
+    /// force that its vehicles push with.
     pub extremes: Vec<Extremes>,
     /// The same up to the mark.
     pub to_mark: Vec<Extremes>,
     /// First instants above the capacity, in draft and in buff.
     pub first_over_s: Vec<[Option<f64>; 2]>,
-    /// What the extremes are within.
+    /// Error of the extremes.
     pub bound: Bound,
     /// Bound or estimate of the error of each coupler's largest draft and buff, up to the horizon; empty where there is none.
     pub error_n: Vec<[f64; 2]>,
     /// The same up to the mark.
     pub error_to_mark_n: Vec<[f64; 2]>,
-    /// What parted, in order.
+    /// Couplers that parted, in order.
     pub partings: Vec<Parting>,
     /// Gaps of parted couplers that closed: which, and when.
     pub closures: Vec<(usize, f64)>,
     /// The braked vehicle that would stop, and when; the march ends there.
     pub stopped: Option<(usize, f64)>,
-    /// Forces can be told up to here only; `None`: to the horizon.
+    /// Forces are known up to here only; `None`: to the horizon.
     pub predictable_until_s: Option<f64>,
     /// Forces of the couplers of the history at its instants; not a number beyond the end of the march.
     pub history: Vec<Vec<f64>>,
@@ -211,7 +213,7 @@ pub struct MarchOutcome {
     pub watched: Vec<[f64; 2]>,
     /// Speed of each vehicle at the end of the march, against the common motion.
     pub end_speed_m_s: Vec<f64>,
-    /// Energy over the march, if it was to be followed.
+    /// Energy over the march, if asked for.
     pub energy: Option<Energy>,
     /// Events that ended steps.
     pub events: u64,
@@ -219,18 +221,18 @@ pub struct MarchOutcome {
     pub steps: u64,
 }
 
-/// Energy of the motion against the common one: of speeds and of couplers.
+/// Energy relative to the common motion: kinetic, and stored in couplers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energy {
     /// At t = 0, before anything parts, J.
     pub start_j: f64,
     /// At the end.
     pub end_j: f64,
-    /// Work of the outside forces between.
+    /// Work of the outside forces.
     pub work_j: f64,
     /// Released at partings.
     pub released_j: f64,
-    /// The most by which energy has grown in a step beyond the work in it: rounding.
+    /// Largest growth of energy in a step beyond the work in it: rounding.
     pub created_j: f64,
 }
 

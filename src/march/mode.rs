@@ -5,14 +5,14 @@
 //! | locked at w | `kl (q - w)` | q passes `w + u / kl` or `w + l / kl` |
 //! | up | on the loading curve | q' turns negative, or q reaches the knot |
 //! | down | on the unloading curve | q' turns positive, or q reaches the knot |
-//! | free | on the one curve there is: slack, or no friction | q reaches either end |
+//! | free | on the only curve: slack, or no friction | q reaches either end |
 //!
-//! Elongations are counted from that at t = 0, forces from that at t = 0, so that a coupler at rest has zeros.
+//! Elongations and forces are relative to those at t = 0, and so 0 at rest.
 
 use super::branches::{Branches, Interval, Line};
 use crate::law::{Law, Rest};
 
-/// A step of a curve at a knot counts from this share of the forces on.
+/// A jump of a curve at a knot counts above this share of the forces.
 const JUMP: f64 = 1e-14;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,9 +35,9 @@ pub enum End {
 pub struct Coupler {
     pub branches: Branches,
     pub mode: Mode,
-    /// Force beyond the start's over elongation beyond the start's.
+    /// Force over elongation, both less those at t = 0.
     pub line: Line,
-    /// The mode ends above this elongation, or under `lower`.
+    /// Guards: the mode ends above this elongation or under `lower`.
     pub upper: f64,
     pub lower: f64,
     /// The mode ends when the elongation shrinks (1), grows (-1); 0: neither.
@@ -58,7 +58,7 @@ impl Coupler {
         let (upper, lower) = (f64::INFINITY, f64::NEG_INFINITY);
         let mut coupler =
             Coupler { branches, mode: Mode::Locked { w }, line, upper, lower, turn: 0.0, parted: false, start };
-        coupler.stand(w, 0.0, 0.0);
+        coupler.lock_at(w, 0.0, 0.0);
         if matches!(coupler.mode, Mode::Free(_)) {
             // The force at rest is the given one, to the last digit.
             coupler.line = Line { place: 0.0, force: 0.0, slope: coupler.line.slope };
@@ -66,17 +66,17 @@ impl Coupler {
         coupler
     }
 
-    /// The same force line under another law, of a coupler that parts at elongation `q` beyond the start's.
+    /// The coupler parts at elongation `q`: from here on it follows the parted form of its law.
     pub fn part(&mut self, law: &Law, q: f64) {
         let w = self.travel(q);
         self.branches = Branches::parted(law);
         self.parted = true;
         let place = self.start[0] + q;
-        let (w, force) = self.branches.pressed(w, place);
-        self.stand(w, q, force - self.start[1]);
+        let (w, force) = self.branches.at_elongation(w, place);
+        self.lock_at(w, q, force - self.start[1]);
     }
 
-    /// Force beyond the start's.
+    /// Force less that at t = 0.
     pub fn force(&self, q: f64) -> f64 {
         self.line.at(q)
     }
@@ -96,12 +96,13 @@ impl Coupler {
             (Mode::Locked { w }, End::Lower) => self.enter(self.branches.interval(w, false), false),
             (Mode::Up(j) | Mode::Down(j) | Mode::Free(j), End::Upper) => self.pass(j, true),
             (Mode::Up(j) | Mode::Down(j) | Mode::Free(j), End::Lower) => self.pass(j, false),
-            (_, End::Turn) => self.stand(self.travel(q), q, self.force(q)),
+            (_, End::Turn) => self.lock_at(self.travel(q), q, self.force(q)),
         }
     }
 
-    /// Stands at travel `w`, where the force beyond the start's is `force` at elongation `q`; follows an interval without friction.
-    fn stand(&mut self, w: f64, q: f64, force: f64) {
+    /// Locks at travel `w` with this force at elongation `q`, both less those at t = 0; follows the curve if it has no
+    /// friction.
+    fn lock_at(&mut self, w: f64, q: f64, force: f64) {
         let (above, under) = (self.branches.interval(w, true), self.branches.interval(w, false));
         let intervals = &self.branches.intervals;
         let total = self.start[1] + force;
@@ -147,14 +148,14 @@ impl Coupler {
             Some(there) if (there - here).abs() <= JUMP * there.abs().max(here.abs()) => {
                 self.enter(if up { j + 1 } else { j - 1 }, up);
             }
-            _ => self.stand(w, w + here * self.branches.compliance - self.start[0], here - self.start[1]),
+            _ => self.lock_at(w, w + here * self.branches.compliance - self.start[0], here - self.start[1]),
         }
     }
 }
 
 impl Branches {
-    /// Travel and force of a coupler whose gear stood at `w` and that is now `q` long.
-    fn pressed(&self, w: f64, q: f64) -> (f64, f64) {
+    /// Travel and force at elongation `q` of a coupler whose gear was at travel `w`.
+    fn at_elongation(&self, w: f64, q: f64) -> (f64, f64) {
         let c = self.compliance;
         let curve = |p: &Interval, up: bool| if up { p.up } else { p.down };
         let on = |p: &Interval, up: bool| {
@@ -207,7 +208,7 @@ pub mod tests {
         c.start[1] + c.force(to)
     }
 
-    /// A pair of friction gears with slack along a path of elongations, against a clamp of 40 digits.
+    /// A pair of friction gears with slack along a path of elongations, against 40 digits.
     #[test]
     fn memory_along_a_path() {
         let rows = [[0., 0., 0.], [7., 120., 120.], [38., 680., 172.], [114., 1350., 300.], [149., 2520., 360.]];
@@ -233,7 +234,7 @@ pub mod tests {
         let mut last = 0.0;
         for (q, want) in path {
             let force = moved(&mut coupler, last, q);
-            // A place is rounded to 4e-18 m, times kl.
+            // Elongations are rounded to 4e-18 m; times kl.
             assert!((force - want).abs() < 5e-9, "{q}: {force} for {want}");
             last = q;
         }

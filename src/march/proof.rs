@@ -1,4 +1,5 @@
-//! A proven bound for trains in which two motions never part: linear couplers, and such beside sliders of constant friction.
+//! A proven bound for linear couplers, alone or beside sliders of constant friction: two motions never move apart
+//! there.
 //!
 //! Couplers are springs k, or kl in series with a spring h beside a slider of constant friction r, without slack. For two
 //! motions under the same forces in time
@@ -12,9 +13,9 @@
 //!
 //! - `24 u S`, S the norm of the motion's rate, which the current stiffnesses give (`dF^2 / kl + h dw^2 = s dq^2` with
 //!   `s = h kl / (h + kl)` where the slider slips): differences, products and sums of the series, as in `solve/taylor.rs`;
-//! - forces are straight lines of the elongation: 8 u of the terms of each, and 16 u of its place on a curve;
-//! - a coupler that is past its guard but not by the margin of an event: kl times the margin. Play does not enlarge an
-//!   error of its guards: travel stays within it, so that these do not add up but in the motion;
+//! - force lines over the elongation: 8 u of the terms of each, and 16 u of the place on its curve;
+//! - a coupler past its guard by less than the margin of an event: kl times the margin. The travel's error is never
+//!   larger than that of the guards, so such errors add up only through the motion;
 //! - outside forces: 4 u of each.
 //!
 //! The proof ends where a stop is reached, a gap closes, or a coupler parts after t = 0.
@@ -25,8 +26,8 @@ use super::step::March;
 const ROUNDINGS: f64 = 24.0;
 /// Half a unit in the last place.
 const U: f64 = 0.5 * f64::EPSILON;
-/// What has to be left to a stop and of a gap, as a share of the elongation.
-const AWAY: f64 = 1e-6;
+/// Least distance to a stop, and least gap, as a share of the elongation.
+const CLEARANCE: f64 = 1e-6;
 
 #[derive(Clone, Debug)]
 pub struct Proof {
@@ -36,7 +37,7 @@ pub struct Proof {
 }
 
 impl Proof {
-    /// Of a march before its first step, where it can be proven.
+    /// For a march before its first step; `None` without a proof.
     pub fn new(march: &March) -> Option<Proof> {
         let problem = march.problem;
         let in_family = problem.laws.iter().all(|law| super::branches::Branches::new(law).constant_friction());
@@ -44,7 +45,7 @@ impl Proof {
         (in_family && pulled && problem.break_at_n.is_empty()).then_some(Proof { norm: 0.0, holds: true })
     }
 
-    /// Takes a step into account: its series are those of the step as taken.
+    /// Adds the residual of a step; the series are those cut to the step.
     pub fn step(&mut self, march: &March, width: f64) {
         if width <= 0.0 {
             return;
@@ -59,7 +60,7 @@ impl Proof {
         for i in state.couplers() {
             let x = i + 1;
             rate += state.slope[x] * series.q[1][x] * series.q[1][x];
-            let force = self.force_off(march, i);
+            let force = self.force_error(march, i);
             off += 2.0 * (state.inverse_mass[i] + state.inverse_mass[x]) * force * force;
         }
         let (mut change, mut outside) = (0.0, 0.0);
@@ -71,8 +72,8 @@ impl Proof {
         self.norm += width * (ROUNDINGS * U * speed + off.sqrt() + 4.0 * U * (outside + change));
     }
 
-    /// How far the computed force of a coupler may be from the law over the step; notices what the proof does not cover.
-    fn force_off(&mut self, march: &March, i: usize) -> f64 {
+    /// How far the computed force of a coupler may be from the law over the step; clears `holds` if the proof fails.
+    fn force_error(&mut self, march: &March, i: usize) -> f64 {
         let (state, series, coupler) = (&march.state, &march.series, &march.couplers[i]);
         let x = i + 1;
         let swing = series.q[1][x].abs() + series.reach[x];
@@ -80,18 +81,19 @@ impl Proof {
         let place = coupler.start[0].abs() + now.abs() + swing;
         let span = (now - state.place[x]).abs() + swing;
         let mut off = 8.0 * U * (state.force[x].abs() + coupler.start[1].abs() + state.slope[x] * span);
-        let past = march.past + 16.0 * U * place;
+        let past = march.guard_margin + 16.0 * U * place;
         let c = coupler.branches.compliance;
         match coupler.mode {
             Mode::Locked { .. } if now + swing >= coupler.upper - past || now - swing <= coupler.lower + past => {
                 off += past / c
             }
             Mode::Locked { .. } => {}
-            _ if coupler.is_open() => self.holds &= now - swing > coupler.lower + AWAY * place || march.t == 0.0,
+            _ if coupler.is_open() => self.holds &= now - swing > coupler.lower + CLEARANCE * place || march.t == 0.0,
             _ => {
                 off += 16.0 * U * state.slope[x] * place;
                 // A coupler whose one interval ends here has reached its stop.
-                self.holds &= now + swing < coupler.upper - AWAY * place && now - swing > coupler.lower + AWAY * place;
+                self.holds &=
+                    now + swing < coupler.upper - CLEARANCE * place && now - swing > coupler.lower + CLEARANCE * place;
             }
         }
         off
@@ -112,7 +114,7 @@ impl Proof {
             let peak = &march.record.extremes[i];
             rounding = rounding.max(peak.draft.force_n.abs().max(peak.buff.force_n.abs()) + c.start[1].abs());
         }
-        let past = march.couplers.iter().map(|c| stiffness(c) * march.past).fold(0.0, f64::max);
+        let past = march.couplers.iter().map(|c| stiffness(c) * march.guard_margin).fold(0.0, f64::max);
         holds.then_some(factor * self.norm + 16.0 * U * rounding + past)
     }
 }

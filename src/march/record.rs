@@ -1,4 +1,4 @@
-//! What is kept of a march: extremes, first instants above capacities, forces at asked instants.
+//! Results of a march: extremes, first instants above capacities, forces at chosen instants.
 
 use super::series::{DEGREE, Series, State};
 use super::{Extremes, MarchOptions, Peak, roots};
@@ -33,16 +33,16 @@ pub struct Taken<'a> {
 }
 
 impl Taken<'_> {
-    /// Tension and elongation of a coupler at an instant of the step, against those at t = 0.
+    /// Tension and elongation of a coupler at an instant of the step, less those at t = 0.
     fn tension(&self, i: usize, t: f64) -> f64 {
         self.value(i, t, 0.0, |c| self.series.tension_of(self.state, i, self.width, c))
     }
 
     fn elongation(&self, i: usize, t: f64) -> f64 {
-        self.value(i, t, self.state.elongation(i), |c| self.series.beyond(self.state, i, 0.0, 1.0, c))
+        self.value(i, t, self.state.elongation(i), |c| self.series.elongation_from(self.state, i, 0.0, 1.0, c))
     }
 
-    /// Of a coupler that no wave has reached, what it is at rest.
+    /// `at_rest` for a coupler that no wave has reached.
     fn value(&self, i: usize, t: f64, at_rest: f64, series: impl Fn(&mut [f64; DEGREE + 1])) -> f64 {
         if !self.state.couplers().contains(&i) {
             return at_rest;
@@ -81,22 +81,22 @@ impl Record {
     }
 
     /// Coupler `i` parts at t = 0, and begins with the force that is left.
-    pub fn begin(&mut self, i: usize, force_n: f64) {
+    pub fn restart_parted(&mut self, i: usize, force_n: f64) {
         let peak = Peak { force_n, time_s: 0.0 };
         self.extremes[i] = Extremes { draft: peak, buff: peak };
         let [draft, buff] = self.capacity[i];
         self.first_over_s[i] = [(force_n > draft).then_some(0.0), (-force_n > buff).then_some(0.0)];
     }
 
-    /// Looks at a step; `start` are the forces at t = 0.
-    pub fn see(&mut self, taken: &Taken, start: &[[f64; 2]]) {
+    /// Adds a step; `start`: elongations and forces at t = 0.
+    pub fn add_step(&mut self, taken: &Taken, start: &[[f64; 2]]) {
         let Taken { state, series, from, width } = *taken;
         let mut c = [0.0; DEGREE + 1];
         for i in state.couplers() {
             let x = i + 1;
             let (slope, rise) = (state.slope[x], series.q[1][x]);
             let now = start[i][1] + state.force[x] + slope * ((series.q[0][x] - state.place[x]) + state.q[1][x]);
-            // The force's line alone tells how far it can go; a dashpot adds what it does.
+            // Bounds the change of force: by the law's line, and then by the dashpot.
             let mut reach = slope * series.reach[x];
             let mut first = slope * rise;
             if !state.dashpot.is_empty() && width > 0.0 {
@@ -113,14 +113,14 @@ impl Record {
             if draft || buff {
                 series.tension_of(state, i, width, &mut c);
                 c[0] += start[i][1];
-                self.look(i, &mut c[..=series.terms], from, width, [draft, buff]);
+                self.update_peaks(i, &mut c[..=series.terms], from, width, [draft, buff]);
             }
         }
-        self.tell(taken, start);
+        self.sample(taken, start);
     }
 
     /// Looks for new extremes and crossings of one coupler.
-    fn look(&mut self, i: usize, c: &mut [f64], from: f64, width: f64, senses: [bool; 2]) {
+    fn update_peaks(&mut self, i: usize, c: &mut [f64], from: f64, width: f64, senses: [bool; 2]) {
         for (sense, wanted) in senses.into_iter().enumerate() {
             if wanted {
                 let best = if sense == 0 { self.extremes[i].draft.force_n } else { -self.extremes[i].buff.force_n };
@@ -139,8 +139,8 @@ impl Record {
         }
     }
 
-    /// What was asked for at instants of the step.
-    fn tell(&mut self, taken: &Taken, start: &[[f64; 2]]) {
+    /// Forces and elongations at the chosen instants in the step.
+    fn sample(&mut self, taken: &Taken, start: &[[f64; 2]]) {
         let until = taken.from + taken.width;
         while let Some(t) = self.times.get(self.next).copied().filter(|t| *t <= until) {
             for (forces, &i) in self.history.iter_mut().zip(&self.wanted) {
@@ -160,15 +160,15 @@ impl Record {
         self.to_mark = Some(self.extremes.clone());
     }
 
-    /// Takes back what is later than an instant, with the extremes and crossings up to it.
-    pub fn cut(&mut self, until: f64, extremes: Vec<Extremes>, over: Vec<[Option<f64>; 2]>) {
+    /// Removes what is later than an instant; `extremes` and `over` are those up to it.
+    pub fn rewind(&mut self, until: f64, extremes: Vec<Extremes>, over: Vec<[Option<f64>; 2]>) {
         (self.extremes, self.first_over_s) = (extremes, over);
         let known = self.times.iter().take_while(|t| **t <= until).count();
         self.history.iter_mut().for_each(|h| h.truncate(known));
         self.watched.values.truncate(self.watched.times.iter().take_while(|t| **t <= until).count());
     }
 
-    /// Not a number where nothing is known; no force where it is under `none`, what an event leaves, of each coupler.
+    /// Fills unknown values with NaN; peaks under `none(coupler)`, which an event can leave, become 0.
     pub fn finish(&mut self, none: impl Fn(usize) -> f64) {
         for (i, e) in self.extremes.iter_mut().enumerate().chain(self.to_mark.iter_mut().flatten().enumerate()) {
             for peak in [&mut e.draft, &mut e.buff].into_iter().filter(|p| p.force_n.abs() <= none(i)) {
@@ -183,7 +183,7 @@ impl Record {
     }
 }
 
-/// Where in 0..=1 the polynomial is largest and above `best`.
+/// Where in 0..=1 the polynomial is largest, and its value, if above `best`.
 fn largest(c: &[f64], best: f64) -> Option<(f64, f64)> {
     let mut found: Option<(f64, f64)> = None;
     let mut take = |s: f64| {
@@ -194,7 +194,7 @@ fn largest(c: &[f64], best: f64) -> Option<(f64, f64)> {
     };
     take(0.0);
     take(1.0);
-    // Every maximum inside is where the slope, positive before, is negative after: all are looked at, from left to right.
+    // At a maximum inside, the slope turns from positive to negative: all are tried, from left to right.
     let mut slope = [0.0; DEGREE + 1];
     let n = c.len();
     let bend: f64 = c.iter().enumerate().skip(2).map(|(k, c)| k as f64 * c.abs()).sum();
@@ -209,7 +209,7 @@ fn largest(c: &[f64], best: f64) -> Option<(f64, f64)> {
         if at == 0.0 {
             falling = slope[0] < 0.0;
         } else {
-            roots::onto(&mut slope[..n - 1], at, 1.0);
+            roots::restrict_to(&mut slope[..n - 1], at, 1.0);
             slope[0] = 0.0;
         }
         // Looks for the next instant at which the slope has the other sign.

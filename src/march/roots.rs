@@ -12,15 +12,15 @@ fn with_slope(c: &[f64], s: f64) -> (f64, f64) {
 
 /// Steps from the left before the interval is halved.
 const STEPS: usize = 24;
-/// Halvings before what is left counts as the root: closer than that instants are one.
+/// Halvings before the rest counts as one instant, the root.
 const HALVINGS: usize = 60;
 
 /// The first s in 0..=1 at which the polynomial, of at most 24 powers, is positive, to the last digits; 0 where it is so from the
 /// start.
 ///
 /// From the left: with `M >= max f''` the parabola `f + f' x + M x^2 / 2` lies over f, so that its first root is not beyond that
-/// of f; the distance to the root is squared from one to the next. Where that is slow (f is nearly zero over a while), the
-/// rest is halved: high powers, and M with them, shrink fast.
+/// of f; its error is about squared in each step. Where that is slow (f is nearly zero over a stretch), the rest of
+/// the interval is halved: this makes the high powers, and so M, much smaller.
 pub fn first_positive(c: &[f64]) -> Option<f64> {
     halved(c, HALVINGS)
 }
@@ -32,7 +32,7 @@ fn halved(c: &[f64], halvings: usize) -> Option<f64> {
     if c.iter().skip(1).map(|c| c.max(0.0)).sum::<f64>() <= -c[0] {
         return None;
     }
-    let start = if c[0] == 0.0 { leave(c)? } else { 0.0 };
+    let start = if c[0] == 0.0 { after_root_at_start(c)? } else { 0.0 };
     if c[0] == 0.0 && start == 0.0 {
         return Some(0.0);
     }
@@ -45,15 +45,15 @@ fn halved(c: &[f64], halvings: usize) -> Option<f64> {
     let part = |from: f64, to: f64| {
         let mut part = [0.0; 25];
         part[..c.len()].copy_from_slice(c);
-        onto(&mut part[..c.len()], from, to);
-        // What rounding makes of a value that was not positive.
+        restrict_to(&mut part[..c.len()], from, to);
+        // It was not positive before rounding.
         part[0] = part[0].min(-0.0);
         halved(&part[..c.len()], halvings - 1).map(|x| from + x * (to - from))
     };
     part(s, middle).or_else(|| part(middle, 1.0))
 }
 
-/// The root, or none up to 1; an error where it is not found in some steps, with the place up to which there is none.
+/// The root, or `None` if there is none up to 1; after [`STEPS`] steps without a result, `Err(s)`: no root before s.
 fn from_the_left(c: &[f64], start: f64) -> Result<Option<f64>, f64> {
     let bend: f64 = c.iter().enumerate().skip(2).map(|(k, c)| (k * (k - 1)) as f64 * c.max(0.0)).sum();
     let mut s = start;
@@ -82,8 +82,8 @@ fn from_the_left(c: &[f64], start: f64) -> Result<Option<f64>, f64> {
     Err(s)
 }
 
-/// The polynomial over `from..to` as one over 0..1.
-pub fn onto(c: &mut [f64], from: f64, to: f64) {
+/// Rewrites the polynomial over `from..to` as one over 0..1.
+pub fn restrict_to(c: &mut [f64], from: f64, to: f64) {
     let n = c.len();
     for j in 0..n {
         for k in (j..n - 1).rev() {
@@ -97,8 +97,8 @@ pub fn onto(c: &mut [f64], from: f64, to: f64) {
     }
 }
 
-/// For a polynomial that begins with a root: 0 if it rises from it, or an s up to which it is negative.
-fn leave(c: &[f64]) -> Option<f64> {
+/// For a polynomial with a root at 0: 0 if it rises there, else an s up to which it is negative.
+fn after_root_at_start(c: &[f64]) -> Option<f64> {
     let k = c.iter().position(|c| *c != 0.0)?;
     let later: f64 = c[k + 1..].iter().map(|c| c.max(0.0)).sum();
     Some(if c[k] > 0.0 { 0.0 } else { 0.5 * (-c[k] / later).min(1.0) })
@@ -128,7 +128,7 @@ mod tests {
         assert!(first_positive(&c).is_some_and(|s| s > 0.9 && s <= 1.0));
     }
 
-    /// A parabola that stays under zero by little, touches, or passes it by little.
+    /// A parabola that stays just under zero, or just passes it.
     #[test]
     fn grazing() {
         let under = |by: f64| [-0.25 - by, 1.0, -1.0];

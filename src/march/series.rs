@@ -3,14 +3,15 @@
 /// The series' last power.
 pub const DEGREE: usize = 20;
 
-/// The state in motion: coupler `i` at `i + 1` with a zero at either end, so that vehicle `v` lies between couplers `v` and `v + 1`.
+/// The state of motion. Lists of couplers hold coupler `i` at `i + 1`, between zeros: vehicle `v` lies between entries
+/// `v` and `v + 1`.
 #[derive(Clone, Debug)]
 pub struct State {
-    /// Elongations beyond the start's, and what their rounding left.
+    /// Elongations less those at t = 0, and their rounding errors.
     pub q: [Vec<f64>; 2],
-    /// Speeds, and what their rounding left.
+    /// Speeds, and their rounding errors.
     pub v: [Vec<f64>; 2],
-    /// The line of each coupler's force beyond the start's: `force + slope (q - place)`.
+    /// Each coupler's force less that at t = 0: `force + slope (q - place)`.
     pub place: Vec<f64>,
     pub force: Vec<f64>,
     pub slope: Vec<f64>,
@@ -18,9 +19,9 @@ pub struct State {
     pub dashpot: Vec<f64>,
     /// 0 for a held vehicle.
     pub inverse_mass: Vec<f64>,
-    /// Steady force on each vehicle that the start's forces do not balance.
+    /// Steady force on each vehicle that the couplers' at t = 0 do not balance.
     pub unbalanced: Vec<f64>,
-    /// Vehicles that move, `from..to`; the others and their couplers beyond are at rest.
+    /// Vehicles `from..to` move; the others, and the couplers beyond, are at rest.
     pub moving: [usize; 2],
 }
 
@@ -39,20 +40,20 @@ pub struct Series {
 }
 
 impl State {
-    /// Elongation beyond the start's.
+    /// Elongation less that at t = 0.
     pub fn elongation(&self, i: usize) -> f64 {
         self.q[0][i + 1] + self.q[1][i + 1]
     }
 
-    /// Force beyond the start's at the state.
+    /// Force less that at t = 0.
     pub fn tension(&self, i: usize) -> f64 {
         let x = i + 1;
-        let drag = if self.dashpot.is_empty() { 0.0 } else { self.dashpot[x] * self.apart(i) };
+        let drag = if self.dashpot.is_empty() { 0.0 } else { self.dashpot[x] * self.speed_difference(i) };
         self.force[x] + self.slope[x] * ((self.q[0][x] - self.place[x]) + self.q[1][x]) + drag
     }
 
     /// Rate of the elongation.
-    pub fn apart(&self, i: usize) -> f64 {
+    pub fn speed_difference(&self, i: usize) -> f64 {
         (self.v[0][i] - self.v[0][i + 1]) + (self.v[1][i] - self.v[1][i + 1])
     }
 
@@ -88,7 +89,7 @@ impl Series {
         }
     }
 
-    /// Expands the motion to that many powers over a width; `outside` is that of the same step.
+    /// Computes `terms` powers of the series over a width; `outside` is already that of the same step.
     ///
     /// ```text
     /// q_i^(k+1) = (v_i - v_{i+1})^(k)        v_j^(k+1) = (F_{j-1} - F_j + f_j)^(k) / m_j
@@ -108,10 +109,13 @@ impl Series {
                 tension.iter_mut().zip(q).zip(slope).for_each(|((t, q), s)| *t = s * q);
             }
             let next = &mut self.q[k + 1];
-            apart(&self.v[k], if k == 0 { Some(&state.v[1]) } else { None }, [from, to], next);
+            speed_difference(&self.v[k], if k == 0 { Some(&state.v[1]) } else { None }, [from, to], next);
             if !state.dashpot.is_empty() {
                 let pairs = state.dashpot[from..=to].iter().zip(&next[from..=to]);
-                self.tension[from..=to].iter_mut().zip(pairs).for_each(|(t, (c, apart))| *t += c * apart);
+                self.tension[from..=to]
+                    .iter_mut()
+                    .zip(pairs)
+                    .for_each(|(t, (c, speed_difference))| *t += c * speed_difference);
             }
             next[from..=to].iter_mut().for_each(|x| *x *= share);
             let next = &mut self.v[k + 1][from..to];
@@ -181,8 +185,8 @@ impl Series {
         }
     }
 
-    /// Coefficients of elongation `i` less a place, over the step.
-    pub fn beyond(&self, state: &State, i: usize, place: f64, sign: f64, out: &mut [f64; DEGREE + 1]) {
+    /// Coefficients of `sign (elongation i - place)` over the step.
+    pub fn elongation_from(&self, state: &State, i: usize, place: f64, sign: f64, out: &mut [f64; DEGREE + 1]) {
         let x = i + 1;
         out[0] = sign * ((state.q[0][x] - place) + state.q[1][x]);
         for (k, c) in out.iter_mut().enumerate().take(self.terms + 1).skip(1) {
@@ -198,10 +202,10 @@ impl Series {
         out[self.terms] = 0.0;
     }
 
-    /// Coefficients of coupler `i`'s force beyond the start's over a step of that width.
+    /// Coefficients of coupler `i`'s force less that at t = 0, over a step of that width.
     pub fn tension_of(&self, state: &State, i: usize, width: f64, out: &mut [f64; DEGREE + 1]) {
         let x = i + 1;
-        self.beyond(state, i, state.place[x], state.slope[x], out);
+        self.elongation_from(state, i, state.place[x], state.slope[x], out);
         out[0] += state.force[x];
         if !state.dashpot.is_empty() && width > 0.0 {
             for (k, row) in self.q.iter().enumerate().take(self.terms + 1).skip(1) {
@@ -212,7 +216,7 @@ impl Series {
 }
 
 /// `v_i - v_{i+1}` for the couplers beside vehicles `from..to`; vehicles beyond stand still.
-fn apart(v: &[f64], rest: Option<&Vec<f64>>, [from, to]: [usize; 2], out: &mut [f64]) {
+fn speed_difference(v: &[f64], rest: Option<&Vec<f64>>, [from, to]: [usize; 2], out: &mut [f64]) {
     let differences = |v: &[f64], out: &mut [f64]| {
         let pairs = v[from..to - 1].iter().zip(&v[from + 1..to]);
         out[from + 1..to].iter_mut().zip(pairs).for_each(|(o, (a, b))| *o += a - b);
@@ -230,7 +234,7 @@ fn apart(v: &[f64], rest: Option<&Vec<f64>>, [from, to]: [usize; 2], out: &mut [
     }
 }
 
-/// The sum and what its rounding leaves (Knuth).
+/// The sum and its rounding error (Knuth).
 fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let s = a + b;
     let t = s - a;

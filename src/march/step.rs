@@ -10,32 +10,34 @@ use super::series::{Series, State};
 use super::{MarchOptions, Parting, Problem};
 use crate::law::Law;
 
-/// An event counts only once the elongation is this share of the train's longest scale past its guard: about 1e-15 m where
-/// elongations are some 40 mm. The law is continuous, so that this costs no more than so much times kl.
-const PAST: f64 = 2.5e-14;
-/// Motion under this share of the scale is none, at the edge of the part that moves.
-const NOTHING: f64 = 1e-24;
+/// An event counts only once the elongation is past its guard by this share of the train's longest scale: about 1e-15
+/// m where elongations are some 40 mm. The law is continuous, so this changes a force by at most that distance times
+/// kl.
+const GUARD_MARGIN: f64 = 2.5e-14;
+/// At the edge of the part that moves, motion under this share of the scale is 0.
+const REST_LIMIT: f64 = 1e-24;
 /// Steps shorter than this share of the reciprocal of the largest rate take no time.
 const NO_TIME: f64 = 1e-10;
-/// So many events in a row that take no time, for each coupler, and rounding decides between two modes: an elongation then has to be
-/// twice as far past its guard.
+/// After so many events in a row that take no time, for each coupler, rounding decides between two modes: the margin
+/// past guards is then doubled.
 const STALLED: usize = 64;
-/// A step is tried with this many times the mean width of the last ones.
-const AHEAD: f64 = 2.5;
-/// How a run is made: other runs of the same problem tell its error.
+/// A step is tried with at most so many times the mean width of the last ones.
+const MAX_WIDENING: f64 = 2.5;
+
+/// Settings of a run: runs of one problem with other settings give its error.
 #[derive(Clone, Copy, Debug)]
-pub struct Manner {
+pub struct RunSettings {
     /// Largest step times the largest rate.
     pub phase: f64,
     /// Seed and size of noise on every elongation and speed at every step, in units of their rounding.
     pub noise: Option<(u64, f64)>,
-    /// How many times [`PAST`] an elongation is past its guard where an event counts.
+    /// How many times [`GUARD_MARGIN`] an event needs past its guard.
     pub margin: f64,
 }
 
 pub struct March<'a> {
     pub problem: &'a Problem,
-    pub manner: Manner,
+    pub settings: RunSettings,
     pub couplers: Vec<Coupler>,
     /// Elongation and force of each coupler at t = 0.
     pub start: Vec<[f64; 2]>,
@@ -51,15 +53,15 @@ pub struct March<'a> {
     pub t: f64,
     pub events: u64,
     pub steps: u64,
-    /// Common acceleration that is taken off.
+    /// Common acceleration that is subtracted.
     pub common_m_s2: f64,
-    /// How far past its guard an elongation counts.
-    pub past: f64,
-    /// Elongation and speed that are none at the edge of what moves.
-    pub nothing: [f64; 2],
+    /// How far past its guard an event is.
+    pub guard_margin: f64,
+    /// Elongation and speed that count as 0 at the edge of what moves.
+    pub rest_limits: [f64; 2],
     mean_width: f64,
     /// Events in a row that took no time.
-    in_no_time: usize,
+    stalled_events: usize,
     /// Width of the step as tried.
     pub width: f64,
     pub random: u64,
@@ -67,14 +69,14 @@ pub struct March<'a> {
 
 /// What ends a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum What {
+pub enum EventKind {
     Mode(End),
     Breaks,
     Stops,
 }
 
 impl<'a> March<'a> {
-    pub fn new(problem: &'a Problem, ask: &MarchOptions, manner: Manner) -> March<'a> {
+    pub fn new(problem: &'a Problem, ask: &MarchOptions, settings: RunSettings) -> March<'a> {
         let n = problem.mass_kg.len();
         let live = |v: usize| !(v == 0 && problem.held_head || v + 1 == n && problem.held_tail);
         let couplers: Vec<Coupler> = problem.laws.iter().zip(&problem.start).map(|(l, r)| Coupler::new(l, r)).collect();
@@ -96,7 +98,7 @@ impl<'a> March<'a> {
             moving: [0, n],
         };
         let mut march = March {
-            manner,
+            settings,
             couplers,
             start,
             state,
@@ -112,12 +114,12 @@ impl<'a> March<'a> {
             events: 0,
             steps: 0,
             common_m_s2: common_m_s2 + problem.common_m_s2,
-            past: 0.0,
-            nothing: [0.0; 2],
+            guard_margin: 0.0,
+            rest_limits: [0.0; 2],
             mean_width: f64::INFINITY,
-            in_no_time: 0,
+            stalled_events: 0,
             width: 0.0,
-            random: manner.noise.map_or(0, |n| n.0),
+            random: settings.noise.map_or(0, |n| n.0),
             problem,
         };
         (0..march.couplers.len()).for_each(|i| march.set_line(i));
@@ -125,18 +127,18 @@ impl<'a> March<'a> {
         march.audit = ask.audit.then(|| Audit::new(&march));
         for &i in &problem.gone {
             march.part(i);
-            march.record.begin(i, march.start[i][1] + march.state.tension(i));
+            march.record.restart_parted(i, march.start[i][1] + march.state.tension(i));
         }
         march.shrink();
         march
     }
 
-    /// The scale of elongations, for what is past a guard and what is nothing.
+    /// Sets the margin past guards and the limits of rest.
     fn set_scales(&mut self) {
         let softest = self.problem.laws.iter().map(stiffest).fold(f64::INFINITY, f64::min);
         let rate = self.fastest();
-        let apart = self.state.v[0].windows(2).map(|v| (v[0] - v[1]).abs()).fold(0.0, f64::max);
-        let mut scale = if apart > 0.0 && rate > 0.0 { apart / rate } else { 0.0 };
+        let speed_difference = self.state.v[0].windows(2).map(|v| (v[0] - v[1]).abs()).fold(0.0, f64::max);
+        let mut scale = if speed_difference > 0.0 && rate > 0.0 { speed_difference / rate } else { 0.0 };
         for (s, law) in self.start.iter().zip(&self.problem.laws) {
             scale = scale.max(s[0].abs()).max(0.5 * law.slack_m());
         }
@@ -145,8 +147,8 @@ impl<'a> March<'a> {
             let force = self.problem.forcing.iter().map(drive).chain(self.state.unbalanced.iter().map(|f| f.abs()));
             scale = scale.max(force.chain(self.problem.brakes_n()).fold(0.0, f64::max) / softest);
         }
-        self.past = self.manner.margin * PAST * scale;
-        self.nothing = [NOTHING * scale, NOTHING * scale * rate];
+        self.guard_margin = self.settings.margin * GUARD_MARGIN * scale;
+        self.rest_limits = [REST_LIMIT * scale, REST_LIMIT * scale * rate];
     }
 
     /// The largest rate that the motion can have, every coupler at its stiffest, 1/s.
@@ -184,7 +186,7 @@ impl<'a> March<'a> {
         self.set_line(i);
         self.partings.push(Parting { coupler: i, time_s: self.t, force_n, energy_j, uncertainty_s: f64::INFINITY });
         if let Some(emergency) = &self.problem.emergency {
-            self.forces.vent(emergency, self.problem.direction(), i, self.t);
+            self.forces.apply_from_coupler(emergency, self.problem.direction(), i, self.t);
         }
     }
 
@@ -201,9 +203,9 @@ impl<'a> March<'a> {
         self.disturb();
         let kink = self.forces.next_kink(self.t).min(end);
         let rate = self.state.rate().max(self.forces.rate(self.t));
-        let wanted = (self.manner.phase / rate).min(AHEAD * self.mean_width);
+        let wanted = (self.settings.phase / rate).min(MAX_WIDENING * self.mean_width);
         let left = kink - self.t;
-        // The last steps to a kink are of one width.
+        // The last steps to a kink are equally wide.
         let mut width = if wanted >= left { left } else { left / (left / wanted).ceil() };
         self.series.terms = terms(rate * width);
         self.width = width;
@@ -216,7 +218,7 @@ impl<'a> March<'a> {
             self.series.cut(&self.state, share);
         }
         let taken = Taken { state: &self.state, series: &self.series, from: self.t, width };
-        self.record.see(&taken, &self.start);
+        self.record.add_step(&taken, &self.start);
         if let Some(audit) = &mut self.audit {
             audit.work(&self.state, &self.series, &self.start, width);
         }
@@ -226,14 +228,14 @@ impl<'a> March<'a> {
         }
         self.series.advance(&mut self.state);
         self.t = next;
-        self.in_no_time = if width * rate > NO_TIME { 0 } else { self.in_no_time + found.len() };
-        if self.in_no_time > STALLED * self.couplers.len() {
-            self.past = (2.0 * self.past).max(self.nothing[0]);
-            self.in_no_time = 0;
+        self.stalled_events = if width * rate > NO_TIME { 0 } else { self.stalled_events + found.len() };
+        if self.stalled_events > STALLED * self.couplers.len() {
+            self.guard_margin = (2.0 * self.guard_margin).max(self.rest_limits[0]);
+            self.stalled_events = 0;
         }
         self.steps += 1;
         self.mean_width = if self.steps == 1 { width } else { 0.8 * self.mean_width + 0.2 * width }
-            .max(1e-3 * self.manner.phase / rate);
+            .max(1e-3 * self.settings.phase / rate);
         self.audit_step();
         for (_, i, what) in found {
             self.happens(i, what);
@@ -248,10 +250,10 @@ impl<'a> March<'a> {
         }
     }
 
-    fn happens(&mut self, i: usize, what: What) {
+    fn happens(&mut self, i: usize, what: EventKind) {
         self.events += 1;
         match what {
-            What::Mode(end) => {
+            EventKind::Mode(end) => {
                 let q = self.state.elongation(i);
                 let coupler = &mut self.couplers[i];
                 let open = coupler.is_open();
@@ -261,8 +263,8 @@ impl<'a> March<'a> {
                 }
                 self.set_line(i);
             }
-            What::Breaks => self.part(i),
-            What::Stops => self.stopped = Some((i, self.t)),
+            EventKind::Breaks => self.part(i),
+            EventKind::Stops => self.stopped = Some((i, self.t)),
         }
     }
 

@@ -1,7 +1,7 @@
-//! What only the inside of a march can show.
+//! Tests that need the internals of a march.
 
 use super::mode::{Coupler, Mode};
-use super::step::{Manner, March};
+use super::step::{March, RunSettings};
 use super::{MarchOptions, Problem};
 use crate::law::{Curve, GearRow, Law, Rest};
 use proptest::prelude::*;
@@ -53,7 +53,7 @@ fn distance(a: &March, b: &March) -> f64 {
     sum
 }
 
-/// Guards far under the rounding of the motion: the march widens them until it goes on, and ends.
+/// With a margin far under the rounding of the motion the march widens it, goes on, and ends.
 #[test]
 fn a_guard_under_rounding_is_widened() {
     let rows =
@@ -63,8 +63,8 @@ fn a_guard_under_rounding_is_widened() {
     let mut problem = train(vec![law; 3], vec![Rest::default(); 3], vec![0.0; 4]);
     problem.forcing = vec![(3, crate::play::Drive::rectangle(-1e6, 9.0))];
     for margin in [1.0, 1e-6, 0.0] {
-        let manner = Manner { phase: 1.0, noise: None, margin };
-        let mut march = March::new(&problem, &MarchOptions::default(), manner);
+        let settings = RunSettings { phase: 1.0, noise: None, margin };
+        let mut march = March::new(&problem, &MarchOptions::default(), settings);
         march.advance_to(9.0);
         assert_eq!(march.t, 9.0, "{margin}");
     }
@@ -73,7 +73,8 @@ fn a_guard_under_rounding_is_widened() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
 
-    /// Two motions of one train under the same forces, with springs and sliders of constant friction, never part.
+    /// Two motions of one train under the same forces, with springs and sliders of constant friction, never move
+    /// apart.
     #[test]
     fn sliders_bring_motions_together(
         couplers in prop::collection::vec((60e6..250e6f64, 2e6..30e6f64, 0.0..3e5f64, any::<bool>()), 2..10),
@@ -90,8 +91,8 @@ proptest! {
             train(laws.clone(), start, speeds)
         };
         let (p, q) = (problem(&first), problem(&second));
-        let manner = Manner { phase: 1.0, noise: None, margin: 1.0 };
-        let (mut a, mut b) = (March::new(&p, &MarchOptions::default(), manner), March::new(&q, &MarchOptions::default(), manner));
+        let settings = RunSettings { phase: 1.0, noise: None, margin: 1.0 };
+        let (mut a, mut b) = (March::new(&p, &MarchOptions::default(), settings), March::new(&q, &MarchOptions::default(), settings));
         let mut last = distance(&a, &b);
         let start = last;
         for n in 1..=600 {
@@ -104,13 +105,22 @@ proptest! {
         }
     }
 
-    /// A cycle that stays inside the lock leaves no trace: the force along the rest of the path is the same.
+    /// A cycle inside the locked range does not change the force along the rest of the path.
     #[test]
-    fn cycles_inside_the_lock(path in prop::collection::vec(-0.12..0.12f64, 1..12), at in any::<prop::sample::Index>(), share in 0.0..1.0f64) {
-        let rows = [[0., 0., 0.], [7., 120., 60.], [38., 680., 172.], [114., 1350., 300.], [149., 2520., 360.]];
-        let row = |r: &[f64; 3]| GearRow { travel_m: r[0] / 1e3, loading_n: r[1] * 1e3, unloading_n: r[2] * 1e3 };
-        let gear = Curve::new(rows.iter().map(row).collect()).expect("a table");
-        let law = Law::Gear { solid_n_per_m: 2e8, slack_m: 0.025, draft: gear.clone(), buff: gear };
+    fn cycles_inside_the_lock(
+        path in prop::collection::vec(-0.12..0.12f64, 1..12),
+        (at, share) in (any::<prop::sample::Index>(), 0.0..1.0f64),
+        (rows, preload_n) in (prop::collection::vec((0.002..0.05f64, 1e4..7e5f64, 0.0..1.0f64), 1..5), prop_oneof![Just(0.0), 0.0..5e4f64]),
+        (solid_n_per_m, slack_m) in (60e6..260e6f64, prop_oneof![Just(0.0), 0.0..0.04f64]),
+    ) {
+        let mut table = vec![GearRow { travel_m: 0.0, loading_n: preload_n, unloading_n: 0.5 * preload_n }];
+        for (n, &(travel, rise, share)) in rows.iter().enumerate() {
+            let loading_n = table[n].loading_n + rise;
+            let unloading_n = table[n].unloading_n + share * (loading_n - table[n].unloading_n);
+            table.push(GearRow { travel_m: table[n].travel_m + travel, loading_n, unloading_n });
+        }
+        let gear = Curve::new(table).expect("a table");
+        let law = Law::Gear { solid_n_per_m, slack_m, draft: gear.clone(), buff: gear };
         let at = at.index(path.len());
         let (mut plain, mut cycled) = (Coupler::new(&law, &Rest::default()), Coupler::new(&law, &Rest::default()));
         let mut last = 0.0;

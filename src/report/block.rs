@@ -2,17 +2,17 @@
 
 /// One element of a report: a heading, a paragraph, a table or a figure.
 pub enum Block {
-    /// The heading of the whole.
+    /// The report's title.
     Title(String),
     /// A heading below it, with the index of the scenario in the analysis if the part is of one.
     Heading(String, Option<usize>),
     /// The verdict on the scenario of an index, and what limits it.
     Verdict(usize, String, String),
-    /// What a reader should know beforehand, without its full stop.
+    /// A note, without its full stop.
     Note(String),
     /// Sentences after a title in bold, which can be empty.
     Paragraph(&'static str, Text),
-    /// Points, without an order.
+    /// An unordered list.
     List(Vec<Text>),
     /// Rows of cells.
     Table(Table),
@@ -84,7 +84,7 @@ impl Block {
     }
 }
 
-/// The program's own words, whose lines are kept.
+/// The program's own text, with its line ends.
 pub fn lines(text: &str) -> Text {
     let mut spans: Text = text.lines().flat_map(|line| [Span::Plain(line.to_owned()), Span::LineEnd]).collect();
     spans.pop();

@@ -1,14 +1,14 @@
 //! What the report says of couplers that break one after the other.
 
-use super::numbers::{force, time};
+use super::numbers::{Unit, force, force_in, force_unit, given_force_in, percent, time};
 use super::words::{count, moment, sense};
-use crate::findings::{CascadeBreak, CascadeFindings, CaseFindings, ScenarioFindings};
+use crate::findings::{CascadeBreak, CascadeFindings, CaseFindings, CouplerFindings, PeakForces, ScenarioFindings};
 use crate::train::LIMITS;
 use crate::units::UnitSystem;
 
-/// An uncertainty of a time that its digits show, as a share of it.
+/// Smallest uncertainty of a time that is shown, as a share of it.
 const SEEN: f64 = 1e-4;
-/// Pieces told one by one; more are counted.
+/// Pieces listed at most; more are counted.
 const TOLD: usize = 8;
 
 /// What breaks after the event and what is left of the train; empty where the scenario has no cascade.
@@ -51,7 +51,7 @@ pub fn supposed(scenario: &ScenarioFindings) -> String {
     })
 }
 
-/// Couplers that break after the event, as a cell: a number, or of how many breaks; empty for none.
+/// Couplers that break after the event, as a cell: their number, or after how many breaks; or empty.
 pub fn brief(scenario: &ScenarioFindings) -> String {
     let further: Vec<usize> =
         scenario.cases.iter().filter_map(|c| Some(c.cascade.as_ref()?.breaks.len())).filter(|n| *n > 0).collect();
@@ -193,7 +193,7 @@ fn of_many(cascades: &[(&CaseFindings, &CascadeFindings)]) -> String {
 }
 
 /// A row of the sequence.
-pub fn row(b: &CascadeBreak, cascade: &CascadeFindings, units: UnitSystem) -> Vec<String> {
+pub fn row(b: &CascadeBreak, cascade: &CascadeFindings, units: UnitSystem, unit: Unit) -> Vec<String> {
     let apart = if b.time_uncertainty_s > SEEN * b.time_s {
         format!(" ± {}", time(b.time_uncertainty_s))
     } else {
@@ -205,8 +205,49 @@ pub fn row(b: &CascadeBreak, cascade: &CascadeFindings, units: UnitSystem) -> Ve
         format!("{}{}{supposed}", b.coupler, if b.together { " (with others)" } else { "" }),
         b.between.join(", "),
         // It breaks at this load, however well the instant is known.
-        format!("{} in {}", force(units, b.force_n, 0.0), sense(b.force_n)),
+        format!("{} in {}", force_in(unit, b.force_n, 0.0), sense(b.force_n)),
         (if b.breaks_at == LIMITS[2] { "ultimate load" } else { "rating" }).to_owned(),
         units.energy(b.energy_j),
+    ]
+}
+
+/// A coupler with its largest force in the cascade, N, when it is, s, and its utilisation.
+type Force<'a> = (&'a CouplerFindings, &'a PeakForces, (f64, f64, f64));
+
+/// The couplers with their largest forces in the cascade, worst first.
+pub fn forces(case: &CaseFindings) -> Vec<Force<'_>> {
+    let mut all: Vec<Force> = case
+        .couplers
+        .iter()
+        .filter_map(|c| Some((c, c.cascade.as_ref()?)))
+        .filter_map(|(c, peaks)| Some((c, peaks, peaks.most_used(c)?)))
+        .collect();
+    all.sort_by(|a, b| b.2.2.total_cmp(&a.2.2));
+    all
+}
+
+/// A row of them.
+pub fn force_row(
+    (c, peaks, (force_n, at_s, utilisation)): Force,
+    cascade: &CascadeFindings,
+    units: UnitSystem,
+) -> Vec<String> {
+    let error_n = peaks.error_estimate_n.unwrap_or(cascade.error_bound_n);
+    let of_time = |b: &&CascadeBreak| b.coupler == c.coupler && b.time_s == at_s;
+    let mark = match cascade.breaks.iter().find(of_time) {
+        _ if at_s >= cascade.certain_until_s() => " (not decided)",
+        Some(_) => " (breaks)",
+        None if peaks.exceeds.is_none() => " (not decided)",
+        None => "",
+    };
+    let rating = if force_n < 0.0 { c.rated_buff_n } else { c.rated_draft_n };
+    vec![
+        c.coupler.to_string(),
+        c.between.join(", "),
+        format!("{} in {}", force(units, force_n, error_n), sense(force_n)),
+        given_force_in(force_unit(units, force_n), rating),
+        format!("{} %{mark}", percent(utilisation)),
+        time(at_s),
+        format!("{} %", percent(c.utilisation)),
     ]
 }

@@ -1,6 +1,6 @@
 //! Cells of the CSV files.
 
-use crate::error::is_obeyed;
+use crate::error::controls_display;
 
 /// The shortest decimal that reads back as the same number; empty where it is not finite.
 pub fn number(x: f64) -> String {
@@ -15,8 +15,9 @@ pub fn optional(x: Option<f64>) -> String {
 /// A text, made harmless for spreadsheets: one that begins like a formula, at its start or
 /// after a semicolon, gets an apostrophe before it.
 pub fn text(s: &str) -> String {
-    let begins =
-        |cell: &str| cell.trim_start_matches(' ').starts_with(|c: char| "=+-@＝＋－＠".contains(c) || is_obeyed(c));
+    let begins = |cell: &str| {
+        cell.trim_start_matches(' ').starts_with(|c: char| "=+-@＝＋－＠".contains(c) || controls_display(c))
+    };
     // Where the decimal comma is used, spreadsheets take a semicolon for the end of a cell.
     let cells: Vec<String> =
         s.split(';').map(|cell| if begins(cell) { format!("'{cell}") } else { cell.to_owned() }).collect();

@@ -36,7 +36,7 @@ pub enum Cells {
 }
 
 /// All of them.
-pub static COLUMNS: [Column; 27] = [
+pub static COLUMNS: [Column; 33] = [
     Column { name: "scenario", cells: Cells::Text(|r| Some(r.scenario.to_owned())) },
     Column { name: "broken_coupler", cells: Cells::Whole(|r| r.case.broken_coupler) },
     Column { name: "coupler", cells: Cells::Whole(|r| Some(r.coupler.coupler)) },
@@ -75,6 +75,15 @@ pub static COLUMNS: [Column; 27] = [
         name: "first_passage_exceeds",
         cells: Cells::Flag(|r| r.coupler.first_passage.as_ref().and_then(|p| p.exceeds)),
     },
+    Column { name: "cascade_peak_draft_n", cells: Cells::Number(|r| r.coupler.cascade.as_ref()?.peak_draft_n) },
+    Column {
+        name: "cascade_peak_draft_time_s",
+        cells: Cells::Number(|r| r.coupler.cascade.as_ref()?.peak_draft_time_s),
+    },
+    Column { name: "cascade_peak_buff_n", cells: Cells::Number(|r| r.coupler.cascade.as_ref()?.peak_buff_n) },
+    Column { name: "cascade_peak_buff_time_s", cells: Cells::Number(|r| r.coupler.cascade.as_ref()?.peak_buff_time_s) },
+    Column { name: "cascade_exceeds", cells: Cells::Flag(|r| r.coupler.cascade.as_ref()?.exceeds) },
+    Column { name: "cascade_error_estimate_n", cells: Cells::Number(|r| r.coupler.cascade.as_ref()?.error_estimate_n) },
     Column { name: "error_estimate_n", cells: Cells::Number(|r| r.coupler.error_estimate_n) },
     Column { name: "all_time_bound_n", cells: Cells::Number(|r| r.coupler.all_time_bound_n) },
     Column { name: "limits_passed", cells: Cells::Text(|r| r.coupler.limits.as_ref().map(|l| l.passed.join(" "))) },
@@ -98,10 +107,13 @@ impl Column {
 /// The columns that the rows of an analysis have, in their order; the last ones only where they have something to say.
 pub fn coupler_columns(analysis: &Analysis) -> Vec<&'static Column> {
     let estimates = coupler_rows(analysis).any(|row| row.case.error_estimate_n.is_some());
+    let cascades = coupler_rows(analysis).any(|row| row.coupler.cascade.is_some());
     let bounds = coupler_rows(analysis).any(|row| row.coupler.all_time_bound_n.is_some());
     let limits = coupler_rows(analysis).any(|row| row.coupler.limits.is_some());
     let shown = |column: &&Column| match column.name {
         "error_estimate_n" => estimates,
+        "cascade_error_estimate_n" => cascades && estimates,
+        name if name.starts_with("cascade_") => cascades,
         "all_time_bound_n" => bounds,
         "limits_passed" | "limits_undecided" => limits,
         _ => true,
@@ -118,7 +130,7 @@ pub fn coupler_rows(analysis: &Analysis) -> impl Iterator<Item = CouplerRow<'_>>
 /// Writes every coupler of every case, in the units and with the names of `result.json`.
 ///
 /// A cell is empty where there is no value; numbers read back to the same bits. The last columns are there only where they
-/// have something to say: `error_estimate_n` if some error is estimated, `all_time_bound_n` if the bounds were asked for, `limits_passed` and
+/// have something to say: those of the cascade if some scenario has one, `error_estimate_n` if some error is estimated, `all_time_bound_n` if the bounds were asked for, `limits_passed` and
 /// `limits_undecided` if the train has limits. A text that a spreadsheet would take for a formula (it begins with `=`, `+`,
 /// `-`, `@`, or a control character) gets an apostrophe before it, which spreadsheets show as plain text.
 ///

@@ -87,7 +87,7 @@ pub fn write_into(dir: &Path, files: &[(String, Vec<u8>)]) -> Result<Vec<PathBuf
 
 /// Whether a file holds these bytes already.
 fn holds(path: &Path, content: &[u8]) -> bool {
-    // Neither a pipe, which would wait, nor anything long is read for that.
+    // Only a file of the same length is read; a pipe would block.
     let alike = |about: fs::Metadata| about.is_file() && about.len() == content.len() as u64;
     path.symlink_metadata().is_ok_and(alike) && fs::read(path).is_ok_and(|old| old == content)
 }
@@ -95,7 +95,7 @@ fn holds(path: &Path, content: &[u8]) -> bool {
 /// The content in a file under a temporary name, to be renamed.
 pub(crate) fn stage(dir: &Path, content: &[u8]) -> io::Result<NamedTempFile> {
     let mut file = unfinished(dir)?;
-    // By way of the file itself: the temporary name means nothing to whoever reads of an error.
+    // Through the file itself, so that no error names the temporary file.
     file.as_file_mut().write_all(content)?;
     Ok(file)
 }
@@ -108,7 +108,7 @@ pub(super) fn unfinished(dir: &Path) -> io::Result<NamedTempFile> {
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let file = builder.tempfile_in(dir)?;
-    // Tells it from what a killed run left. Without it, on a system that has no locks, that is not removed.
+    // The lock marks it as in use: other files are of killed runs. Without locks none of them is removed.
     let _ = file.as_file().try_lock();
     Ok(file)
 }
@@ -155,13 +155,13 @@ impl Unnamed {
     pub fn finish(self) -> Result<(), WriteError> {
         let Unnamed { file, place, path } = self;
         let file = file.into_inner().map_err(|e| WriteError::new(&path, e.into_error()))?;
-        // What it was made of is removed afterwards: a power failure must not find a name without its bytes.
+        // Its sources are removed afterwards: its bytes must be on the disk before it has its name.
         file.sync_all().map_err(|e| WriteError::new(&path, e))?;
         place.persist(&path).map_err(|e| WriteError::new(&path, e.error))
     }
 }
 
-/// Removes what runs that were killed left under temporary names: files that no process holds.
+/// Removes the temporary files of runs that were killed: those that no process has locked.
 pub fn remove_unfinished(dir: &Path) {
     let Ok(entries) = dir.read_dir() else { return };
     for entry in entries.flatten() {

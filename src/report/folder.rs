@@ -9,15 +9,15 @@ use std::time::Duration;
 
 use super::files::{self, WriteError};
 
-/// How often, and how many times, a folder is asked for that another run holds: for ten seconds, where writing takes milliseconds.
+/// Pause and number of tries to lock a folder that another run holds: ten seconds in all; writing takes milliseconds.
 const PAUSE: Duration = Duration::from_millis(50);
 const TRIES: usize = 200;
 
-/// Taken while files are replaced.
+/// Locked while files are replaced.
 static REPLACING: Mutex<()> = Mutex::new(());
 
-/// Waits until no files are being replaced, and lets none be for as long as the guard is held: who ends the program then leaves
-/// either the earlier results or the new ones, and nothing under a temporary name.
+/// Waits until no files are being replaced, and prevents it as long as the guard is held: a program that ends then
+/// leaves either the earlier results or the new ones, and no temporary file.
 pub fn between_writes() -> MutexGuard<'static, ()> {
     REPLACING.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -25,8 +25,8 @@ pub fn between_writes() -> MutexGuard<'static, ()> {
 /// Replaces the results in a folder, made if need be, and returns the paths of the new ones in the same order. Files of an earlier
 /// run that `is_ours` knows by their names and that are not among the new ones are then removed, and what a killed run left.
 ///
-/// The new files are written whole beside the earlier ones and then renamed in order, which takes microseconds for each. Each is
-/// thus whole at any moment, and all are of one run but for somebody who reads between two of the renames, or where the machine
+/// The new files are written whole beside the earlier ones and then renamed in order, which takes microseconds for
+/// each. Each is thus whole at any moment, and all are of one run, except between two renames and where the machine
 /// stops there; the last file is the one that names the others. Runs into the same folder take turns.
 ///
 /// # Errors

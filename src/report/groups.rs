@@ -1,9 +1,9 @@
 //! The inputs repeated: vehicles and couplers in groups of neighbours that are alike.
 
-use super::numbers::given_force;
+use super::numbers::{Unit, force_unit, given_force_in};
 use crate::law::Law;
-use crate::train::{LIMITS, Train};
-use crate::units::{Dimension, UnitSystem, shown};
+use crate::train::{Coupler, LIMITS, Train};
+use crate::units::{Dimension, UnitSystem, shown, shown_in, unit_for};
 
 /// Rows of each table, at most.
 const ROWS: usize = 40;
@@ -31,18 +31,26 @@ pub fn vehicles(train: &Train) -> Groups {
         "steady force of each",
         "emergency brake of each",
     ];
+    // One unit in a column.
+    let unit = |dimension, of: &dyn Fn(usize) -> f64| {
+        unit_for(units.units(dimension), (0..train.vehicles().len()).map(|i| of(i).abs()).fold(0.0, f64::max))
+    };
+    let brake_of = |i: usize| train.extras().emergency_brake_n.get(i).filter(|n| **n > 0.0);
+    let mass = unit(Dimension::Mass, &|i| train.vehicles()[i].mass_kg);
+    let length = unit(Dimension::Length, &|i| train.vehicles()[i].length_m.unwrap_or(0.0));
+    let steady = unit(Dimension::Force, &outside);
+    let braking = unit(Dimension::Force, &|i| brake_of(i).copied().unwrap_or(0.0));
     let cells = |i: usize| {
         let v = &train.vehicles()[i];
         let force = outside(i);
-        let brake = train.extras().emergency_brake_n.get(i).filter(|n| **n > 0.0);
         let way = if force < 0.0 { "backward" } else { "forward" };
         vec![
             stem(&v.label).to_owned(),
-            shown(units, v.mass_kg, Dimension::Mass),
-            v.length_m.map_or(String::new(), |l| shown(units, l, Dimension::Length)),
+            shown_in(mass, v.mass_kg),
+            v.length_m.map_or(String::new(), |l| shown_in(length, l)),
             if v.held { "yes".to_owned() } else { String::new() },
-            if force == 0.0 { String::new() } else { format!("{} {way}", given_force(units, force)) },
-            brake.map_or(String::new(), |n| given_force(units, *n)),
+            if force == 0.0 { String::new() } else { format!("{} {way}", given_force_in(steady, force)) },
+            brake_of(i).map_or(String::new(), |n| given_force_in(braking, *n)),
         ]
     };
     grouped("Vehicles (equal neighbours are grouped)", &head, train.vehicles().len(), cells)
@@ -53,24 +61,25 @@ pub fn couplers(train: &Train) -> Groups {
     let units = train.origin().units;
     let head =
         ["couplers", "stiffness", "rated in draft", "rated in buff", "dashpot", "limits in draft", "limits in buff"];
+    let most = |of: &dyn Fn(&Coupler) -> f64| train.couplers().iter().map(of).fold(0.0, f64::max);
+    let stiffness = unit_for(units.units(Dimension::Stiffness), most(&|c| c.stiffness_n_per_m));
+    let [draft, buff] = [most(&|c| c.rated_draft_n), most(&|c| c.rated_buff_n)].map(|n| force_unit(units, n));
     let cells = |i: usize| {
         let (c, extras) = (&train.couplers()[i], train.extras());
-        let of = |capacities: [Option<f64>; 3]| {
-            let given = LIMITS
-                .iter()
-                .zip(capacities)
-                .filter_map(|(name, n)| Some(format!("{name} {}", given_force(units, n?))));
+        let of = |capacities: [Option<f64>; 3], unit: Unit| {
+            let limits = LIMITS.iter().zip(capacities);
+            let given = limits.filter_map(|(name, n)| Some(format!("{name} {}", given_force_in(unit, n?))));
             given.collect::<Vec<_>>().join(", ")
         };
         let limits = extras.limits.get(i).copied().unwrap_or_default();
         let dashpot = extras.dashpot_n_s_per_m.get(i).filter(|c| **c > 0.0);
         vec![
-            extras.laws.get(i).map_or(shown(units, c.stiffness_n_per_m, Dimension::Stiffness), |l| law(units, l)),
-            given_force(units, c.rated_draft_n),
-            given_force(units, c.rated_buff_n),
+            extras.laws.get(i).map_or(shown_in(stiffness, c.stiffness_n_per_m), |l| law(units, l)),
+            given_force_in(draft, c.rated_draft_n),
+            given_force_in(buff, c.rated_buff_n),
             dashpot.map_or(String::new(), |c| shown(units, *c, Dimension::Damping)),
-            of(limits.draft_n),
-            of(limits.buff_n),
+            of(limits.draft_n, draft),
+            of(limits.buff_n, buff),
         ]
     };
     grouped("Couplers (equal neighbours are grouped)", &head, train.couplers().len(), cells)

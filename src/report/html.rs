@@ -4,7 +4,7 @@
 //! place on the screen.
 //!
 //! Those are drawn by Plotly.js, which every report carries (0.7 MB of base64; the page unpacks it): it has lines, pictures by
-//! place and time and hover labels in one schema. Where its text is from is in `assets/README.md`.
+//! place and time and hover labels in one schema. Its origin is in `assets/README.md`.
 //!
 //! A policy in the page's head forbids everything but its own scripts, by their digests: whatever a train file's names hold,
 //! nothing else runs and nothing is fetched.
@@ -139,7 +139,7 @@ pub(crate) fn body(analysis: &Analysis, blocks: &[Block]) -> String {
             }
             Block::Table(of) => table(of, heading),
             Block::Figure(of, picture) => {
-                // Interactive figures take the place of all of a scenario.
+                // Interactive figures replace all of a scenario.
                 let live = of
                     .filter(|_| drawn != *of)
                     .map_or_else(String::new, |i| format!("<div class=\"live\" data-scenario=\"{i}\" hidden></div>\n"));
@@ -173,12 +173,11 @@ fn figure(scenario: Option<usize>, picture: &Picture) -> String {
 fn table(table: &Table, heading: &str) -> String {
     let heading = escaped(heading);
     let caption = match (table.title, table.caption.as_str()) {
-        (_, "") => heading.clone(),
         ("", caption) => escaped(caption),
         (title, caption) => escaped(&format!("{title}. {caption}")),
     };
-    // Apart from that of the same table of another scenario.
-    let label = if table.caption.is_empty() { heading } else { format!("{heading}: {caption}") };
+    // It differs from that of another scenario's table.
+    let label = if caption.is_empty() { heading.clone() } else { format!("{heading}: {caption}") };
     let class = |column: usize| match table.head.get(column) {
         Some((_, Side::Right)) => " class=\"right\"",
         _ => "",
@@ -193,12 +192,17 @@ fn table(table: &Table, heading: &str) -> String {
     };
     let row = |cells: &Vec<String>| format!("<tr>{}</tr>\n", cells.iter().enumerate().map(cell).collect::<String>());
     let rows: String = table.rows.iter().map(row).collect();
+    let titled =
+        if caption.is_empty() { String::new() } else { format!("<caption><span>{caption}</span></caption>\n") };
     let framed = format!(
-        "<div class=\"table\" role=\"region\" aria-label=\"{label}\" tabindex=\"0\">\n<table>\n<caption><span>{caption}</span></caption>\n\
+        "<div class=\"table\" role=\"region\" aria-label=\"{label}\" tabindex=\"0\">\n<table>\n{titled}\
          {head}<tbody>\n{rows}</tbody>\n</table>\n</div>\n"
     );
     match table.rows.len() > LONG {
-        true => format!("<details>\n<summary>{caption}</summary>\n{framed}</details>\n"),
+        true => format!(
+            "<details>\n<summary>{}</summary>\n{framed}</details>\n",
+            if caption.is_empty() { heading } else { caption }
+        ),
         false => framed,
     }
 }
@@ -229,7 +233,7 @@ fn contents(scenarios: &[ScenarioFindings]) -> String {
     format!("<nav aria-label=\"Scenarios\">\n<ol>\n{entries}</ol>\n</nav>\n")
 }
 
-/// A figure's SVG within a page: named for who cannot see it; `label` is HTML.
+/// A figure's SVG within a page, labelled for screen readers; `label` is HTML.
 pub(crate) fn inline(svg: &str, label: &str) -> String {
     svg.trim().replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{label}\" "), 1)
 }

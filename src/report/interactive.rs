@@ -4,19 +4,22 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 
-use super::figures::reach::Reach;
+use super::figures::reach::ForceAxis;
+use super::figures::{over_rating, rows_over};
 use super::numbers::{Unit, force_unit, time_unit};
 use super::pictures::Shown;
 use super::words;
-use crate::findings::{CouplerFindings, Field};
+use crate::findings::{CaseFindings, CouplerFindings, Field};
 use crate::scenario::initial_force_n;
 
-/// Values by place and time that a page holds, two bytes each: they are 0.6 MB in base64 at the most.
-const VALUES: usize = 220_000;
+/// Values that a page holds, two bytes each, which are 0.8 MB in base64: in all, by place and time, and by break.
+const VALUES: usize = 290_000;
+const BY_PLACE_AND_TIME: usize = 220_000;
+const BY_BREAK: usize = 130_000;
 /// Couplers that a page holds, some 250 bytes each; scenarios beyond that have no interactive figures.
 const COUPLERS: usize = 4000;
-/// Largest forces by break that a scenario's figures hold, two bytes each.
-const BY_BREAK: usize = 100_000;
+/// Places and instants over the rating that are marked, at most.
+const MARKED: usize = 500;
 
 #[derive(Serialize)]
 struct Scene<'a> {
@@ -32,6 +35,8 @@ struct Scene<'a> {
     /// Ends of the axis of the forces along the train, N.
     reach_n: (f64, f64),
     horizon_s: f64,
+    /// Utilisation of the strongest colour, the same in all figures of a report.
+    most: f64,
     initial_force_n: Option<Vec<f64>>,
     /// Of the case drawn.
     couplers: Vec<Peaks<'a>>,
@@ -75,6 +80,8 @@ struct Largest {
 struct Breaks {
     /// The couplers that break, from 1.
     broken: Vec<usize>,
+    /// Breaks that a page has no room for, none of them worse than those that it holds.
+    left_out: usize,
     /// N per unit of the numbers.
     unit_n: f64,
     /// A row for each break, in it draft and then buff of every coupler from the head: numbers as in [`Forces`].
@@ -89,8 +96,14 @@ struct Forces {
     columns: usize,
     /// How many computed instants share a column; the largest utilisation is kept.
     instants_per_column: usize,
+    /// Couplers over their ratings, and the instant, s, and coupler of the peak of each region over it, the largest first.
+    over: Vec<usize>,
+    over_at: Vec<(f64, usize)>,
     /// N per unit of the numbers.
     unit_n: f64,
+    /// Of each row, whether a force of 0 is that of a coupler that passes its slack; empty where none does.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    slack: Vec<bool>,
     /// Rows from the head, columns in time: 16-bit numbers, low byte first, in base64; the smallest stands for none.
     forces: String,
 }
@@ -98,19 +111,22 @@ struct Forces {
 /// The data of a page, one entry per scenario; null where nothing is drawn.
 pub fn data(shown: &[Option<Shown>]) -> Result<String, serde_json::Error> {
     let fields = shown.iter().flatten().map(|s| [&s.evidence.wave, &s.evidence.rod].into_iter().flatten().count());
-    let values = VALUES / fields.sum::<usize>().max(1);
+    let fields = fields.sum::<usize>().max(1);
+    let mut by_break = BY_BREAK;
+    let breaks: Vec<_> = shown.iter().map(|shown| breaks(shown.as_ref()?, &mut by_break)).collect();
+    let values = (VALUES - (BY_BREAK - by_break)).min(BY_PLACE_AND_TIME) / fields;
     let mut room = COUPLERS;
     let mut scenes = Vec::new();
-    for shown in shown {
+    for (shown, breaks) in shown.iter().zip(breaks) {
         let fits = |s: &&Shown| s.train.couplers().len() <= room && !s.case.couplers.is_empty();
         let shown = shown.as_ref().filter(fits);
         room -= shown.map_or(0, |s| s.train.couplers().len());
-        scenes.push(shown.map(|s| scene(s, values)));
+        scenes.push(shown.map(|s| scene(s, breaks, values)));
     }
     serde_json::to_string(&scenes)
 }
 
-fn scene<'a>(shown: &'a Shown, values: usize) -> Scene<'a> {
+fn scene<'a>(shown: &'a Shown, breaks: Option<Breaks>, values: usize) -> Scene<'a> {
     let pair = |u: Unit| (u.name, u.size);
     let several = shown.findings.cases.len() > 1;
     let broken = shown.case.broken_coupler;
@@ -126,6 +142,7 @@ fn scene<'a>(shown: &'a Shown, values: usize) -> Scene<'a> {
         worst: shown.worst.coupler,
         reach_n,
         horizon_s: shown.case.horizon_s,
+        most: shown.most,
         initial_force_n: Some(before.clone())
             .filter(|f| shown.findings.kind != "impact" || f.iter().any(|n| *n != 0.0)),
         couplers: shown.case.couplers.iter().map(|c| peaks(c, before[c.coupler - 1])).collect(),
@@ -137,7 +154,7 @@ fn scene<'a>(shown: &'a Shown, values: usize) -> Scene<'a> {
             .find(|c| broken == Some(c.coupler))
             .map(|c| peaks(c, before[c.coupler - 1])),
         largest: if several { largest(shown) } else { Vec::new() },
-        breaks: if several { breaks(shown) } else { None },
+        breaks,
         wave: shown.evidence.wave.as_ref().and_then(|f| forces(shown, f, values)),
         rod: shown.evidence.rod.as_ref().and_then(|f| forces(shown, f, values)),
     }
@@ -155,7 +172,7 @@ fn peaks(c: &CouplerFindings, before_n: f64) -> Peaks<'_> {
         peak_buff_n: c.peak_buff_n,
         peak_buff_time_s: c.peak_buff_time_s,
         exceeds: c.exceeds,
-        reach_n: rounded(Reach::new(forces, &[c.rated_draft_n], &[c.rated_buff_n]).range),
+        reach_n: rounded(ForceAxis::new(forces, &[c.rated_draft_n], &[c.rated_buff_n]).range),
     }
 }
 
@@ -165,14 +182,14 @@ fn rounded((low, high): (f64, f64)) -> (f64, f64) {
     (four(low), four(high))
 }
 
-/// The axis of the forces of all cases and before the event, and of the ratings that do not press them flat.
+/// The axis of the forces of all cases and before the event, and of ratings that leave them visible.
 fn reach(shown: &Shown, before_n: &[f64]) -> (f64, f64) {
     let all = shown.findings.cases.iter().flat_map(|case| &case.couplers);
     let peaks = all.flat_map(|c| [c.peak_draft_n, c.peak_buff_n]).flatten();
     let couplers = shown.train.couplers();
     let draft: Vec<f64> = couplers.iter().map(|c| c.rated_draft_n).collect();
     let buff: Vec<f64> = couplers.iter().map(|c| c.rated_buff_n).collect();
-    rounded(Reach::new(peaks.chain(before_n.iter().copied()), &draft, &buff).range)
+    rounded(ForceAxis::new(peaks.chain(before_n.iter().copied()), &draft, &buff).range)
 }
 
 fn largest(shown: &Shown) -> Vec<Largest> {
@@ -192,13 +209,21 @@ fn largest(shown: &Shown) -> Vec<Largest> {
     all
 }
 
-fn breaks(shown: &Shown) -> Option<Breaks> {
-    let (cases, couplers) = (&shown.findings.cases, shown.train.couplers().len());
-    if 2 * cases.len() * couplers > BY_BREAK {
+/// Of several breaks all, or the worst that there is room for.
+fn breaks(shown: &Shown, room: &mut usize) -> Option<Breaks> {
+    let couplers = shown.train.couplers().len();
+    let use_of = |case: &CaseFindings| case.worst.as_ref().map_or(0.0, |c| c.utilisation);
+    let mut cases: Vec<&CaseFindings> = shown.findings.cases.iter().collect();
+    cases.sort_by(|a, b| use_of(b).total_cmp(&use_of(a)));
+    cases.truncate(*room / (2 * couplers));
+    if shown.findings.cases.len() < 2 || cases.is_empty() {
         return None;
     }
+    let left_out = shown.findings.cases.len() - cases.len();
+    cases.sort_by_key(|case| case.broken_coupler);
+    *room -= 2 * cases.len() * couplers;
     let mut force = Vec::with_capacity(2 * cases.len() * couplers);
-    for case in cases {
+    for case in &cases {
         let row = force.len();
         force.resize(row + 2 * couplers, f64::NAN);
         for c in &case.couplers {
@@ -207,14 +232,18 @@ fn breaks(shown: &Shown) -> Option<Breaks> {
         }
     }
     let (unit_n, forces) = packed(&force);
-    Some(Breaks { broken: cases.iter().filter_map(|c| c.broken_coupler).collect(), unit_n, forces })
+    Some(Breaks { broken: cases.iter().filter_map(|c| c.broken_coupler).collect(), left_out, unit_n, forces })
 }
 
-/// Forces as 16-bit numbers, low byte first, in base64, and N per unit of them; the smallest number stands for none.
+/// Forces as 16-bit numbers, low byte first, in base64, and N per unit of them; the smallest number stands for none, and 0 for 0 alone.
 fn packed(force: &[f64]) -> (f64, String) {
     let most = force.iter().filter(|f| !f.is_nan()).fold(0.0, |m: f64, f| m.max(f.abs()));
     let unit_n = most / f64::from(i16::MAX);
-    let number = |f: &f64| if f.is_nan() { i16::MIN } else { (f / unit_n).round() as i16 };
+    let number = |f: &f64| match (f / unit_n).round() as i16 {
+        _ if f.is_nan() => i16::MIN,
+        0 if *f != 0.0 => f.signum() as i16,
+        number => number,
+    };
     (unit_n, STANDARD.encode(force.iter().flat_map(|f| number(f).to_le_bytes()).collect::<Vec<u8>>()))
 }
 
@@ -222,6 +251,9 @@ fn forces(shown: &Shown, field: &Field, values: usize) -> Option<Forces> {
     if field.couplers_per_row > 1 {
         return None;
     }
+    let over = rows_over(field).into_iter().map(|row| row + 1).collect();
+    let at = |(row, column): (usize, usize)| (field.times_s[column], row + 1);
+    let over_at = over_rating(field).into_iter().take(MARKED).map(at).collect();
     let columns_most = (values / field.rows()).max(2);
     let field = field.folded(field.times_s.len().div_ceil(columns_most));
     let rated = |row: usize, share: f32| {
@@ -237,7 +269,10 @@ fn forces(shown: &Shown, field: &Field, values: usize) -> Option<Forces> {
         step_s: next - from_s,
         columns: field.times_s.len(),
         instants_per_column: field.instants_per_column,
+        over,
+        over_at,
         unit_n,
         forces,
+        slack: if field.opens() { field.slack } else { vec![] },
     })
 }

@@ -1,6 +1,6 @@
 //! What the report says of capacities besides the rating.
 
-use super::numbers::{digits, force_in, force_unit, given_force_in};
+use super::numbers::{Unit, digits, force_in, force_unit, given_force_in};
 use super::words::count;
 use crate::findings::{CaseFindings, CouplerFindings, LimitInSense, ScenarioFindings};
 use crate::train::{LIMITS, SENSES};
@@ -42,7 +42,7 @@ fn entries<'a>(case: &'a CaseFindings, c: &'a CouplerFindings) -> impl Iterator<
     c.limits.iter().flat_map(|l| &l.by_sense).map(move |l| (case, c, l))
 }
 
-/// How many couplers of these are so, whatever the case.
+/// How many couplers pass a test in any case.
 fn couplers(entries: &[Entry], test: impl Fn(&LimitInSense) -> bool) -> usize {
     let mut numbers: Vec<usize> = entries.iter().filter(|(.., l)| test(l)).map(|(_, c, _)| c.coupler).collect();
     numbers.sort_unstable();
@@ -143,9 +143,8 @@ fn largest(of: (&CouplerFindings, &'static str)) -> f64 {
 }
 
 /// A row of the table of couplers that pass a capacity.
-pub fn row(of: (&CouplerFindings, &'static str), case: &CaseFindings, units: UnitSystem) -> Vec<String> {
+pub fn row(of: (&CouplerFindings, &'static str), case: &CaseFindings, unit: Unit) -> Vec<String> {
     let (c, sense) = of;
-    let unit = force_unit(units, largest(of));
     let margin = |l: &LimitInSense| {
         let word = if l.margin < 0.0 { "over by" } else { "margin" };
         format!("{} {} ({word} {} %)", l.limit, given_force_in(unit, l.limit_n), digits(100.0 * l.margin.abs(), 0.0, 3))

@@ -1,7 +1,7 @@
 //! Markdown written from the blocks of a report.
 
 use super::block::{Block, Side, Span, Table, Text};
-use crate::error::is_obeyed;
+use crate::error::controls_display;
 
 /// A report as Markdown.
 pub fn markdown<'a>(blocks: impl IntoIterator<Item = &'a Block>) -> String {
@@ -67,7 +67,7 @@ pub(crate) fn escape(text: &str) -> String {
             // Keep a bare address from becoming a link.
             '.' if text[..i].ends_with("www") => out.push_str("\\."),
             ':' if text[i..].starts_with("://") => out.push_str("\\:"),
-            c if is_obeyed(c) => out.push(' '),
+            c if controls_display(c) => out.push(' '),
             c => out.push(c),
         }
     }

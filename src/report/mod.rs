@@ -1,4 +1,4 @@
-//! Findings into text and figures: Markdown, CSV, JSON, SVG, and the short table on a terminal.
+//! Findings as text and figures: Markdown, CSV, JSON, SVG, and the short table on a terminal.
 //!
 //! | file | what it holds |
 //! | --- | --- |
@@ -92,9 +92,9 @@ pub fn write(train: &Train, analysis: &Analysis, dir: &Path, formats: &[Format])
 /// The report's files, each with its name and content, in the order in which [`write`] names them.
 ///
 /// # Errors
-/// None are known: what is written here into memory is this crate's own.
+/// None are known: all is written into memory.
 pub fn documents(train: &Train, analysis: &Analysis, formats: &[Format]) -> io::Result<Vec<(String, Vec<u8>)>> {
-    let (shown, blocks) = told(train, analysis);
+    let (shown, blocks) = shown_and_blocks(train, analysis);
     let wanted = |format: Format| formats.contains(&format).then(|| format.file().to_owned());
     let mut rows = Vec::new();
     csv(analysis, &mut rows).map_err(io::Error::other)?;
@@ -124,8 +124,8 @@ pub fn documents(train: &Train, analysis: &Analysis, formats: &[Format]) -> io::
 }
 
 /// What is drawn of each scenario, and the report.
-fn told<'a>(train: &'a Train, analysis: &'a Analysis) -> (Vec<Option<Shown<'a>>>, Vec<Block>) {
-    let shown: Vec<Option<Shown>> = analysis.scenarios.iter().map(|s| Shown::new(train, s)).collect();
+fn shown_and_blocks<'a>(train: &'a Train, analysis: &'a Analysis) -> (Vec<Option<Shown<'a>>>, Vec<Block>) {
+    let shown = Shown::all(train, &analysis.scenarios);
     let blocks = content::content(train, analysis, &shown);
     (shown, blocks)
 }
@@ -133,14 +133,14 @@ fn told<'a>(train: &'a Train, analysis: &'a Analysis) -> (Vec<Option<Shown<'a>>>
 /// What a page shows of an analysis, as HTML, and what its figures are drawn from, as JSON.
 #[cfg(feature = "serve")]
 pub(crate) fn shown_live(train: &Train, analysis: &Analysis) -> io::Result<(String, String)> {
-    let (shown, blocks) = told(train, analysis);
+    let (shown, blocks) = shown_and_blocks(train, analysis);
     let data = interactive::data(&shown).map_err(io::Error::other)?;
     Ok((html::body(analysis, &blocks), data))
 }
 
 /// The report as a page for a notebook: what `report.html` says, with its static figures and without scripts.
 pub fn light_page(train: &Train, analysis: &Analysis) -> String {
-    html::light(analysis, &told(train, analysis).1)
+    html::light(analysis, &shown_and_blocks(train, analysis).1)
 }
 
 /// Whether a file's name is one that only a report, its figures and its maps have.

@@ -1,6 +1,6 @@
 //! Numbers as an engineer writes them: three or four significant digits and a unit, never more than the error allows.
 
-use crate::units::{Dimension, UnitSystem, shown, unit_for};
+use crate::units::{Dimension, UnitSystem, shown, shown_in, unit_for};
 pub use crate::units::{Unit, digits, without_zeros};
 
 /// The unit in which a largest force is at least 1.
@@ -35,14 +35,14 @@ pub fn time(value_s: f64) -> String {
     format!("{} {}", digits(value_s / unit.size, 0.0, 4), unit.name)
 }
 
-/// A force that was given, not computed, without its sign: up to six digits, no trailing zeros.
+/// A force that was given, not computed, without its sign and trailing zeros.
 pub fn given_force(system: UnitSystem, value_n: f64) -> String {
     shown(system, value_n.abs(), Dimension::Force)
 }
 
 /// The same in a unit that others beside it have.
 pub fn given_force_in(unit: Unit, value_n: f64) -> String {
-    format!("{} {}", without_zeros(&digits(value_n.abs() / unit.size, 0.0, 6)), unit.name)
+    shown_in(unit, value_n.abs())
 }
 
 /// The unit of gaps and travels of couplers.
@@ -56,7 +56,7 @@ pub fn brief_time(value_s: f64) -> String {
     text.split_once(' ').map_or_else(|| text.clone(), |(number, unit)| format!("{} {unit}", without_zeros(number)))
 }
 
-/// A share as a percentage of three digits, and as many more as it takes to keep it on its side of 100 %.
+/// A share as a percentage of three digits, and more where it would else be rounded to 100 %.
 pub fn percent(share: f64) -> String {
     let value = 100.0 * share;
     let is_100 = |text: &String| text.parse() == Ok(100.0);
@@ -77,6 +77,16 @@ pub fn down_to(value: f64, most: i32) -> String {
     let step = 10f64.powi((f64::from(most - 1) - value.log10().floor()).clamp(0.0, 300.0) as i32);
     // A number of that many digits keeps them all, though its double lies a little under it.
     digits((value * step * (1.0 + 1e-12)).floor() / step, 0.0, most)
+}
+
+/// A number that has to be reached, rounded up to four digits.
+pub fn up(value: f64) -> String {
+    if value <= 0.0 || !value.is_finite() {
+        return digits(value, 0.0, 4);
+    }
+    let step = 10f64.powi((3.0 - value.log10().floor()).clamp(0.0, 300.0) as i32);
+    // A number of four digits keeps them, though its double lies a little over it.
+    digits((value * step * (1.0 - 1e-12)).ceil() / step, 0.0, 4)
 }
 
 /// The interval `value` +- `error`, with as many digits as tell its ends apart.
@@ -133,6 +143,15 @@ mod tests {
         assert_eq!(down(2.7579), "2.75");
         assert_eq!(down(135.99), "135");
         assert_eq!(down(0.0), "0");
+    }
+
+    #[test]
+    fn what_has_to_be_reached_is_rounded_up() {
+        assert_eq!(up(1.508_01), "1.509");
+        assert_eq!(up(1.508), "1.508");
+        assert_eq!(up(567.63), "567.7");
+        assert_eq!(up(1.0 + 1e-9), "1.001");
+        assert_eq!(up(0.0), "0");
     }
 
     #[test]

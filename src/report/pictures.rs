@@ -23,14 +23,27 @@ pub struct Shown<'a> {
     pub worst: &'a CouplerFindings,
     /// What is drawn over time.
     pub evidence: &'a Evidence,
+    /// Utilisation of the strongest colour of the wave figures, the same in all of a report.
+    pub most: f64,
 }
 
 impl<'a> Shown<'a> {
     /// Follows the worst case's wave; `None` for a scenario in which no coupler is left to watch.
-    pub fn new(train: &'a Train, findings: &'a ScenarioFindings) -> Option<Shown<'a>> {
+    fn new(train: &'a Train, findings: &'a ScenarioFindings) -> Option<Shown<'a>> {
         let (index, scenario) = words::source(train, findings)?;
         let (case, worst) = words::worst_case(findings)?;
-        Some(Shown { train, findings, index, scenario, case, worst, evidence: findings.evidence(train)? })
+        let evidence = findings.evidence(train)?;
+        let fields = [&evidence.wave, &evidence.rod, &evidence.cascade].into_iter().flatten();
+        let most = fields.map(|field| f64::from(field.largest())).fold(0.0, f64::max);
+        Some(Shown { train, findings, index, scenario, case, worst, evidence, most })
+    }
+
+    /// Those of a report, with one scale of colours.
+    pub fn all(train: &'a Train, findings: &'a [ScenarioFindings]) -> Vec<Option<Shown<'a>>> {
+        let mut all: Vec<Option<Shown>> = findings.iter().map(|s| Shown::new(train, s)).collect();
+        let most = all.iter().flatten().map(|shown| shown.most).fold(0.0, f64::max);
+        all.iter_mut().flatten().for_each(|shown| shown.most = most);
+        all
     }
 
     /// Its figures.
@@ -98,7 +111,7 @@ impl<'a> Shown<'a> {
         all
     }
 
-    /// Of which break, where there are many.
+    /// Which break, if there are many.
     pub fn when(&self) -> String {
         match self.case.broken_coupler.filter(|_| self.findings.cases.len() > 1) {
             Some(b) => format!(", when coupler {b} breaks"),
@@ -114,9 +127,10 @@ impl<'a> Shown<'a> {
             String::new()
         };
         let rod = if rod.is_some() { " Below it the elastic rod on the same scale." } else { "" };
+        let open = if field.opens() { ", grey where it is open" } else { "" };
         format!(
-            "{what}{part}, as a share of its rating: draft blue, buff orange, outlined in black where the force exceeds \
-             the rating. Each pixel shows the largest share among the couplers and instants that it covers.{rod}"
+            "{what}{part}, as a share of its rating: draft blue, buff orange{open}, outlined in black and marked where the \
+             force exceeds the rating. Each pixel shows the largest share among the couplers and instants that it covers.{rod}"
         )
     }
 
@@ -132,6 +146,6 @@ impl<'a> Shown<'a> {
         };
         let breaks = cascade.map_or(&[][..], |c| &c.breaks);
         let marks = Marks { event, acts_s, broken: self.case.broken_coupler, breaks };
-        figures::wave(field, rod, &marks, words::time_axis(self.case), self.train.couplers().len(), name)
+        figures::wave((field, rod), self.most, &marks, words::time_axis(self.case), self.train.couplers().len(), name)
     }
 }

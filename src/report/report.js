@@ -46,7 +46,8 @@
     const n = forces.columns;
     const force = unpack(forces, n);
     const times = Array.from({ length: n }, (_, i) => forces.from_s + i * forces.step_s);
-    return { rows, times, force, row: (r) => times.map((_, i) => force(r, i)), folded: forces.instants_per_column };
+    return { rows, times, force, row: (r) => times.map((_, i) => force(r, i)),
+      open: (r, i) => forces.slack !== undefined && forces.slack[r] && force(r, i) === 0, folded: forces.instants_per_column };
   }
 
   // Above this the 16-bit numbers leave no doubt that a force is over its rating, %.
@@ -61,9 +62,9 @@
     const [clockName, clock] = scene.time_unit;
     const force = (f) => digits(Math.abs(f) / unit) + " " + unitName + " in " + sense(f);
     const time = (t) => digits(t / clock) + " " + clockName;
-    const by = new Map(scene.couplers.map((c) => [c.coupler, c]));
-    const numbers = scene.couplers.map((c) => c.coupler);
-    const count = Math.max(...numbers, scene.broken_coupler || 0);
+    const all = scene.couplers.concat(scene.broken || []).sort((a, b) => a.coupler - b.coupler);
+    const by = new Map(all.map((c) => [c.coupler, c]));
+    const count = Math.max(...by.keys(), scene.broken_coupler || 0);
     const share = (c, f) => f / (f < 0 ? c.rated_buff_n : c.rated_draft_n);
     const name = (c) => "Coupler " + c.coupler + ", between " + c.between[0] + " and " + c.between[1];
     const wave = scene.wave && decode(scene.wave, count);
@@ -78,6 +79,10 @@
     // Largest forces of one break of several; null where those over all breaks are shown.
     const byBreak = scene.breaks && unpack(scene.breaks, 2 * count);
     const chosen = (c, buff) => byBreak(state.brk, (buff ? count : 0) + c.coupler - 1);
+    // Forces over time are those of one break.
+    const broken = () => (state.brk === null ? scene.broken_coupler : scene.breaks.broken[state.brk]);
+    const timed = () => wave && broken() === scene.broken_coupler;
+    const gone = () => scene.several && state.coupler === scene.broken_coupler;
     // What the 16-bit numbers leave in doubt is not marked.
     const exceeds = (c, f) => (state.brk !== null ? Math.abs(share(c, f)) > OVER / 100 : Math.abs(share(c, f)) > 1 && (scene.several ? scene.largest[c.coupler - 1].exceeds : c.exceeds === true));
     const over = (c, f) => (exceeds(c, f) ? " (over)" : "");
@@ -117,7 +122,7 @@
     // --- elements ------------------------------------------------------------------------------------------------------
     const id = (what) => what + "-" + (number + 1);
     const select = element("select", { id: id("coupler") });
-    for (const c of scene.couplers) {
+    for (const c of all) {
       select.append(element("option", { value: c.coupler, textContent: c.coupler + " (" + c.between.join(", ") + ")" }));
     }
     const said = element("p", { id: id("said"), className: "note" });
@@ -132,29 +137,31 @@
     // One level below the heading that they stand under.
     const heading = (text) => element(several ? "h3" : "h2", { textContent: text });
     const label = (control, text) => element("label", { htmlFor: control.id, textContent: text });
-    const parts = [
-      heading("Forces along the train" + (scene.several ? ": the largest over all breaks, and the wave" + scene.when.replace(",", "") : "")),
-      element("p", { className: "note", textContent: "Point at a coupler for its forces; " + (document.body.dataset.click || "click it, or choose it below, to see its force over time") +
-        (wave ? ". The slider and the button run the wave through the train." : ".") }),
-    ];
+    const note = (text) => element("p", { className: "note", textContent: text });
+    const [lead, of_one] = [heading(""), heading("")];
+    const pointing = note("");
+    const parts = [lead, pointing];
     const brk = element("select", { id: id("break") });
     if (byBreak) {
       brk.append(element("option", { value: "", textContent: "all breaks" }));
       scene.breaks.broken.forEach((b, i) => brk.append(element("option", { value: i, textContent: "the break of coupler " + b })));
-      parts.push(element("div", { className: "bar" }, label(brk, "Show largest forces of"), brk));
+      parts.push(element("div", { className: "bar" }, label(brk, "Show the forces of"), brk));
+      if (scene.breaks.left_out) parts.push(note("The " + scene.breaks.broken.length + " worst breaks can be chosen; to keep the file small, it leaves out the forces of " + scene.breaks.left_out + " others."));
     }
+    // What follows is hidden where it is not of the break that is chosen.
+    const running = element("div", {}, note("The slider and the button run the wave through the train" + scene.when.replace(",", "") + "."),
+      element("div", { className: "bar" }, play, label(slider, scene.since), slider, shown));
+    if (wave && wave.folded > 1) {
+      running.append(note("To keep the file small, each step covers " + time(scene.wave.step_s) + " and shows each coupler's largest utilisation in it."));
+    }
+    const by_place = element("div", {}, heading("Force by place and time" + scene.when),
+      note("As a share of the rating: draft blue, buff orange, outlined where the force exceeds the rating" +
+        (wave && scene.wave.slack ? "; grey where a coupler is open (it passes its slack, without force)" : "") + ". Click for that coupler and that instant."), map);
+    const absent = element("p", { id: id("absent"), className: "note" });
     parts.push(along);
-    if (wave) {
-      parts.push(element("div", { className: "bar" }, play, label(slider, scene.since), slider, shown));
-      if (wave.folded > 1) {
-        parts.push(element("p", { className: "note", textContent: "To keep the file small, each step covers " +
-          time(scene.wave.step_s) + " and shows each coupler's largest utilisation in it." }));
-      }
-    }
-    if (wave) parts.push(heading("Force over time" + scene.when));
-    parts.push(element("div", { className: "bar" }, label(select, "Coupler"), select), said);
-    if (wave) parts.push(over_time, heading("Force by place and time" + scene.when), element("p", { className: "note",
-      textContent: "As a share of the rating: draft blue, buff orange, outlined where the force exceeds the rating. Click for that coupler and that instant." }), map);
+    if (wave) parts.push(running);
+    parts.push(of_one, element("div", { className: "bar" }, label(select, "Coupler"), select), said, absent);
+    if (wave) parts.push(over_time, by_place);
     place.append(...parts);
     place.hidden = false;
 
@@ -191,22 +198,21 @@
     const inUnits = (f) => (f === null ? null : f / unit);
 
     // --- along the train: the envelope, the ratings, the wave at an instant ----------------------------------------------
-    // Every coupler's place; the broken one is a gap.
+    // Every coupler's place; one that breaks is a gap.
     const places = Array.from({ length: count }, (_, i) => i + 1);
-    const of = (value) => places.map((p) => {
-      const c = by.get(p) || (state.brk !== null && scene.broken && p === scene.broken.coupler ? scene.broken : null);
-      return c === null ? null : value(c);
-    });
+    const of = (value) => places.map((p) => (by.has(p) ? value(by.get(p)) : null));
     const high = (c) => (state.brk !== null ? chosen(c, false) : scene.several ? scene.largest[c.coupler - 1].draft_n : c.peak_draft_n || 0);
     const low = (c) => (state.brk !== null ? chosen(c, true) : scene.several ? scene.largest[c.coupler - 1].buff_n : c.peak_buff_n || 0);
-    const marked = () => scene.couplers.concat(state.brk !== null && scene.broken ? scene.broken : []).flatMap((c) => [high(c), low(c)].filter((f) => exceeds(c, f)).map((f) => [c.coupler, f / unit]));
+    const marked = () => all.flatMap((c) => [high(c), low(c)].filter((f) => exceeds(c, f)).map((f) => [c.coupler, f / unit]));
+    // As in the static figures: smaller where they are many, and never so small that they are overlooked.
+    const mark_size = (marks) => 2 * Math.min(6, Math.max(4.5, 600 / Math.max(1, marks)));
     const step = { line: { shape: "hvh" } };
     const dashed = { line: { dash: "dash", width: 1.5, shape: "hvh" } };
     // A few couplers of a lower rating between stronger ones: a dash of the line of ratings is too narrow to be seen there.
     const weak = [["rated_draft_n", 1], ["rated_buff_n", -1]].flatMap(([key, sign]) => {
-      const strongest = Math.max(...scene.couplers.map((c) => c[key]));
-      const lower = scene.couplers.filter((c) => c[key] < 0.999 * strongest);
-      return 5 * lower.length > scene.couplers.length ? [] : lower.map((c) => [c.coupler, (sign * c[key]) / unit]);
+      const strongest = Math.max(...all.map((c) => c[key]));
+      const lower = all.filter((c) => c[key] < 0.999 * strongest);
+      return 5 * lower.length > all.length ? [] : lower.map((c) => [c.coupler, (sign * c[key]) / unit]);
     });
     const WAVE = 7;
     function alongTraces() {
@@ -221,9 +227,9 @@
         { x: weak.map((w) => w[0]), y: weak.map((w) => w[1]), mode: "markers", showlegend: false, hoverinfo: "skip",
           marker: { symbol: "line-ew", size: 11, line: { color: color("text"), width: 2.5 } }, visible: weak.length > 0 },
         { x: exceeding.map((e) => e[0]), y: exceeding.map((e) => e[1]), name: "over its rating", mode: "markers", hoverinfo: "skip",
-          marker: { symbol: "diamond", color: color("over"), size: 6 }, visible: exceeding.length > 0 },
-        line(places, scene.initial_force_n ? of((c) => inUnits(scene.initial_force_n[c.coupler - 1])) : [], "before the event", color("quiet"),
-          { line: { width: 1.5, shape: "hvh" }, trace: { visible: scene.initial_force_n ? true : false } }),
+          marker: { symbol: "diamond", color: color("over"), size: mark_size(exceeding.length), line: { color: color("card"), width: 0.7 } }, visible: exceeding.length > 0 },
+        line(places, scene.initial_force_n ? of((c) => inUnits(scene.initial_force_n[c.coupler - 1])) : [], "before the event", color("text"),
+          { line: { dash: "dot", width: 1.5, shape: "hvh" }, trace: { visible: scene.initial_force_n ? true : false } }),
         filled("the wave, draft", color("draft")), filled("the wave, buff", color("buff")),
       ];
     }
@@ -239,15 +245,22 @@
       const made = layout(narrow() ? 470 : 380, "coupler, counted from the head", forceAxis, { hovermode: "x", hoverdistance: -1 });
       made.xaxis.range = [0.3, count + 0.7];
       if (count < 10) made.xaxis.dtick = 1;
-      const b = state.brk === null ? scene.broken_coupler : scene.breaks.broken[state.brk];
+      const b = broken();
       made.yaxis.range = reach(scene.reach_n);
       // The numbers of few weak ratings, on a ground of their own beyond the line.
       if (weak.length <= 6) made.annotations = weak.map(([x, y]) => ({ x, y, text: given(Math.abs(y)), showarrow: false, xanchor: "left", xshift: 9,
         yanchor: y > 0 ? "bottom" : "top", yshift: y > 0 ? 6 : -6, bgcolor: color("card"), borderpad: 1, font: { color: color("text"), size: 11 } }));
-      made.annotations = (made.annotations || []).concat(beyond(scene.couplers, scene.reach_n));
-      if (b === null) return made;
+      made.annotations = (made.annotations || []).concat(beyond(all, scene.reach_n));
+      if (b === null || (scene.several && state.brk === null)) return made;
       made.shapes = [{ type: "line", xref: "x", yref: "paper", x0: b, x1: b, y0: 0, y1: 1, line: { color: color("quiet"), width: 1.5, dash: "dot" } }];
-      made.annotations.push({ x: b, y: 0.09, yref: "paper", text: "coupler " + b + " breaks", showarrow: false, xanchor: 2 * b > count ? "right" : "left", bgcolor: color("card") });
+      // Where the label covers least: beside the line, over some of the couplers there.
+      const [text, side, [bottom, top]] = ["coupler " + b + " breaks", 2 * b > count ? -1 : 1, scene.reach_n];
+      const beside = all.filter((c) => (c.coupler - b) * side >= 0 && (c.coupler - b) * side < (7.5 * text.length * count) / (place.clientWidth - 110));
+      const drawn = beside.flatMap((c) => [high(c), low(c), c.rated_draft_n, -c.rated_buff_n, 0, scene.initial_force_n ? scene.initial_force_n[c.coupler - 1] : 0]);
+      const covers = (y) => drawn.filter((f) => Math.abs(f - y) < 0.05 * (top - bottom)).length;
+      const heights = Array.from({ length: 23 }, (_, i) => bottom + ((i + 1) / 24) * (top - bottom));
+      const y = heights.reduce((a, b) => (covers(b) < covers(a) ? b : a)) / unit;
+      made.annotations.push({ x: b, y, text, showarrow: false, xanchor: side < 0 ? "right" : "left", bgcolor: color("card") });
       return made;
     }
 
@@ -265,21 +278,43 @@
       }
       return [t.map((x) => x / clock), f.map(inUnits)];
     }
+    // The part of a line that lies between two heights.
+    function between(t, f, low, high) {
+      const x = [], y = [];
+      for (let i = 1; i < t.length; i++) {
+        const rise = f[i] - f[i - 1];
+        if (f[i] === null || f[i - 1] === null || (rise === 0 && (f[i] < low || f[i] > high))) continue;
+        const [enter, leave] = [low, high].map((v) => (v - f[i - 1]) / rise).sort((a, b) => a - b);
+        const [from, to] = rise === 0 ? [0, 1] : [Math.max(0, enter), Math.min(1, leave)];
+        if (from >= to) continue;
+        const at = (s) => { x.push(t[i - 1] + s * (t[i] - t[i - 1])); y.push(f[i - 1] + s * rise); };
+        if (from > 0 || x[x.length - 1] !== t[i - 1]) { x.push(null); y.push(null); at(from); }
+        at(to);
+      }
+      return [x, y];
+    }
     function historyTraces() {
       const c = by.get(state.coupler);
       const across = [0, wave.times[wave.times.length - 1] / clock];
       const [t, f] = course(wave, c);
       const peaks = [[c.peak_draft_n, c.peak_draft_time_s], [c.peak_buff_n, c.peak_buff_time_s]].filter((p) => p[0] !== null);
-      const all = [
+      const traces = [
         line(across, [c.rated_draft_n / unit, c.rated_draft_n / unit], "rated", color("text"), { line: { dash: "dash", width: 1.5 } }),
         line(across, [-c.rated_buff_n / unit, -c.rated_buff_n / unit], "rated", color("text"), { line: { dash: "dash", width: 1.5 }, trace: { showlegend: false } }),
       ];
-      if (rod) all.push(line(...course(rod, c), "elastic rod", color("rod"), { line: { dash: "dot" } }));
-      all.push(Object.assign(line(t, f, "coupler " + c.coupler, color("text")), { hoverinfo: "text",
+      if (rod) traces.push(line(...course(rod, c), "elastic rod", color("rod"), { line: { dash: "dot" } }));
+      // Each stretch in the colour of its sense, and over that what is over the rating; a line along the rating is not over it.
+      const aside = 0.006 * (c.reach_n[1] - c.reach_n[0]) / unit;
+      for (const [low, high, name, paint, width] of [[0, Infinity, "draft", "draft", 2], [-Infinity, 0, "buff", "buff", 2],
+        [c.rated_draft_n / unit + aside, Infinity, "over its rating", "over", 3], [-Infinity, -c.rated_buff_n / unit - aside, "over its rating", "over", 3]]) {
+        const [x, y] = between(t, f, low, high);
+        if (x.length) traces.push(line(x, y, name, color(paint), { line: { width }, trace: { showlegend: !traces.some((trace) => trace.name === name) } }));
+      }
+      traces.push(Object.assign(line(t, f, "coupler " + c.coupler, "rgba(0,0,0,0)"), { showlegend: false, hoverinfo: "text",
         hovertext: t.map((x, i) => (f[i] === null ? "" : time(x * clock) + ": " + force(f[i] * unit) + ", " + percent(share(c, f[i] * unit)) + " of its rating")) }));
-      all.push({ x: peaks.map((p) => p[1] / clock), y: peaks.map((p) => p[0] / unit), name: "largest draft and buff", mode: "markers", hoverinfo: "text",
+      traces.push({ x: peaks.map((p) => p[1] / clock), y: peaks.map((p) => p[0] / unit), name: "largest draft and buff", mode: "markers", hoverinfo: "text",
         hovertext: peaks.map((p) => "largest " + sense(p[0]) + ": " + force(p[0]) + " at " + time(p[1])), marker: { symbol: "diamond", size: 9, color: peaks.map((p) => color(exceeds(c, p[0]) ? "over" : sense(p[0]))) } });
-      return all;
+      return traces;
     }
     // Axes of the same time lie under each other.
     function aligned(made) {
@@ -299,27 +334,42 @@
       line: { color: color("quiet"), width: 1 } }];
 
     // --- place and time --------------------------------------------------------------------------------------------------
+    // Couplers over their ratings, marked at the right, and where and when: symbols, as an outline one coupler high is not seen.
+    function marks(field, end, axis) {
+      const [wide, high] = [place.clientWidth, rod ? 210 : 290];
+      const apart = (a, b) => Math.hypot(((a[0] - b[0]) * wide) / scene.horizon_s, ((a[1] - b[1]) * high) / count) >= 14;
+      const shown = field.over_at.reduce((kept, p) => (kept.every((k) => apart(p, k)) ? kept.concat([p]) : kept), []);
+      const mark = (x, y, marker, name) => ({ type: "scatter", mode: "markers", x, y, yaxis: axis, marker, hoverinfo: "skip", cliponaxis: false, name, showlegend: name !== undefined && axis === "y" });
+      const [x, y] = [shown.map((p) => p[0] / clock), shown.map((p) => p[1])];
+      if (field.over.length === 0) return [];
+      return [mark(field.over.map(() => end), field.over, { symbol: "triangle-left", size: 11, color: color("over") }, "coupler over its rating"),
+        ...[["card", 5], ["over", 2.2, "where and when"]].map(([paint, width, name]) => mark(x, y, { symbol: "diamond-open", size: 11, color: color(paint), line: { width } }, name))];
+    }
     const scale = () => color("ramp").split(" ").map((paint, i, all) => [i / (all.length - 1), paint]);
     function mapTraces() {
-      const panel = (field, axis, bar) => {
-        const z = places.map((p) => (by.has(p) ? field.row(p - 1).map((f) => (f === null ? null : 100 * share(by.get(p), f))) : field.times.map(() => null)));
+      const panel = (field, given_field, axis, bar) => {
+        const z = places.map((p) => field.row(p - 1).map((f) => (f === null ? null : 100 * share(by.get(p), f))));
         const text = z.map((row, r) => row.map((s) => (s === null ? "" : percent(s / 100))));
         const forces = z.map((row, r) => row.map((s, i) => (s === null ? "" : force(field.force(r, i)))));
         const x = field.times.map((t) => t / clock);
         const heat = { type: "heatmap", x, y: places, z, text, customdata: forces, colorscale: scale(), zmid: 0, zmin: -most, zmax: most, yaxis: axis, showscale: bar,
-          colorbar: { title: { text: "share of the rating, %", side: "bottom" }, orientation: "h", yref: "container", y: 0, yanchor: "bottom", thickness: 12, outlinewidth: 0, len: 0.8 }, hoverongaps: false,
-          hovertemplate: "coupler %{y}, %{x:.4g} " + clockName + "<br>%{customdata}<br>%{text} of its rating<extra>" + (bar ? "" : "elastic rod") + "</extra>" };
+          colorbar: { title: { text: "buff \u2190 share of the rating \u2192 draft", side: "bottom" }, tickvals: ticks, ticktext: ticks.map((v) => Math.abs(v) + " %"), orientation: "h", yref: "container", y: 0, yanchor: "bottom", thickness: 12, outlinewidth: 0, len: 0.8 }, hoverongaps: false,
+          hovertemplate: "coupler %{y}, %{x:.4g} " + clockName + "<br>%{customdata}<br>%{text}<extra>" + (bar ? "" : "elastic rod") + "</extra>" };
+        const made = [heat];
+        if (open.some((row) => row.includes(1))) made.push({ type: "heatmap", x, y: places, z: open, yaxis: axis, showscale: false, hoverinfo: "skip",
+          colorscale: [[0, color("slack")], [1, color("slack")]] });
+        made.push(...marks(given_field, x[x.length - 1], axis));
         const cells = z.length * x.length;
         const passes = z.some((row) => row.some((s) => Math.abs(s) > OVER));
-        if (!passes || z.length < 2 || cells > 120000) return [heat];
-        return [heat, { type: "contour", x, y: places, z: z.map((row) => row.map((s) => (s === null ? 0 : Math.abs(s)))), yaxis: axis, showscale: false, hoverinfo: "skip",
-          contours: { start: OVER, end: OVER, size: 1, coloring: "none" }, line: { color: color("text"), width: 1, smoothing: 0 } }];
+        if (!passes || z.length < 2 || cells > 120000) return made;
+        return made.concat({ type: "contour", x, y: places, z: z.map((row) => row.map((s) => (s === null ? 0 : Math.abs(s)))), yaxis: axis, showscale: false, showlegend: false, hoverinfo: "skip",
+          contours: { start: OVER, end: OVER, size: 1, coloring: "none" }, line: { color: color("text"), width: 1, smoothing: 0 } });
       };
-      let most = 0;
-      for (const field of [wave, rod].filter((f) => f)) {
-        for (const p of places.filter((p) => by.has(p))) for (const f of field.row(p - 1)) if (f !== null) most = Math.max(most, 100 * Math.abs(share(by.get(p), f)));
-      }
-      return panel(wave, "y", true).concat(rod ? panel(rod, "y2", false) : []);
+      // One scale for all figures of a report.
+      const most = 100 * scene.most;
+      const stride = [1, 2, 5, 10, 20, 25, 50, 100, 200, 500, 1000].find((s) => most / s < (narrow() ? 3 : 5)) || most;
+      const ticks = Array.from({ length: 2 * Math.floor(most / stride) + 1 }, (_, i) => (i - Math.floor(most / stride)) * stride);
+      return panel(wave, scene.wave, "y", true).concat(rod ? panel(rod, scene.rod, "y2", false) : []);
     }
     function mapLayout() {
       const made = layout(rod ? 620 : 420, timeAxis, "coupler, from the head", { shapes: cursor() });
@@ -335,11 +385,24 @@
     function describe() {
       said.textContent = facts(by.get(state.coupler)).join("; ") + ".";
     }
+    function drawHistory() {
+      const [at, b] = [timed(), scene.broken_coupler];
+      over_time.hidden = !at || gone();
+      absent.hidden = !over_time.hidden || !wave;
+      absent.textContent = at ? "Coupler " + b + " breaks at t = 0 and has no force after that."
+        : "Forces over time are in this page for the break of coupler " + b + " only, the worst of these breaks.";
+      if (!over_time.hidden) Plotly.react(over_time, historyTraces(), historyLayout(), config);
+    }
     function draw() {
+      const when = state.brk === null ? scene.when : ", when coupler " + broken() + " breaks";
+      lead.textContent = "Forces along the train" + (scene.several && state.brk === null ? ": the largest over all breaks" : when);
+      of_one.textContent = timed() ? "Force over time" + when : "Largest forces of one coupler" + (state.brk === null ? "" : when);
+      pointing.textContent = "Point at a coupler for its forces; " + (document.body.dataset.click || "click it, or choose it below, " + (timed() ? "to see its force over time" : "to read them")) + ".";
+      running.hidden = by_place.hidden = !timed();
       Plotly.react(along, alongTraces(), alongLayout(), config);
-      if (!wave) return;
-      Plotly.react(over_time, historyTraces(), historyLayout(), config);
-      Plotly.react(map, mapTraces(), mapLayout(), config);
+      if (!wave) return drawHistory();
+      drawHistory();
+      if (timed()) Plotly.react(map, mapTraces(), mapLayout(), config);
       show(state.column);
     }
     function show(column) {
@@ -348,11 +411,10 @@
       const at = time(wave.times[column]);
       shown.textContent = at;
       slider.setAttribute("aria-valuetext", at);
-      // The wave is that of one break, and is not drawn beside the largest forces of another.
-      const other = state.brk !== null && scene.breaks.broken[state.brk] !== scene.broken_coupler;
-      const [draft, buff] = other ? [[], []] : instant();
+      const [draft, buff] = timed() ? instant() : [[], []];
       Plotly.restyle(along, { y: [draft, buff] }, [WAVE, WAVE + 1]);
-      Plotly.relayout(over_time, { shapes: cursor() });
+      if (!timed()) return;
+      if (!over_time.hidden) Plotly.relayout(over_time, { shapes: cursor() });
       Plotly.relayout(map, { shapes: cursor() });
     }
     function choose(coupler) {
@@ -360,7 +422,7 @@
       state.coupler = coupler;
       select.value = coupler;
       describe();
-      if (wave) Plotly.react(over_time, historyTraces(), historyLayout(), config);
+      drawHistory();
     }
     function stop() {
       clearInterval(state.timer);
@@ -388,6 +450,9 @@
     choose(state.coupler);
     brk.addEventListener("change", () => {
       state.brk = brk.value === "" ? null : Number(brk.value);
+      stop();
+      // A page with the program behind it computes that break.
+      if (wave && !timed() && !clicked(broken())) return;
       draw();
       describe();
     });

@@ -10,7 +10,7 @@ use crate::findings::{Analysis, CaseFindings, ScenarioFindings};
 /// infinity, so a number that is not finite becomes `null`.
 ///
 /// # Errors
-/// None are known; serialisation is not written so that it cannot fail.
+/// None are known, but the serialiser returns a `Result`.
 pub fn json(analysis: &Analysis) -> Result<String, serde_json::Error> {
     let shortened = Analysis {
         train: analysis.train.clone(),
@@ -27,7 +27,7 @@ pub fn json(analysis: &Analysis) -> Result<String, serde_json::Error> {
     Ok(text)
 }
 
-/// The scenario with nothing in it that will not be printed: many cases have very many couplers.
+/// The scenario without what is not printed: the couplers of one of many cases.
 fn shorten(scenario: &ScenarioFindings) -> ScenarioFindings {
     let many = scenario.cases.len() > 1;
     let case = |c: &CaseFindings| CaseFindings {

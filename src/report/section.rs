@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 
 use super::block::Side::{Left, Right};
 use super::block::{Block, Side, Span, Table, lines};
-use super::numbers::{brief_time, down, force, force_unit, given_force_in, percent, small_force, time};
+use super::numbers::{
+    Unit, brief_time, down, force_in, force_unit, given_force_in, interval, percent, small_force, time,
+};
 use super::pictures::Shown;
 use super::{cascade, limits, variants, words};
 use crate::findings::{CaseFindings, CouplerFindings, ScenarioFindings};
@@ -54,7 +56,7 @@ pub fn section(
         all.extend(every(train, cases));
     }
     all.extend(titled("Method", methods(cases)));
-    let accuracy = accuracy(cases, train.origin().units);
+    let accuracy = accuracy(train, cases);
     all.push(Block::titled("Accuracy", format!("{accuracy} Run time {}.", run_time(cases))));
     all
 }
@@ -84,7 +86,9 @@ fn verdict(train: &Train, scenario: &ScenarioFindings, index: usize, several: bo
     let next = match cascade::sentence(scenario) {
         next if next.is_empty() => next,
         next if cascade::brief(scenario).is_empty() => next,
-        next => next + " The rest of this section covers the event alone and ignores the later breaks.",
+        next => {
+            next + " But for the tables of these breaks and of the forces with them, this section covers the event alone and ignores the later breaks."
+        }
     };
     let name = if several { String::new() } else { format!("Scenario \"{}\". ", scenario.name) };
     let event = source.map(|s| words::event(train, s)).unwrap_or_default();
@@ -112,12 +116,20 @@ fn of_case(case: &CaseFindings, units: UnitSystem) -> Vec<Block> {
         ("utilisation", Right),
         ("peak at", Right),
         ("over its rating from", Right),
+        ("carries this with a rating above", Right),
     ];
-    let row = |c| exceeding_row(c, case, units);
+    let unit = column_unit(words::exceeding(case).into_iter(), units);
+    let row = |c| exceeding_row(c, case, unit);
     let mut all = table("Couplers over their rating, worst first", head, words::exceeding(case), ROWS, CSV, row);
     let within = if case.error_estimate_n.is_some() { "ten estimates of the error" } else { "the error bound" };
     let caption = format!("Not decided, because the rating lies within {within} of the peak");
-    let head: Head = &[("coupler", Right), ("between", Left), ("peak", Left), ("rating", Left)];
+    let head: Head = &[
+        ("coupler", Right),
+        ("between", Left),
+        ("peak", Left),
+        ("rating", Left),
+        ("certainly carries this with a rating above", Left),
+    ];
     all.extend(table(&caption, head, words::undecided(case), ROWS, CSV, |c| undecided_row(c, case, units)));
     all
 }
@@ -134,8 +146,9 @@ fn of_breaks(scenario: &ScenarioFindings, units: UnitSystem) -> Vec<Block> {
         ("safe share of the load", Right),
     ];
     let caption = "Breaks that overload another coupler, worst first";
-    let mut all = table(caption, head, harmful(scenario), ROWS, JSON, |of| break_row(of, units));
-    all.extend(often(scenario));
+    let unit = column_unit(harmful(scenario).into_iter().map(|of| of.1), units);
+    let mut all = table(caption, head, harmful(scenario), ROWS, JSON, |of| break_row(of, unit));
+    all.extend(often(scenario, units));
     all
 }
 
@@ -145,7 +158,8 @@ fn over_limits(scenario: &ScenarioFindings, units: UnitSystem) -> Vec<Block> {
         let head: Head =
             &[("coupler", Right), ("between", Left), ("largest force", Right), ("limits in that sense", Left)];
         let caption = "Couplers that pass a limit, the largest excess over one first";
-        all.extend(table(caption, head, limits::passing(case), ROWS, CSV, |of| limits::row(of, case, units)));
+        let unit = column_unit(limits::passing(case).into_iter().map(|of| of.0), units);
+        all.extend(table(caption, head, limits::passing(case), ROWS, CSV, |of| limits::row(of, case, unit)));
     }
     all
 }
@@ -183,7 +197,8 @@ pub fn overview(train: &Train, scenarios: &[ScenarioFindings]) -> Block {
         ("safe factor", Left),
         ("horizon", Left),
     ];
-    let mut rows: Vec<Vec<String>> = scenarios.iter().map(|scenario| overview_row(train, scenario)).collect();
+    let unit = column_unit(scenarios.iter().filter_map(words::worst_case).map(|of| of.1), train.origin().units);
+    let mut rows: Vec<Vec<String>> = scenarios.iter().map(|scenario| overview_row(train, scenario, unit)).collect();
     let of_each = |cell: fn(&ScenarioFindings) -> String| scenarios.iter().map(cell).collect::<Vec<_>>();
     let more = [("limits passed", of_each(limits::brief)), ("further couplers break", of_each(cascade::brief))];
     for (name, cells) in more {
@@ -196,7 +211,7 @@ pub fn overview(train: &Train, scenarios: &[ScenarioFindings]) -> Block {
 }
 
 /// A row of the table of all scenarios: the verdict in figures.
-fn overview_row(train: &Train, scenario: &ScenarioFindings) -> Vec<String> {
+fn overview_row(train: &Train, scenario: &ScenarioFindings, unit: Unit) -> Vec<String> {
     let exceeding = |of: fn(&CaseFindings) -> usize| match &scenario.cases[..] {
         [case] => of(case).to_string(),
         cases => format!("{} of {}", cases.iter().filter(|c| of(c) > 0).count(), words::count(cases.len(), "break")),
@@ -206,7 +221,7 @@ fn overview_row(train: &Train, scenario: &ScenarioFindings) -> Vec<String> {
         let after = after.map_or(String::new(), |b| format!(", when {b} breaks"));
         [
             format!("{}{after}", c.coupler),
-            format!("{}, {} %", demand(c, case, train.origin().units), percent(c.utilisation)),
+            format!("{}, {} %", demand(c, case, unit), percent(c.utilisation)),
             time(c.peak_time_s),
         ]
     });
@@ -229,7 +244,25 @@ fn sequence(case: &CaseFindings, units: UnitSystem) -> Vec<Block> {
         ("energy set free", Right),
     ];
     let breaks = found.breaks.iter().collect();
-    table("Couplers that break, in order", head, breaks, ROWS, JSON, |b| cascade::row(b, found, units))
+    let unit = force_unit(units, found.breaks.iter().map(|b| b.force_n.abs()).fold(0.0, f64::max));
+    let row = |b| cascade::row(b, found, units, unit);
+    let mut all = table("Couplers that break, in order", head, breaks, ROWS, JSON, row);
+    if !found.breaks.is_empty() {
+        let head: Head = &[
+            ("coupler", Right),
+            ("between", Left),
+            ("demand", Right),
+            ("capacity", Right),
+            ("utilisation", Right),
+            ("peak at", Right),
+            ("utilisation if no other breaks", Right),
+        ];
+        let caption =
+            "Largest force of every coupler when these break, up to its own break, the largest utilisation first";
+        let row = |of| cascade::force_row(of, found, units);
+        all.extend(table(caption, head, cascade::forces(case), ROWS, CSV, row));
+    }
+    all
 }
 
 /// A table of the first of some items, if there are any, and how many more there are; a file may have all.
@@ -262,29 +295,37 @@ fn table<T>(
     all
 }
 
-fn exceeding_row(c: &CouplerFindings, case: &CaseFindings, units: UnitSystem) -> Vec<String> {
+/// One unit for the largest forces of a column.
+fn column_unit<'a>(of: impl Iterator<Item = &'a CouplerFindings>, units: UnitSystem) -> Unit {
+    force_unit(units, of.map(|c| c.peak_force_n.abs()).fold(0.0, f64::max))
+}
+
+fn exceeding_row(c: &CouplerFindings, case: &CaseFindings, unit: Unit) -> Vec<String> {
     vec![
         c.coupler.to_string(),
         c.between.join(", "),
-        demand(c, case, units),
-        // In the unit of the force beside it.
-        given_force_in(force_unit(units, c.peak_force_n), words::rating(c)),
+        demand(c, case, unit),
+        given_force_in(unit, words::rating(c)),
         format!("{} %", percent(c.utilisation)),
         time(c.peak_time_s),
         c.first_exceeds_s
             .map(|t| format!("{}, in {}", time(t), c.first_exceeds_in.unwrap_or_default()))
             .unwrap_or_default(),
+        words::enough(c, case.margin_n(), unit),
     ]
 }
 
 fn undecided_row(c: &CouplerFindings, case: &CaseFindings, units: UnitSystem) -> Vec<String> {
     let unit = force_unit(units, 0.0);
     let rating = format!("{} {}", words::rating(c) / unit.size, unit.name);
-    vec![c.coupler.to_string(), c.between.join(", "), words::interval(c, case.margin_n(), units), rating]
+    // The upper end of the interval, with the digits that tell it from the lower one.
+    let [_, enough] = interval(c.peak_force_n.abs() / unit.size, case.margin_n() / unit.size);
+    let enough = format!("{enough} {} in {}", unit.name, words::sense(c.peak_force_n));
+    vec![c.coupler.to_string(), c.between.join(", "), words::interval(c, case.margin_n(), units), rating, enough]
 }
 
-fn demand(c: &CouplerFindings, case: &CaseFindings, units: UnitSystem) -> String {
-    format!("{} in {}", force(units, c.peak_force_n, case.error_n()), words::sense(c.peak_force_n))
+fn demand(c: &CouplerFindings, case: &CaseFindings, unit: Unit) -> String {
+    format!("{} in {}", force_in(unit, c.peak_force_n, case.error_n()), words::sense(c.peak_force_n))
 }
 
 /// Cases in which some coupler exceeds, worst first.
@@ -295,12 +336,12 @@ fn harmful(scenario: &ScenarioFindings) -> Vec<(&CaseFindings, &CouplerFindings)
     over
 }
 
-fn break_row((case, worst): (&CaseFindings, &CouplerFindings), units: UnitSystem) -> Vec<String> {
+fn break_row((case, worst): (&CaseFindings, &CouplerFindings), unit: Unit) -> Vec<String> {
     vec![
         case.broken_coupler.map(|b| b.to_string()).unwrap_or_default(),
         case.exceeding.to_string(),
         format!("{} ({})", worst.coupler, worst.between.join(", ")),
-        demand(worst, case, units),
+        demand(worst, case, unit),
         format!("{} %", percent(worst.utilisation)),
         time(worst.peak_time_s),
         case.safe_load_factor.map(|f| format!("{} %", down(100.0 * f))).unwrap_or_default(),
@@ -320,7 +361,7 @@ fn every(train: &Train, cases: &[CaseFindings]) -> Vec<Block> {
         ("largest utilisation in the first passage", Right),
     ];
     let caption = "Every break, from the head, with the worst coupler after it";
-    let units = train.origin().units;
+    let unit = column_unit(cases.iter().filter_map(|case| case.worst.as_ref()), train.origin().units);
     let of: Vec<_> = cases.iter().filter_map(|c| Some((c, c.broken_coupler?, c.worst.as_ref()?))).collect();
     table(caption, head, of, BREAKS, JSON, |(case, broken, worst)| {
         let [ahead, behind] = [broken - 1, broken].map(|v| train.vehicles()[v].label.as_str());
@@ -330,7 +371,7 @@ fn every(train: &Train, cases: &[CaseFindings]) -> Vec<Block> {
             format!("{ahead}, {behind}"),
             case.exceeding.to_string(),
             format!("{} ({})", worst.coupler, worst.between.join(", ")),
-            demand(worst, case, units),
+            demand(worst, case, unit),
             format!("{} %", percent(worst.utilisation)),
             time(worst.peak_time_s),
             early.map(|w| format!("{} %", percent(w.utilisation))).unwrap_or_default(),
@@ -339,16 +380,28 @@ fn every(train: &Train, cases: &[CaseFindings]) -> Vec<Block> {
 }
 
 /// Couplers by how many breaks overload them, most first.
-fn often(scenario: &ScenarioFindings) -> Vec<Block> {
-    let mut breaks: BTreeMap<usize, (usize, &CouplerFindings)> = BTreeMap::new();
+fn often(scenario: &ScenarioFindings, units: UnitSystem) -> Vec<Block> {
+    let mut breaks: BTreeMap<usize, (usize, CouplerFindings)> = BTreeMap::new();
+    let margin_n = scenario.cases.iter().map(CaseFindings::margin_n).fold(0.0, f64::max);
     for c in scenario.cases.iter().flat_map(|case| &case.couplers).filter(|c| c.exceeds == Some(true)) {
-        breaks.entry(c.coupler).or_insert((0, c)).0 += 1;
+        let (count, most) = breaks.entry(c.coupler).or_insert_with(|| (0, c.clone()));
+        *count += 1;
+        most.peak_draft_n = [most.peak_draft_n, c.peak_draft_n].into_iter().flatten().reduce(f64::max);
+        most.peak_buff_n = [most.peak_buff_n, c.peak_buff_n].into_iter().flatten().reduce(f64::min);
     }
     let mut found: Vec<_> = breaks.into_values().collect();
-    found.sort_by_key(|&(n, c)| (std::cmp::Reverse(n), c.coupler));
-    let head: Head = &[("coupler", Right), ("between", Left), ("breaks that overload it", Right)];
+    found.sort_by_key(|(n, c)| (std::cmp::Reverse(*n), c.coupler));
+    let unit = column_unit(found.iter().map(|(_, c)| c), units);
+    let head: Head = &[
+        ("coupler", Right),
+        ("between", Left),
+        ("breaks that overload it", Right),
+        ("carries all of them with a rating above", Right),
+    ];
     let caption = "Couplers overloaded by the most breaks";
-    let row = |(n, c): (usize, &CouplerFindings)| vec![c.coupler.to_string(), c.between.join(", "), n.to_string()];
+    let row = |(n, c): (usize, CouplerFindings)| {
+        vec![c.coupler.to_string(), c.between.join(", "), n.to_string(), words::enough(&c, margin_n, unit)]
+    };
     table(caption, head, found, ROWS / 2, None, row)
 }
 
@@ -382,9 +435,10 @@ fn run_time(cases: &[CaseFindings]) -> String {
     if cases.len() > 1 { format!("{total}, summed over {} cases", cases.len()) } else { total }
 }
 
-fn accuracy(cases: &[CaseFindings], units: UnitSystem) -> String {
+fn accuracy(train: &Train, cases: &[CaseFindings]) -> String {
+    let units = train.origin().units;
     if cases.iter().any(|c| c.error_estimate_n.is_some()) {
-        return estimate(cases, units) + &endings(cases);
+        return estimate(cases, units) + &endings(train, cases);
     }
     let bound = cases.iter().map(|c| c.error_bound_n).fold(0.0, f64::max);
     let asked = cases.iter().map(|c| c.tolerance_n).fold(0.0, f64::max);
@@ -395,10 +449,10 @@ fn accuracy(cases: &[CaseFindings], units: UnitSystem) -> String {
          and the search for peaks between instants ({met}: {}).",
         write(bound),
         write(asked)
-    ) + &endings(cases)
+    ) + &endings(train, cases)
 }
 
-/// What the accuracy of a computation is not.
+/// End of a sentence about accuracy.
 const NOT_OF_A_TRAIN: &str = "is that of the computation, not the difference between the model and a real train.";
 
 /// The accuracy of marches for which nothing is proven.
@@ -417,7 +471,7 @@ fn estimate(cases: &[CaseFindings], units: UnitSystem) -> String {
 }
 
 /// Where marches end before their horizon, and why.
-fn endings(cases: &[CaseFindings]) -> String {
+fn endings(train: &Train, cases: &[CaseFindings]) -> String {
     let lost = cases.iter().filter_map(|c| c.predictable_until_s).reduce(f64::min);
     let stopped = cases.iter().filter_map(|c| Some((c.stopped_at_s?, c.stopped_vehicle?)));
     let stopped = stopped.reduce(|a, b| if b.0 < a.0 { b } else { a });
@@ -431,8 +485,9 @@ fn endings(cases: &[CaseFindings]) -> String {
     }
     if let Some((at_s, vehicle)) = stopped {
         text += &format!(
-            " The report ends {of_cases}at {}: vehicle {vehicle} would come to a stand then, and a standing vehicle is not computed.",
-            time(at_s)
+            " The report ends {of_cases}at {}: {} would come to a stand then, and a standing vehicle is not computed.",
+            time(at_s),
+            train.place_of(vehicle)
         );
     }
     text

@@ -1,12 +1,12 @@
 //! The train and its scales, as rows of a table.
 
-use super::numbers::{brief_time, digits, given_force, without_zeros};
+use super::numbers::{brief_time, digits, force_unit, given_force_in, without_zeros};
 use super::words::{count, sense};
 use crate::consist::{self, of_parts};
 use crate::findings::variants::critical_n_s_per_m;
 use crate::scenario;
 use crate::train::{Train, Vehicle};
-use crate::units::{Dimension, Unit, shown};
+use crate::units::{Dimension, Unit, UnitSystem, shown, shown_in, unit_for};
 
 /// What the train is: name and value of each fact that it has.
 pub fn train_facts(train: &Train) -> Vec<[String; 2]> {
@@ -30,10 +30,7 @@ pub fn train_facts(train: &Train) -> Vec<[String; 2]> {
             format!("total mass{with_held}"),
             shown(units, train.vehicles().iter().map(|v| v.mass_kg).sum(), Dimension::Mass),
         ],
-        [
-            "mass of a vehicle".to_owned(),
-            span(train.vehicles().iter().map(|v| v.mass_kg), |m| shown(units, m, Dimension::Mass)),
-        ],
+        ["mass of a vehicle".to_owned(), span_of(units, train.vehicles().iter().map(|v| v.mass_kg), Dimension::Mass)],
     ];
     rows.extend(train.length_m().map(|(m, without_held)| {
         let Unit { name, size } = units.long();
@@ -41,7 +38,7 @@ pub fn train_facts(train: &Train) -> Vec<[String; 2]> {
         [format!("length over couplers{without}"), format!("{} {name}", four(m / size))]
     }));
     rows.extend(held(train).map(|h| ["held at their speed".to_owned(), h]));
-    let stiffness = span(couplers.iter().map(|c| c.stiffness_n_per_m), |k| shown(units, k, Dimension::Stiffness));
+    let stiffness = span_of(units, couplers.iter().map(|c| c.stiffness_n_per_m), Dimension::Stiffness);
     if train.extras().laws.is_empty() {
         rows.push(["stiffness of a coupler".to_owned(), stiffness]);
     } else {
@@ -54,15 +51,15 @@ pub fn train_facts(train: &Train) -> Vec<[String; 2]> {
     }
     let dashpots = &train.extras().dashpot_n_s_per_m;
     if !dashpots.is_empty() {
-        let written = span(dashpots.iter().copied(), |c| shown(units, c, Dimension::Damping));
+        let written = span_of(units, dashpots.iter().copied(), Dimension::Damping);
         rows.push([
             "dashpot of a coupler".to_owned(),
             format!("{written}, damping ratio c / 2\u{221a}(km) {} (of a dashpot)", ratios(train)),
         ]);
     }
     rows.extend([
-        ["rated in draft".to_owned(), span(couplers.iter().map(|c| c.rated_draft_n), |f| given_force(units, f))],
-        ["rated in buff".to_owned(), span(couplers.iter().map(|c| c.rated_buff_n), |f| given_force(units, f))],
+        ["rated in draft".to_owned(), span_of(units, couplers.iter().map(|c| c.rated_draft_n), Dimension::Force)],
+        ["rated in buff".to_owned(), span_of(units, couplers.iter().map(|c| c.rated_buff_n), Dimension::Force)],
         ["load before the event".to_owned(), format!("{}{}", load(train), of_parts(train))],
     ]);
     rows.extend(steady(train));
@@ -96,6 +93,12 @@ fn span(values: impl Iterator<Item = f64>, write: impl Fn(f64) -> String) -> Str
     if low == high { write(low) } else { format!("{} to {}", write(low), write(high)) }
 }
 
+/// The same of quantities, in one unit.
+fn span_of(units: UnitSystem, values: impl Iterator<Item = f64> + Clone, dimension: Dimension) -> String {
+    let unit = unit_for(units.units(dimension), values.clone().fold(0.0, f64::max));
+    span(values, |value| shown_in(unit, value))
+}
+
 /// Where the load comes from, if the file gives the forces on the vehicles.
 fn steady(train: &Train) -> Vec<[String; 2]> {
     let Some(steady) = &train.extras().steady else { return Vec::new() };
@@ -106,11 +109,8 @@ fn steady(train: &Train) -> Vec<[String; 2]> {
     };
     vec![
         ["forces on the vehicles, forward and backward".to_owned(), {
-            format!(
-                "{} and {}",
-                given_force(train.origin().units, sum(1.0)),
-                given_force(train.origin().units, sum(-1.0))
-            )
+            let unit = force_unit(train.origin().units, sum(1.0).max(sum(-1.0)));
+            format!("{} and {}", given_force_in(unit, sum(1.0)), given_force_in(unit, sum(-1.0)))
         }],
         ["acceleration before the event".to_owned(), acceleration],
     ]
@@ -121,8 +121,9 @@ fn load(train: &Train) -> String {
     if forces().all(|f| f == 0.0) {
         return "none".to_owned();
     }
+    let unit = force_unit(train.origin().units, forces().map(f64::abs).fold(0.0, f64::max));
     let one = |f: f64| {
-        let force = given_force(train.origin().units, f);
+        let force = given_force_in(unit, f);
         if f == 0.0 { force } else { format!("{force} in {}", sense(f)) }
     };
     if equal(train.initial_force_n(), |&f| f) {

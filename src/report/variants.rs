@@ -1,6 +1,6 @@
 //! The worst case of a scenario on the same train with one change: what the report says of losses, gears, slack and brakes.
 
-use super::numbers::{digits, force, percent, time};
+use super::numbers::{Unit, digits, force_in, force_unit, percent, time};
 use super::words;
 use crate::findings::variants::{GENERIC_SLACK_M, LET_DOWN};
 use crate::findings::{CaseFindings, Changed, CouplerFindings, ScenarioFindings, Variant, VariantFindings};
@@ -28,8 +28,10 @@ pub fn losses(scenario: &ScenarioFindings, units: UnitSystem) -> Vec<Vec<String>
     let Some((case, worst)) = words::worst_case(scenario).filter(|_| !scenario.damping.is_empty()) else {
         return Vec::new();
     };
-    let with = scenario.damping.iter().map(|d| row(d.damping_ratio.to_string(), &d.found, units));
-    std::iter::once(row("0".to_owned(), &as_given(case, worst), units)).chain(with).collect()
+    let given = as_given(case, worst);
+    let unit = unit_of(std::iter::once(&given).chain(scenario.damping.iter().map(|d| &d.found)), units);
+    let with = scenario.damping.iter().map(|d| row(d.damping_ratio.to_string(), &d.found, unit));
+    std::iter::once(row("0".to_owned(), &given, unit)).chain(with).collect()
 }
 
 /// The worst case as given, and of each variant.
@@ -37,8 +39,10 @@ pub fn rows(scenario: &ScenarioFindings, units: UnitSystem) -> Vec<Vec<String>> 
     let Some((case, worst)) = words::worst_case(scenario).filter(|_| !scenario.variants.is_empty()) else {
         return Vec::new();
     };
-    let with = scenario.variants.iter().map(|v| row(name(v.variant, units), &v.found, units));
-    std::iter::once(row("as given".to_owned(), &as_given(case, worst), units)).chain(with).collect()
+    let given = as_given(case, worst);
+    let unit = unit_of(std::iter::once(&given).chain(scenario.variants.iter().map(|v| &v.found)), units);
+    let with = scenario.variants.iter().map(|v| row(name(v.variant, units), &v.found, unit));
+    std::iter::once(row("as given".to_owned(), &given, unit)).chain(with).collect()
 }
 
 /// What the table of variants is of, and what is left of the overload of linear couplers.
@@ -130,9 +134,14 @@ fn as_given(case: &CaseFindings, worst: &CouplerFindings) -> Changed {
     }
 }
 
-fn row(first: String, of: &Changed, units: UnitSystem) -> Vec<String> {
+/// One unit for the forces of a column.
+fn unit_of<'a>(of: impl Iterator<Item = &'a Changed>, units: UnitSystem) -> Unit {
+    force_unit(units, of.map(|c| c.peak_force_n.abs()).fold(0.0, f64::max))
+}
+
+fn row(first: String, of: &Changed, unit: Unit) -> Vec<String> {
     let error_n = of.error_bound_n.or(of.error_estimate_n).unwrap_or(0.0);
-    let size = format!("{} in {}", force(units, of.peak_force_n, error_n), words::sense(of.peak_force_n));
+    let size = format!("{} in {}", force_in(unit, of.peak_force_n, error_n), words::sense(of.peak_force_n));
     let share = format!("{} %", percent(of.utilisation));
     vec![first, of.exceeding.to_string(), of.coupler.to_string(), size, share, time(of.peak_time_s)]
 }

@@ -302,7 +302,7 @@ fn meetings(case: &CaseFindings) -> String {
 
 const LOSSES: &str = "after reflections from the ends, which the losses of a real train reduce";
 
-/// What is to be said of exceedances after the first passage: a march has what losses and brakes the file gives.
+/// Words for exceedances after the first passage: a march includes the file's losses and brakes.
 fn later_ones(case: &CaseFindings) -> &'static str {
     if case.method == "march" { "after it" } else { LOSSES }
 }
@@ -363,10 +363,12 @@ pub fn passage(scenario: &ScenarioFindings, units: UnitSystem) -> String {
     ];
     let all =
         [largest(&|c| c.peak_draft_n.zip(c.peak_draft_time_s)), largest(&|c| c.peak_buff_n.zip(c.peak_buff_time_s))];
+    let unit =
+        super::numbers::force_unit(units, first.iter().chain(&all).flatten().map(|p| p.1.abs()).fold(0.0, f64::max));
     let told = |sense: &str, peak: Option<Peak>| match peak {
         None => format!("no {sense} in any coupler"),
         Some((coupler, f, t)) => {
-            let force = super::numbers::force(units, f, case.error_n());
+            let force = super::numbers::force_in(unit, f, case.error_n());
             format!("largest {sense} {force} in coupler {coupler}, at {}", time(t))
         }
     };
@@ -397,8 +399,10 @@ fn impact(case: &CaseFindings, units: UnitSystem) -> String {
     };
     let buff = largest(|c| Some((c.peak_buff_n?, c.peak_buff_time_s?, -c.peak_buff_n? / c.rated_buff_n)));
     let draft = largest(|c| Some((c.peak_draft_n?, c.peak_draft_time_s?, c.peak_draft_n? / c.rated_draft_n)));
+    let forces = [&buff, &draft].into_iter().flatten().map(|(_, value)| value.0.abs());
+    let unit = super::numbers::force_unit(units, forces.fold(0.0, f64::max));
     let told = |(c, (newtons, at, share)): (&CouplerFindings, (f64, f64, f64))| {
-        let force = super::numbers::force(units, newtons.abs(), case.error_n());
+        let force = super::numbers::force_in(unit, newtons, case.error_n());
         format!("{} % ({force}) in coupler {}, {}", percent(share), c.coupler, moment(at, case))
     };
     let of = |sense: &str, found: Option<_>| {
@@ -499,13 +503,23 @@ pub fn needed(scenario: &ScenarioFindings, units: UnitSystem) -> String {
     let over = worst_case(scenario).filter(|(_, worst)| worst.exceeds == Some(true));
     over.map_or(String::new(), |(case, worst)| {
         format!(
-            " To carry this event, the worst coupler, coupler {}, needs a rating above {} in {} (now {}).",
+            " To carry this event, the worst coupler, coupler {}, needs a rating above {} (now {}).",
             worst.coupler,
-            super::numbers::force(units, worst.peak_force_n, case.error_n()),
-            sense(worst.peak_force_n),
-            given_force(units, rating(worst))
+            enough(worst, case.margin_n(), super::numbers::force_unit(units, worst.peak_force_n)),
+            super::numbers::given_force_in(super::numbers::force_unit(units, worst.peak_force_n), rating(worst))
         )
     })
+}
+
+/// The ratings that a coupler needs in the senses in which its largest force, with its error, is over the rating: "1.509 N in draft".
+pub fn enough(c: &CouplerFindings, error_n: f64, unit: super::numbers::Unit) -> String {
+    let senses = [(c.peak_draft_n, c.rated_draft_n), (c.peak_buff_n, c.rated_buff_n)];
+    let senses = senses.into_iter().filter_map(|(peak_n, rated_n)| Some((peak_n?, rated_n)));
+    let over = senses.filter(|(peak_n, rated_n)| peak_n.abs() + error_n > *rated_n);
+    let needed = over.map(|(peak_n, _)| {
+        format!("{} {} in {}", super::numbers::up((peak_n.abs() + error_n) / unit.size), unit.name, sense(peak_n))
+    });
+    needed.collect::<Vec<_>>().join(", ")
 }
 
 /// What a search for the factor at which couplers begin to exceed has found.

@@ -32,7 +32,7 @@ pub(crate) fn couplers_m(train: &Train) -> Option<Vec<f64>> {
     lengths.map(ends)
 }
 
-/// The brakes of every vehicle, applied so.
+/// The brakes of every vehicle.
 fn brakes(train: &Train, application: &Application) -> Brakes {
     Brakes {
         wave_m_s: application.wave_m_per_s,
@@ -66,7 +66,7 @@ fn built_up_s(train: &Train, application: &Application, from_m: &[f64]) -> f64 {
     if farthest_m.is_finite() { farthest_m / application.wave_m_per_s + application.full_after_s() } else { 0.0 }
 }
 
-/// When brakes and drives change for the last time after an event, s; `broken` is the coupler that parts, where one does.
+/// When brakes and tractive efforts last change after an event, s; `broken` is the coupler that parts, where one does.
 pub(super) fn last_change_s(train: &Train, scenario: &Scenario, broken: Option<usize>) -> f64 {
     let efforts = scenario.response.efforts.iter().filter_map(|f| f.points.last()).map(|p| p[0]).fold(0.0, f64::max);
     let parting = broken.and_then(|b| Some(vec![couplers_m(train)?[b]]));

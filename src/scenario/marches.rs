@@ -7,7 +7,8 @@ use crate::march::Problem;
 use crate::play::{Drive, Rule};
 use crate::train::{Event, Forcing, Scenario, Train};
 
-/// The march of a case up to a horizon, with its first passage up to a mark; `broken` is the coupler that breaks in a case of a break.
+/// The march of a case up to `[horizon, mark]`, the mark for the first passage; `broken` is the coupler that breaks,
+/// if any.
 pub fn march(train: &Train, scenario: &Scenario, broken: Option<usize>, until_s: [f64; 2], rule: Rule) -> Problem {
     let [horizon_s, mark_s] = until_s;
     let last = train.vehicles().len() - 1;
@@ -60,14 +61,14 @@ fn start(train: &Train, event: &Event) -> Vec<Rest> {
     laws(train).iter().enumerate().map(rest).collect()
 }
 
-/// The steady force on each vehicle less what its acceleration takes, N:
+/// The steady force on each vehicle less mass times acceleration, N:
 ///
 /// ```text
 /// p_v - m_v a = F_v - F_{v-1}
 /// ```
 ///
-/// with the forces F in the couplers that the steady forces of the whole train keep: after an impact of parts that had accelerations
-/// of their own these are not the forces before.
+/// with the coupler forces F of the whole train's steady state: after an impact of parts with different accelerations
+/// these are not the forces before it.
 fn steady_n(train: &Train, event: &Event) -> Vec<f64> {
     let kept = match train.extras().steady {
         Some(_) => train.initial_force_n().to_vec(),

@@ -1,4 +1,4 @@
-//! A scenario as it is played on the whole train, in the solvers' units.
+//! A scenario as a problem of the whole train, in the solvers' units.
 
 use std::ops::Range;
 
@@ -39,12 +39,11 @@ pub fn initial_force_n(train: &Train, event: &Event) -> Vec<f64> {
     [part(0..j + 1), vec![0.0], part(j + 1..train.vehicles().len())].concat()
 }
 
-/// What the forces in the couplers just after the event exceed those by that would keep the whole train in one steady motion
-/// under its steady forces, N.
+/// Coupler forces just after the event less those of the whole train in one steady motion under its steady forces, N.
 ///
 /// It is 0 for breaks and pulses, which start from that motion, and for impacts under given forces in the couplers, whose forces
 /// from outside balance each part by itself. After other impacts the p_v go on acting on the coupled train, whose steady state F*
-/// has one acceleration: what is left over is `F(0) - F*`, and moves the vehicles unless the two parts' accelerations are equal.
+/// has one acceleration: the rest, `F(0) - F*`, moves the vehicles unless the two parts' accelerations are equal.
 pub(crate) fn unbalanced_n(train: &Train, event: &Event) -> Vec<f64> {
     if event.joint(train.vehicles().len()).is_none() || train.extras().steady.is_none() {
         return vec![0.0; train.couplers().len()];
@@ -94,7 +93,7 @@ pub fn play(train: &Train, scenario: &Scenario, broken: Option<usize>, horizon_s
     }
 }
 
-/// Speed of a vehicle against the standing rest at t = 0, forward positive: what arrives comes toward the rest.
+/// Speed of a vehicle relative to the standing ones at t = 0, forward positive: arriving ones move toward them.
 pub(super) fn speed_m_per_s(event: &Event, vehicle: usize, last: usize) -> f64 {
     match *event {
         Event::Impact { vehicles, at_head: true, speed_m_per_s } if vehicle < vehicles => -speed_m_per_s,

@@ -70,10 +70,10 @@ struct Marked {
 }
 
 /// Answers a request; `None` where nobody waits for the answer any more.
-pub(super) fn answer(state: &State, request: Request, gone: &AtomicBool) -> Option<Reply> {
+pub(super) fn answer(state: &State, request: Request, cancelled: &AtomicBool) -> Option<Reply> {
     // One analysis at a time has all processors.
     let _turn = state.turn();
-    if gone.load(Ordering::Relaxed) {
+    if cancelled.load(Ordering::Relaxed) {
         return None;
     }
     let start = Instant::now();
@@ -99,7 +99,7 @@ fn analyse(state: &State, request: &Request, reply: &mut Reply) -> Result<(), St
     let train = match consist::parse_with(&reply.text, &state.path, &files) {
         Ok(train) => train,
         Err(error) => {
-            // What can be moved stays on the page, also out of a value that is wrong.
+            // Controls stay on the page, so that they can correct a wrong value.
             reply.controls = tree.map_or_else(Vec::new, |tree| controls(&tree, Some(reply.scenario)));
             mark(state, &error, reply);
             return Ok(());
@@ -139,7 +139,7 @@ fn broken(state: &State, mut tree: Table, index: usize, coupler: usize, files: &
     scenario.insert("coupler".to_owned(), Value::Integer(i64::try_from(coupler).unwrap_or(i64::MAX)));
     tree.insert("scenario".to_owned(), Value::Array(vec![Value::Table(scenario)]));
     let text = toml::to_string(&tree).map_err(|e| e.to_string())?;
-    // The places are not those of the text on the page, so they are not told.
+    // The places are not those of the text on the page, so they are left out.
     consist::parse_with(&text, &state.path, files).map_err(|e| e.titles())
 }
 

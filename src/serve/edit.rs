@@ -1,7 +1,7 @@
-//! A value put into the text of a train file, of which all else stays as it is written.
+//! Puts a value into the text of a train file; all else stays as it is written.
 //!
-//! What the file is to hold says [`Key::put`], as for a study. The text is then changed where the value stands, or where it has its
-//! place, and is taken only if it reads as that.
+//! [`Key::put`] gives the content to expect, as for a study. The text is then changed where the value stands or
+//! belongs, and is used only if it parses to that content.
 
 use std::ops::Range;
 
@@ -11,7 +11,7 @@ use toml::{Table, Value};
 
 use crate::fleet::key::Key;
 
-/// The table of a train file that tells single couplers apart.
+/// The table of a train file for single couplers.
 const OVERRIDE: &str = "coupler_override";
 
 /// A value for a key.
@@ -108,7 +108,7 @@ fn with_override(text: &str, tree: &Table, coupler: usize, key: &str) -> (String
     match own.filter(|o| alone(o)) {
         Some(own) => (text.to_owned(), position(Some(own)).unwrap_or(0)),
         None => {
-            // One that it shares with others goes on without it; what that says of it moves to its own.
+            // A shared one loses this coupler, and its keys are copied to the coupler's own.
             let shared = with_key.and_then(Value::as_table).cloned();
             let without = position(with_key).and_then(|k| without(text, k, coupler)).unwrap_or_else(|| text.to_owned());
             let mut own = shared.unwrap_or_default();
@@ -119,7 +119,7 @@ fn with_override(text: &str, tree: &Table, coupler: usize, key: &str) -> (String
     }
 }
 
-/// The couplers of an override that are told by their numbers.
+/// The couplers of an override that are given by number.
 fn numbers(at: &Value) -> impl Iterator<Item = usize> {
     let list = at.as_array().map_or(std::slice::from_ref(at), Vec::as_slice);
     list.iter().filter_map(|n| usize::try_from(n.as_integer()?).ok())

@@ -10,7 +10,7 @@ use axum::response::{IntoResponse, Response};
 
 use super::State;
 
-/// What every answer carries: it is not kept, names no address to others, and stands in no page but its own.
+/// Headers of every answer: it is not cached, sends no referrer, and is not embedded in other pages.
 const HEADERS: [(header::HeaderName, &str); 4] = [
     (header::CACHE_CONTROL, "no-store"),
     (header::REFERRER_POLICY, "no-referrer"),
@@ -21,23 +21,24 @@ const HEADERS: [(header::HeaderName, &str); 4] = [
 /// Lets a request through, or answers it with status 403.
 pub(super) async fn guard(Shared(state): Shared<Arc<State>>, request: Request, next: Next) -> Response {
     let token = request.uri().path().split('/').nth(1).unwrap_or_default();
-    let mut response = if alike(token.as_bytes(), state.token.as_bytes()) && is_loopback(request.headers()) {
-        next.run(request).await
-    } else {
-        (StatusCode::FORBIDDEN, "open the address that trainsafe has printed").into_response()
-    };
+    let mut response =
+        if equal_in_constant_time(token.as_bytes(), state.token.as_bytes()) && is_loopback(request.headers()) {
+            next.run(request).await
+        } else {
+            (StatusCode::FORBIDDEN, "open the address that trainsafe has printed").into_response()
+        };
     let headers = response.headers_mut();
     headers.extend(HEADERS.map(|(name, value)| (name, HeaderValue::from_static(value))));
     response
 }
 
-/// Whether two texts are the same, in a time that says nothing of where they differ.
-fn alike(a: &[u8], b: &[u8]) -> bool {
+/// Whether two texts are equal, in a time that does not depend on where they differ.
+fn equal_in_constant_time(a: &[u8], b: &[u8]) -> bool {
     let differ = a.iter().zip(b).fold(0, |all, (x, y)| black_box(all | (x ^ y)));
     a.len() == b.len() && differ == 0
 }
 
-/// Whether the request is for this machine by a name that no other can have: a page from elsewhere may have made its own name lead here.
+/// Whether the request names this machine as host: a page from elsewhere may have made its own name lead here.
 fn is_loopback(headers: &HeaderMap) -> bool {
     let mut hosts = headers.get_all(header::HOST).iter();
     let (Some(host), None) = (hosts.next(), hosts.next()) else { return false };

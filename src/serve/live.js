@@ -19,12 +19,12 @@
   const milliseconds = (ms) => (ms < 10 ? ms.toFixed(1) : Math.round(ms)) + " ms";
 
   // --- asking ------------------------------------------------------------------------------------------------------------
-  // What the controls change and no answer has brought into the text yet.
+  // Changes by the controls that no answer has put into the text yet.
   const pending = new Map();
   let timer = null, flight = null, more = false, answers = 0;
   const SLOW = 1000;
 
-  // One request at a time; of those that come meanwhile the newest is sent when it is answered, or ends it if it takes long.
+  // One request at a time; the newest of later ones is sent after its answer, or ends it if it takes long.
   function ask(delay) {
     clearTimeout(timer);
     timer = setTimeout(() => {
@@ -71,7 +71,7 @@
     $("rest").hidden = !$("absent").childElementCount;
     if (reply.body) await report(reply);
     else {
-      // A verdict on something else than the text is not left beside it.
+      // A verdict on another text is not left beside it.
       $("short").textContent = "";
       $("status").textContent = main.querySelector("h1") ? "Not computed. The report is of an earlier text." : "Not computed.";
     }
@@ -180,7 +180,7 @@
     input.addEventListener("change", () => give(input.value, 0));
     return made;
   }
-  // Rows stay where their keys do, so that a slider under the hand is not taken away.
+  // Rows with the same keys stay, so that a slider in use is not replaced.
   function fill(place, controls) {
     const there = new Map([...place.children].map((r) => [r.dataset.id, r]));
     const rows = controls.map((control) => {

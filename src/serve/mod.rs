@@ -6,8 +6,9 @@
 //! | `POST /TOKEN/analyze` | the text's problems, or its report and the numbers of its figures |
 //! | `POST /TOKEN/save` | the text has replaced the train file |
 //!
-//! It listens on 127.0.0.1 alone. Who does not know the token, a random number in the address, or comes by another host's name,
-//! gets status 403. Files that a train names are read in the train's folder alone, and nothing but the train file is written.
+//! It listens on 127.0.0.1 alone. A request without the token, a random number in the address, or with another host's
+//! name gets status 403. Files that a train names are read in the train's folder alone, and nothing but the train file
+//! is written.
 
 mod answer;
 mod controls;
@@ -67,12 +68,12 @@ struct State {
 }
 
 impl State {
-    /// The only analysis under way.
+    /// Waits until no analysis runs.
     fn turn(&self) -> MutexGuard<'_, ()> {
         self.turn.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Files of which none is read outside of the train's folder.
+    /// Files, read in the train's folder only.
     fn files(&self) -> io::Result<Files> {
         let folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty());
         Files::within(folder.unwrap_or(Path::new(".")))
@@ -99,7 +100,7 @@ impl Server {
         let mut bytes = [0; 16];
         getrandom::fill(&mut bytes).map_err(|e| io::Error::other(e.to_string()))?;
         let token: String = crate::train::hex(&bytes);
-        // Told as `check` tells it.
+        // Refused as by `check`.
         Files::default().main(train)?;
         let real = train.canonicalize().map_err(unreadable)?;
         let path = train.to_owned();
@@ -118,7 +119,7 @@ impl Server {
     /// Answers requests until the process ends.
     ///
     /// # Errors
-    /// The system lets the program listen no more.
+    /// The program cannot listen any more.
     pub fn run(self) -> io::Result<()> {
         let Server { listener, state, .. } = self;
         let at = |what: &str| format!("/{}/{what}", state.token);
@@ -144,7 +145,7 @@ async fn page(Shared(state): Shared<Arc<State>>) -> Result<Html<String>, Refusal
 
 async fn analyze(Shared(state): Shared<Arc<State>>, body: Bytes) -> Result<Response, Refusal> {
     let request = parsed(&body)?;
-    let reply = blocking(move |gone| answer::answer(&state, request, gone)).await?;
+    let reply = blocking(move |cancelled| answer::answer(&state, request, cancelled)).await?;
     json(&reply)
 }
 
@@ -155,18 +156,18 @@ async fn save(Shared(state): Shared<Arc<State>>, body: Bytes) -> Result<Response
 }
 
 /// A flag that is set when it is dropped: when nobody waits for the answer any more.
-struct Gone(Arc<AtomicBool>);
+struct CancelOnDrop(Arc<AtomicBool>);
 
-impl Drop for Gone {
+impl Drop for CancelOnDrop {
     fn drop(&mut self) {
         self.0.store(true, Ordering::Relaxed);
     }
 }
 
-/// Work that takes a thread of its own.
+/// Does work on a thread of its own.
 async fn blocking<T: Send + 'static>(work: impl FnOnce(&AtomicBool) -> T + Send + 'static) -> Result<T, Refusal> {
-    let gone = Gone(Arc::default());
-    let told = gone.0.clone();
+    let cancelled = CancelOnDrop(Arc::default());
+    let told = cancelled.0.clone();
     tokio::task::spawn_blocking(move || work(&told)).await.map_err(fault)
 }
 

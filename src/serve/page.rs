@@ -14,7 +14,7 @@ const BODY: &str = include_str!("live.html");
 pub(super) fn page(state: &State, on_disk: &OnDisk) -> String {
     let name = printable_path(&state.path);
     let file = serde_json::to_string(on_disk).unwrap_or_default();
-    // Last what comes from the file, so that nothing in it is taken for a place to be filled.
+    // The file comes last, so that nothing in it is taken for a placeholder.
     let body = BODY.replace("{name}", &escaped(&name)).replace("{file}", &in_script(&file));
     Frame { title: &name, style: STYLE, body: &body, data: "[]", script: Some(SCRIPT) }.page()
 }

@@ -43,7 +43,7 @@ pub(super) fn save(state: &State, asked: &Save) -> Result<String, Refusal> {
     let shown = printable_path(&state.path);
     let failed =
         |what: &dyn std::fmt::Display| (StatusCode::INTERNAL_SERVER_ERROR, format!("cannot write {shown}: {what}"));
-    // One at a time, and none while the program ends.
+    // One save at a time, none while the program ends.
     let _whole = between_writes();
     let bytes =
         fs::read(&state.real).map_err(|e| (StatusCode::CONFLICT, format!("{shown} can no longer be read: {e}")))?;

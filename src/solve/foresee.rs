@@ -135,9 +135,8 @@ impl Guess {
             self.find_bend(simd, acts);
             let [r, spare] = &mut self.scratch;
             let (first, rest) = series.split_last().unwrap_or((&0.0, &[]));
-            for p in 1..=rows {
-                r[p] = map(self.bend[p], [*first as f32; LANES], |q, factor| factor * q);
-            }
+            let first = [*first as f32; LANES];
+            r.iter_mut().zip(&self.bend).for_each(|(r, q)| *r = map(*q, first, |q, factor| factor * q));
             for &factor in rest.iter().rev() {
                 let factor = factor as f32;
                 wrap(simd, r);
@@ -175,10 +174,10 @@ impl Guess {
         let rows = self.force.len() - 2;
         wrap(simd, &mut self.force);
         let pull = &mut self.scratch[0];
-        for p in 1..=rows {
+        for (p, out) in pull.iter_mut().enumerate().skip(1).take(rows) {
             let apart = map(self.force[p - 1], self.force[p], |a, b| a - b);
             let of = map(self.push[p], apart, |push, apart| acts.mul_add(push, apart));
-            pull[p] = map(self.kick[p], of, |kick, of| kick * of);
+            *out = map(self.kick[p], of, |kick, of| kick * of);
         }
         wrap(simd, pull);
         for p in 1..=rows {

@@ -17,12 +17,12 @@ impl TrainSpec {
         let scenarios = std::mem::take(&mut self.scenarios);
         let (train, mut problems) = self.examine();
         let Some(mut train) = train else { return Err(InvalidTrain { problems }) };
-        problems.extend(train.take(scenarios));
+        problems.extend(train.set_scenarios(scenarios));
         if problems.is_empty() { Ok(train) } else { Err(InvalidTrain { problems }) }
     }
 
-    /// The train without scenarios, for a look at these, and what is wrong with it; `None` where vehicles and couplers do not fit
-    /// together. It is no train to compute while something is wrong with it.
+    /// The train without scenarios, to check these, and what is wrong with it; `None` where vehicles and couplers do
+    /// not fit together. It must not be computed while something is wrong with it.
     pub(crate) fn examine(self) -> (Option<Train>, Vec<SpecProblem>) {
         let mut problems = checks::structure(&self);
         let fits = problems.is_empty();
@@ -35,12 +35,12 @@ impl TrainSpec {
         let pulled_to = self.pulled_to.clone();
         let train = self.derived(sound);
         if sound {
-            problems.extend(checks::together(&train, &pulled_to));
+            problems.extend(checks::combinations(&train, &pulled_to));
         }
         (Some(train), problems)
     }
 
-    /// What follows from the spec; of one that is not sound, without what needs good numbers.
+    /// What follows from the spec; if it is not sound, without what needs valid numbers.
     fn derived(self, sound: bool) -> Train {
         let brakes: Vec<f64> =
             self.vehicles.iter().flat_map(|v| std::iter::repeat_n(v.emergency_brake_n, v.count)).collect();
@@ -127,7 +127,7 @@ fn secant_n_per_m(law: &Law, force_n: f64) -> f64 {
         Law::Elastic { draft_n_per_m, .. } => *draft_n_per_m,
         Law::Gear { draft, slack_m, .. } => {
             let last_n = draft.rows().last().map_or(1.0, |row: &GearRow| row.loading_n);
-            // Near a preload only what is in series gives way, which says nothing of the gear.
+            // Near a preload the secant is that of the parts in series only.
             let preload_n = draft.rows().first().map_or(0.0, |row| row.loading_n);
             let force_n = if force_n > 0.0 { force_n.max(2.0 * preload_n) } else { last_n };
             force_n / (law.elongation_m(&law.rest(&[force_n])) - 0.5 * slack_m)

@@ -4,7 +4,7 @@
 use std::fmt;
 
 use super::{Extras, Load, MOST_VEHICLES, PulledTo, Train, TrainSpec, VehicleSpec};
-use crate::error::{is_obeyed, printable, quoted};
+use crate::error::{controls_display, printable, quoted};
 use crate::keys::Sign;
 use crate::law::{Law, LawProblem};
 use crate::units::{Dimension, shown};
@@ -20,11 +20,11 @@ pub struct SpecProblem {
     pub message: String,
     /// What would be right.
     pub help: String,
-    /// Another key that has a part in it, and which.
+    /// A related key, and how it is related.
     pub related: Option<(String, &'static str)>,
 }
 
-/// A spec that is no train: everything that is wrong with it.
+/// Everything that is wrong with a spec that is no valid train.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct InvalidTrain {
@@ -65,7 +65,7 @@ pub(super) fn number(within: impl fmt::Display, key: &str, value: f64, sign: Sig
 /// What is wrong with a text that reports show.
 pub(super) fn text(key: String, text: &str) -> Option<SpecProblem> {
     let leaf = key.rsplit('.').next().unwrap_or(&key).to_owned();
-    if text.chars().any(is_obeyed) {
+    if text.chars().any(controls_display) {
         let message = format!("{leaf} has a control character: {}", quoted(&printable(text)));
         return Some(SpecProblem::new(key, message, "expected plain text"));
     }
@@ -73,7 +73,7 @@ pub(super) fn text(key: String, text: &str) -> Option<SpecProblem> {
     empty.then(|| SpecProblem::new(key, "label is empty", "expected what reports call the vehicle, or no label"))
 }
 
-/// Whether there are vehicles, couplers and forces as many as fit each other.
+/// Problems with the numbers of vehicles, couplers and forces.
 pub(super) fn structure(spec: &TrainSpec) -> Vec<SpecProblem> {
     let mut problems = many(&spec.vehicles);
     let vehicles = spec.vehicles.iter().fold(0usize, |sum, v| sum.saturating_add(v.count));
@@ -98,7 +98,7 @@ pub(super) fn structure(spec: &TrainSpec) -> Vec<SpecProblem> {
     problems
 }
 
-/// Whether the vehicles are as many as a train has.
+/// Problems with the number of vehicles.
 pub(crate) fn many(groups: &[VehicleSpec]) -> Vec<SpecProblem> {
     let right = "give it a row or a [[vehicle]] for each vehicle or group alike, from the head: at least two vehicles";
     if let Some(i) = groups.iter().position(|group| group.count == 0) {
@@ -219,13 +219,13 @@ fn law(within: fmt::Arguments, law: &Law) -> Vec<SpecProblem> {
         Err(bad @ (LawProblem::NegativeBesideSlack(_) | LawProblem::Crossed { .. })) => {
             vec![SpecProblem::new(format!("{within}.gear"), bad.to_string(), bad.help())]
         }
-        // The numbers by themselves, which have been looked at.
+        // Wrong numbers by themselves, found above.
         _ => wrong,
     }
 }
 
-/// What does not go together.
-pub(super) fn together(train: &Train, pulled_to: &PulledTo) -> Vec<SpecProblem> {
+/// Problems between keys.
+pub(super) fn combinations(train: &Train, pulled_to: &PulledTo) -> Vec<SpecProblem> {
     let Extras { laws, dashpot_n_s_per_m, damping_ratio, steady, pulled_to_n, .. } = &train.extras;
     let mut all = vec![];
     if !laws.is_empty() && *damping_ratio > 0.0 {

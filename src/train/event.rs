@@ -17,7 +17,7 @@ pub struct Scenario {
     /// Couplers, from 0, that would break in turn but carry buff, so that their vehicles stay pressed together: they are not
     /// among those of the event.
     pub left_out_in_buff: Vec<usize>,
-    /// What brakes and drives do after the event; nothing by default.
+    /// Brakes and tractive efforts after the event; none by default.
     pub response: Response,
 }
 
@@ -28,7 +28,7 @@ impl Scenario {
     }
 }
 
-/// What brakes and drives do after an event.
+/// Brakes and tractive efforts after an event.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
     /// The emergency application that each parting sets off, both ways.
@@ -121,13 +121,13 @@ pub enum Event {
         /// Its course, in s and N.
         drive: Drive,
     },
-    /// Vehicles at one end arrive at a speed and couple to the standing rest.
+    /// Vehicles at one end arrive at a speed and couple to the standing ones.
     Impact {
         /// How many arrive; at least one stands.
         vehicles: usize,
         /// At the head; at the tail if not.
         at_head: bool,
-        /// How fast they come toward the rest, m/s; finite and > 0.
+        /// Speed toward the standing ones, m/s; finite and > 0.
         speed_m_per_s: f64,
     },
     /// Brakes are applied.
@@ -152,7 +152,7 @@ impl Event {
         }
     }
 
-    /// Whether it is what steps of force on a chain at rest cannot stand for.
+    /// Whether steps of force on a chain at rest cannot represent it.
     pub fn beyond_steps(&self) -> bool {
         matches!(self, Event::Impact { .. } | Event::Shaped { .. })
     }

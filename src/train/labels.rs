@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use super::{Doubt, Vehicle, VehicleSpec};
 
-/// The groups spelt out, with numbers after a label that more than one vehicle has. No two vehicles have the same name: numbers are left
+/// The groups spelt out, with numbers after a label that more than one vehicle has: "car 1", or "wagon 31 (1)" of the label "wagon 31". No two vehicles have the same name: numbers are left
 /// out that would make the label of another, and the first of them is a doubt.
 pub(crate) fn numbered(groups: &[VehicleSpec]) -> (Vec<Vehicle>, Option<Doubt>) {
     let mut totals: HashMap<&str, usize> = HashMap::new();
@@ -27,16 +27,17 @@ pub(crate) fn numbered(groups: &[VehicleSpec]) -> (Vec<Vehicle>, Option<Doubt>) 
             let label = match group.label.as_deref() {
                 None => {
                     let name = by_place(vehicles.len());
-                    let mut others =
-                        std::iter::once(name.clone()).chain((1..).map(|i| format!("{name} (no label {i})")));
-                    others.find(|name| !totals.contains_key(name.as_str())).unwrap_or(name)
+                    let others = (2..).map(|i| format!("{name} (no label, {i})"));
+                    let mut names = [name.clone(), format!("{name} (no label)")].into_iter().chain(others);
+                    names.find(|name| !totals.contains_key(name.as_str())).unwrap_or(name)
                 }
-                Some(label) if totals.get(label) == Some(&1) && !taken.contains(label) => label.to_owned(),
+                // A vehicle without a label that has this name by its place gets another.
+                Some(label) if totals.get(label) == Some(&1) => label.to_owned(),
                 Some(label) => {
                     let number = used.entry(label).or_default();
                     loop {
                         *number += 1;
-                        let name = format!("{label} {number}");
+                        let name = with_number(label, *number);
                         if free(&name) {
                             break name;
                         }
@@ -51,8 +52,17 @@ pub(crate) fn numbered(groups: &[VehicleSpec]) -> (Vec<Vehicle>, Option<Doubt>) 
         format!(
             "vehicles with the label {label:?} are numbered without {number}, because another vehicle is called {:?}; check which \
              is meant where it is named",
-            format!("{label} {number}")
+            with_number(label, number)
         )
     };
     (vehicles, left_out.map(|skipped| Doubt::of_train("label-numbers", text(skipped))))
+}
+
+/// A label with a number behind it, in brackets where the label itself ends in a digit.
+fn with_number(label: &str, number: usize) -> String {
+    if label.ends_with(|c: char| c.is_ascii_digit()) {
+        format!("{label} ({number})")
+    } else {
+        format!("{label} {number}")
+    }
 }

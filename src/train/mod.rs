@@ -93,7 +93,7 @@ pub struct Origin {
 pub struct Source {
     /// Its path, as the train file or the user names it.
     pub path: PathBuf,
-    /// SHA-256 of its bytes; of what stands in the way, where it could not be read.
+    /// SHA-256 of its bytes; of the error's text, where it could not be read.
     pub sha256: [u8; 32],
 }
 
@@ -111,6 +111,12 @@ impl Train {
     /// The vehicles from the head; at least two.
     pub fn vehicles(&self) -> &[Vehicle] {
         &self.vehicles
+    }
+
+    /// A vehicle by its number, from 1, with its label where that says more: `vehicle 9 (car 8)`.
+    pub(crate) fn place_of(&self, number: usize) -> String {
+        let (place, label) = (format!("vehicle {number}"), &self.vehicles[number - 1].label);
+        if *label == place { place } else { format!("{place} ({label})") }
     }
 
     /// Length over couplers, m, and whether held vehicles without a length are left out of it; `None` where one that is not held has none.

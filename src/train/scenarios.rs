@@ -16,7 +16,7 @@ pub(crate) const MOST_SCENARIOS: usize = 1000;
 
 impl Train {
     /// Takes scenarios, or each coupler in turn if there are none, and says what is wrong with them.
-    pub(crate) fn take(&mut self, scenarios: Vec<Scenario>) -> Vec<SpecProblem> {
+    pub(crate) fn set_scenarios(&mut self, scenarios: Vec<Scenario>) -> Vec<SpecProblem> {
         let mut problems = vec![];
         self.scenarios = if scenarios.is_empty() { vec![self.each_in_turn()] } else { scenarios };
         if self.scenarios.len() > MOST_SCENARIOS {

@@ -39,9 +39,9 @@ pub struct TrainSpec {
     pub damping_ratio: f64,
     /// Speed before the event, m/s, > 0; brakes need it.
     pub speed_m_per_s: Option<f64>,
-    /// What is to be run; of none, each coupler breaks in turn. A scenario with an empty name gets one.
+    /// What is to be run; if empty, each coupler breaks in turn. A scenario with an empty name gets one.
     pub scenarios: Vec<Scenario>,
-    /// Where it comes from; nothing of it is looked at.
+    /// Where it comes from; not checked.
     pub origin: Origin,
 }
 

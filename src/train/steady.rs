@@ -8,8 +8,8 @@
 //! A held end takes whatever force it needs. With both ends held the couplers share the forces as their compliances allow: the
 //! ends keep the distance at which the train without a load is unstretched.
 //!
-//! Where large forces cancel, what their rounding leaves is no force: a sum that is smaller than [`NOISE`] times the sum of the
-//! magnitudes in it is 0.
+//! Where large forces cancel, their rounding error is no force: a sum that is smaller than [`NOISE`] times the sum of
+//! the magnitudes in it is 0.
 
 use super::{Coupler, Vehicle};
 use crate::solve::dd::Dd;
@@ -22,13 +22,13 @@ pub(crate) fn without_noise(sum: f64, magnitudes: f64) -> f64 {
     if sum.abs() <= NOISE * magnitudes { 0.0 } else { sum }
 }
 
-/// What double-double leaves of a sum that is exact, as a share of the magnitudes in it.
+/// A double holds a sum exactly if its low part is under this share of the magnitudes in it.
 const EXACT: f64 = 1e-28;
 
 /// The couplers' forces under steady forces from outside, N, draft positive; how far each may be from the exact one, N, 0 where a
 /// double holds it exactly; and the train's acceleration, m/s2.
 ///
-/// `outside_n` holds a force for each vehicle, N, forward positive; that of a held vehicle plays no part. Sums are in
+/// `outside_n` holds a force for each vehicle, N, forward positive; that of a held vehicle is ignored. Sums are in
 /// double-double and rounded once; what is only the rounding of the given forces is 0.
 pub fn steady_forces(vehicles: &[Vehicle], couplers: &[Coupler], outside_n: &[f64]) -> (Vec<f64>, Vec<f64>, f64) {
     let last = vehicles.len() - 1;

@@ -25,12 +25,12 @@ const fn unit(name: &'static str, size: f64) -> Unit {
     Unit { name, size }
 }
 
-/// By definition: N, kg and m.
+/// By definition, in N, kg, m.
 const LBF: f64 = 4.448_221_615_260_5;
 const LB: f64 = 0.453_592_37;
 const INCH: f64 = 0.0254;
 
-/// Times are written alike in both systems, and grades and shares.
+/// Times, grades and shares have the same units in both systems.
 const TIME: &[Unit] = &[unit("µs", 1e-6), unit("ms", 1e-3), unit("s", 1.0)];
 const GRADE: &[Unit] = &[unit("\u{2030}", 1e-3), unit("%", 1e-2)];
 const SHARE: &[Unit] = &[unit("%", 1e-2)];
@@ -112,14 +112,15 @@ fn us(dimension: Dimension) -> &'static [Unit] {
     }
 }
 
-/// The largest unit that the value reaches, or the smallest there is; of nothing the first that is as large as SI's own.
+/// The largest unit that the value reaches, or else the smallest; for 0 the first of at least one SI unit.
 pub fn unit_for(units: &[Unit], value: f64) -> Unit {
     let fits = |u: &&Unit| if value == 0.0 { u.size >= 1.0 } else { value.abs() >= u.size };
     let found = if value == 0.0 { units.iter().find(fits) } else { units.iter().rev().find(fits) };
     found.copied().unwrap_or(units[0])
 }
 
-/// A quantity that was given, from SI, as its reader writes it: up to six digits, no trailing zeros.
+/// A quantity that was given, from SI, as its reader writes it, without trailing zeros: up to six digits where they are all of it,
+/// and four of one that was converted from another unit or computed.
 ///
 /// ```
 /// use trainsafe::units::{Dimension, UnitSystem, shown};
@@ -127,12 +128,20 @@ pub fn unit_for(units: &[Unit], value: f64) -> Unit {
 /// assert_eq!(shown(UnitSystem::Us, 129_727.4, Dimension::Mass), "143 US tons");
 /// ```
 pub fn shown(system: UnitSystem, value: f64, dimension: Dimension) -> String {
-    written(system.units(dimension), value, 6)
+    shown_in(unit_for(system.units(dimension), value), value)
 }
 
-/// The same of a time, which is written alike in all units.
+/// The same in a unit that others beside it have.
+pub fn shown_in(unit: Unit, value: f64) -> String {
+    let value = value / unit.size;
+    let six = digits(value, 0.0, 6);
+    let whole = six.parse().is_ok_and(|shown: f64| (shown - value).abs() <= 1e-9 * value.abs());
+    format!("{} {}", without_zeros(&if whole { six } else { digits(value, 0.0, 4) }), unit.name)
+}
+
+/// The same of a time, which needs no system.
 pub fn shown_time(value_s: f64) -> String {
-    written(TIME, value_s, 6)
+    shown_in(unit_for(TIME, value_s), value_s)
 }
 
 /// The same to three digits, of a limit that is a round number in SI.
@@ -194,7 +203,7 @@ mod tests {
     #[test]
     fn a_reader_of_us_units_gets_them() {
         assert_eq!(shown(US, 286_000.0 * LB, Dimension::Mass), "143 US tons");
-        assert_eq!(shown(US, 16.9173e6, Dimension::Stiffness), "96.6003 kip/in");
+        assert_eq!(shown(US, 16.9173e6, Dimension::Stiffness), "96.6 kip/in");
         assert_eq!(shown(US, 16.1544, Dimension::Length), "53 ft");
         assert_eq!(shown(US, 0.0254, Dimension::Length), "1 in");
         assert_eq!(shown(US, 2.68224, Dimension::Speed), "6 mph");

@@ -69,7 +69,7 @@ fn nearest(dimension: Dimension, unit: &str) -> Vec<String> {
     }
     let same = spellings::in_any_case(dimension, &compact);
     let elsewhere = || Dimension::ALL.iter().any(|d| spellings::find(*d, unit).is_some());
-    // In a short unit another letter is another unit.
+    // A short unit with one letter changed may be another.
     if !same.is_empty() || !(6..=20).contains(&compact.len()) || elsewhere() {
         return same;
     }

@@ -241,9 +241,9 @@ fn escaped(c: char) -> String {
     if matches!(c, '*' | '.' | '-') { format!("\\{c}") } else { c.to_string() }
 }
 
-/// A unit that a text is.
+/// The unit in a text.
 pub(super) struct Match {
-    /// Put together where letters may be of any case.
+    /// Empty unless letters may be of any case.
     pub symbol: String,
     pub scale: Scale,
 }
@@ -316,7 +316,7 @@ fn follow(pieces: &[Piece], text: &str, any_case: bool, (so_far, divides): (Matc
     }
 }
 
-/// A symbol with more behind it, where symbols are asked for: they take longer to put together than to find.
+/// A symbol with more behind it, if symbols are asked for: building them takes longer than the search.
 fn joined(symbol: &str, more: &str, asked: bool) -> String {
     if asked { format!("{symbol}{more}") } else { String::new() }
 }

@@ -3,7 +3,7 @@
 // Run by tests/browser/run.sh, which builds the program and installs what this needs.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { readFileSync, statSync } from "node:fs";
+import { readFileSync, statSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
 import { pathToFileURL } from "node:url";
@@ -263,8 +263,106 @@ test("any of several breaks can be chosen, with its own largest forces", async (
     assert.ok(Math.abs(buff[i] * 1e6 - value(row, "peak_buff_n")) < 100, "buff of coupler " + (i + 1));
   }
   assert.equal(draft[29], null, "the coupler that breaks has none");
+  // What belongs to the worst break is not shown beside another.
+  const worst = result(out).scenarios[1].cases.reduce((a, b) => (b.worst.utilisation > a.worst.utilisation ? b : a)).broken_coupler;
+  const live = page.locator('.live[data-scenario="1"]');
+  const headings = () => live.locator("h2:visible, h3:visible").allTextContents();
+  assert.deepEqual(await headings(), ["Forces along the train, when coupler 30 breaks", "Largest forces of one coupler, when coupler 30 breaks"]);
+  for (const id of ["history-2", "map-2", "play-2", "time-2"]) assert.equal(await page.locator(`#${id}`).isVisible(), false, id);
+  assert.match(await page.locator("#absent-2").innerText(), new RegExp(`for the break of coupler ${worst} only, the worst`));
+  assert.equal((await live.innerText()).includes(`when coupler ${worst} breaks`), false);
+  await page.locator("#coupler-2").selectOption("30");
+  assert.match(await page.locator("#said-2").innerText(), /it breaks/);
+  // The worst break has all of it, but for the coupler that breaks.
+  await page.locator("#break-2").selectOption({ label: `the break of coupler ${worst}` });
+  assert.deepEqual(await headings(), ["Forces along the train", "Force over time", "Force by place and time"].map((h) => `${h}, when coupler ${worst} breaks`));
+  for (const id of ["history-2", "map-2"]) assert.ok((await page.locator(`#${id} .plot-container`).boundingBox()).width > 500, id);
+  await page.locator("#coupler-2").selectOption(String(worst));
+  assert.equal(await page.locator("#history-2").isVisible(), false);
   await page.locator("#break-2").selectOption({ label: "all breaks" });
-  assert.ok((await drawn(0))[29] > 0);
+  for (const coupler of [30, worst]) assert.ok((await drawn(0))[coupler - 1] > 0, "no gap over all breaks");
+  assert.equal((await headings())[0], "Forces along the train: the largest over all breaks");
+  await close(page);
+});
+
+// A train of 240 couplers of which one is weak.
+let long = null;
+function longTrain() {
+  if (long === null) {
+    long = join(folder, "long.toml");
+    writeFileSync(long, `name = "240 couplers"
+[coupler]
+stiffness = "16.9 MN/m"
+rated_load = "3 MN"
+[[vehicle]]
+count = 241
+mass = "100 t"
+[[coupler_override]]
+at = 23
+rated_load = "900 kN"
+[load]
+uniform = "700 kN"
+[[scenario]]
+name = "one"
+kind = "break"
+coupler = 60
+[[scenario]]
+name = "a push"
+kind = "pulse"
+at = "tail"
+force = "100 kN"
+duration = "1 s"
+`);
+  }
+  return report(long);
+}
+
+test("in a train of 240 couplers a coupler over its rating is seen, in the page and in the static figure", async () => {
+  for (const scheme of ["light", "dark"]) {
+    const page = await open(longTrain(), { colorScheme: scheme });
+    const over = scheme === "light" ? "r > 150 && r < 200 && g < 50 && b > 70 && b < 115" : "r > 235 && g > 100 && g < 140 && b > 155 && b < 195";
+    for (const id of ["along-1", "map-1", "history-1"]) {
+      assert.ok(await count(await page.locator(`#${id}`).screenshot(), over) > 60, `${id}, ${scheme}`);
+    }
+    const marks = await page.evaluate(() => document.getElementById("map-1").data.filter((t) => t.name === "coupler over its rating").map((t) => t.y));
+    assert.deepEqual(marks, [result(longTrain()).scenarios[0].cases[0].couplers.filter((c) => c.exceeds).map((c) => c.coupler)]);
+    await close(page);
+  }
+  const page = await open(longTrain(), { script: false });
+  for (const kind of ["envelope", "wave", "force"]) {
+    const figure = page.locator(`figure[data-scenario="0"][data-kind=${kind}] > svg`);
+    assert.ok(await count(await figure.screenshot(), "r > 150 && r < 200 && g < 50 && b > 70 && b < 115") > 60, kind);
+  }
+  await close(page);
+});
+
+test("a colour is the same share in all figures of a report, and its bar has no signs", async () => {
+  const out = longTrain();
+  const page = await open(out);
+  const bars = await page.evaluate(() => ["map-1", "map-2"].map((id) => {
+    const { zmax, colorbar } = document.getElementById(id).data[0];
+    return [zmax, colorbar.ticktext];
+  }));
+  assert.deepEqual(bars[0], bars[1]);
+  assert.ok(bars[0][1].length > 2 && bars[0][1].every((text) => /^\d+ %$/.test(text)), bars[0][1]);
+  const numbers = (figure) => readFileSync(join(out, figure), "utf8").match(/>\d+ %</g);
+  assert.deepEqual(numbers("figure-1-wave.svg"), numbers("figure-2-wave.svg"));
+  await close(page);
+});
+
+test("a history has the colours of the static one: draft, buff, over the rating", async () => {
+  const page = await open(paper());
+  const stretches = await page.evaluate(() => {
+    const paint = (name) => getComputedStyle(document.documentElement).getPropertyValue("--" + name).trim();
+    return document.getElementById("history-1").data.filter((t) => [paint("draft"), paint("buff"), paint("over")].includes(t.line?.color))
+      .map((t) => [t.name, Math.min(...t.y.filter((f) => f !== null)), Math.max(...t.y.filter((f) => f !== null))]);
+  });
+  const worst = result(paper()).scenarios[0].cases[0].worst;
+  assert.deepEqual(stretches.map((s) => s[0]), ["draft", "buff", "over its rating", "over its rating"]);
+  const [draft, buff, above, below] = stretches;
+  assert.ok(draft[1] >= 0 && buff[2] <= 0 && above[1] > 1 && below[2] < -1);
+  assert.equal(above[2], worst.peak_draft_n);
+  assert.equal(below[1], worst.peak_buff_n);
   await close(page);
 });
 

@@ -120,3 +120,28 @@ fn a_study_s_worst_variation_has_its_report() {
     // The load of the ninth of nine values, before the event.
     assert_eq!(result["scenarios"][0]["cases"][0]["worst"]["initial_force_n"], 500_000.0);
 }
+
+#[test]
+fn the_worst_train_stands_open_and_forces_are_in_the_units_that_are_asked_for() {
+    let folder = tempfile::tempdir().expect("a folder");
+    write_fleet(&folder.path().join("trains"), 2, 5);
+    let common = ["trains", "--format", "csv,html", "--reports", "1"];
+    let page = |out: &str, more: &[&str]| {
+        let output = fleet(folder.path(), &[&common[..], &["--out", out][..], more].concat());
+        assert!(output.status.success(), "{}", complaint(&output));
+        fs::read_to_string(folder.path().join(out).join("fleet.html")).expect("a page")
+    };
+    let (si, us) = (page("si", &[]), page("us", &["--units", "us"]));
+    assert_eq!(between(&si, "<details id=\"train-", ">"), ["1\" open", "2\""]);
+    let first = |page: &str, head: &str| -> f64 {
+        assert!(page.contains(&format!(">force, {head}<")), "{head}");
+        let cells = between(between(page, "<details id=\"train-1\"", "</details>")[0], "<td class=\"number\">", "<");
+        cells[1].parse().expect("a force")
+    };
+    let (kilonewtons, kips) = (first(&si, "kN"), first(&us, "kip"));
+    // Four digits each.
+    assert!((kilonewtons / kips / 4.448_221_6 - 1.0).abs() < 2e-3, "{kilonewtons} kN and {kips} kip");
+    let report = between(&us, "href=\"trains/", "\"")[0];
+    let report = fs::read_to_string(folder.path().join("us/trains").join(report)).expect("a report");
+    assert!(report.contains(" kip in "), "the full report is in them too");
+}

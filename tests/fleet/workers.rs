@@ -76,7 +76,7 @@ fn what_is_missing_is_named_with_who_is_at_it() {
     fs::write(out.join("fleet-parts/node7-4711.alive"), "").expect("a sign");
     let help = "let its workers finish, start one with --work, or run it again with --resume";
     let [two, four] = ["trains/train-0001.toml to trains/train-0002.toml", "trains/train-0004.toml"];
-    let names = format!("2 ({two}), 4 ({four}; node7-4711 is at it)");
+    let names = format!("2 ({two}), 4 ({four}; node7-4711 has it)");
     refused(folder.path(), MERGE, &format!("error: 2 of {total} parts of the run are missing: {names}: {help}\n"));
     fs::remove_file(out.join("fleet-parts/node7-4711.alive")).expect("a sign");
     done(folder.path(), WORK);

@@ -190,6 +190,62 @@ fn a_study_varies_gears_slack_and_friction() {
     assert_ne!(before, fingerprint("other"));
 }
 
+/// A study varies how fast an application runs and, as a factor on its times, how fast it builds up, of a named one as well; each
+/// row is the analysis of the train with those values. What changes nothing is refused.
+#[test]
+fn a_study_varies_a_brake_application() {
+    let shorter = |train: String| train.replace("count = 105", "count = 40").replace("40 s", "12 s");
+    let train = shorter(hauled(GEARS, "emergency = \"AAR\"\n"));
+    let inputs = "trains = \"train.toml\"\n[[vary]]\nkey = \"scenario[0].emergency.wave\"\nvalues = [\"290 m/s\", \"200 m/s\"]\n[[vary]]\n\
+                  key = \"scenario[0].emergency.build_up\"\nvalues = [\"50 %\", \"100 %\"]\n";
+    let folder = folder(&[("train.toml", &train), ("study.toml", inputs)]);
+    text(folder.path(), &["fleet", "study.toml", "--out", "out"]);
+    let rows = fs::read_to_string(folder.path().join("out/fleet.csv")).expect("rows");
+    let mut reader = csv::Reader::from_reader(rows.as_bytes());
+    let headings = reader.headers().expect("headings").clone();
+    let column = |name: &str| headings.iter().position(|h| h == name).unwrap_or_else(|| panic!("{name}: {headings:?}"));
+    let (peak, wave, factor) = (
+        column("peak_force_n"),
+        column("scenario[0].emergency.wave [m/s]"),
+        column("scenario[0].emergency.build_up [%]"),
+    );
+    let records: Vec<csv::StringRecord> = reader.records().map(|r| r.expect("a row")).collect();
+    let inputs: Vec<_> = records.iter().map(|r| [r[wave].to_owned(), r[factor].to_owned()]).collect();
+    assert_eq!(inputs, [["290.0", "50.0"], ["290.0", "100.0"], ["200.0", "50.0"], ["200.0", "100.0"]]);
+    let of = |wave: &str, factor: f64| {
+        let [first, last] = [1.5 * factor, 8.0 * factor];
+        let application = format!(
+            "emergency = {{ wave = \"{wave}\", build_up = [[\"0 s\", \"0 %\"], [\"{first} s\", \"30 %\"], [\"{last} s\", \"100 %\"]] }}"
+        );
+        let case = analyzed(&train.replace("emergency = \"AAR\"", &application));
+        case["worst"]["peak_force_n"].as_f64().expect("a force")
+    };
+    let expected = [of("290 m/s", 0.5), of("290 m/s", 1.0), of("200 m/s", 0.5), of("200 m/s", 1.0)];
+    for (row, expected) in records.iter().zip(expected) {
+        assert_eq!(row[peak].parse::<f64>().expect("a force"), expected);
+    }
+    assert!(expected.windows(2).all(|w| (w[0] - w[1]).abs() > 100.0), "{expected:?}");
+    let refused = |train: &str, key: &str, values: &str| {
+        let study = format!("trains = \"train.toml\"\n[[vary]]\nkey = \"scenario[0].{key}\"\nvalues = [{values}]\n");
+        fs::write(folder.path().join("train.toml"), train).expect("a train");
+        fs::write(folder.path().join("study.toml"), study).expect("a study");
+        let output = run(folder.path(), &["fleet", "study.toml", "--dry-run"]);
+        assert_eq!(output.status.code(), Some(2), "{key}");
+        String::from_utf8(output.stderr).expect("text")
+    };
+    let without = refused(&hauled(GEARS, ""), "emergency.wave", "\"290 m/s\", \"200 m/s\"");
+    assert!(
+        without.contains("scenario[0].emergency.wave reaches nothing in train.toml: its scenario[0] has no emergency"),
+        "{without}"
+    );
+    let other = refused(&train, "service.build_up", "\"50 %\", \"100 %\"");
+    assert!(
+        other.contains("scenario[0].service.build_up reaches nothing in train.toml: its scenario[0] has no service"),
+        "{other}"
+    );
+    assert!(refused(&train, "emergency.build_up", "\"2 s\"").contains("a unit of time"));
+}
+
 /// A gap at a parted coupler closes again, and the parts push each other.
 #[test]
 fn parted_pieces_meet_again() {
@@ -233,10 +289,13 @@ fn a_vehicle_that_stops_ends_the_report() {
     let at = case["stopped_at_s"].as_f64().expect("a time");
     assert!(at > 5.0 && at < 40.0 && case["horizon_s"] == at, "{case}");
     assert_eq!(json["doubts"][0]["code"], "vehicle-stops", "{}", json["doubts"]);
+    let number = case["stopped_vehicle"].as_u64().expect("a vehicle");
+    let named = format!("vehicle {number} (car {}) would come to a stand", number - 1);
+    assert!(json["doubts"][0]["text"].as_str().is_some_and(|text| text.starts_with(&named)), "{}", json["doubts"]);
     text(folder.path(), &["analyze", "train.toml", "--out", "out"]);
     let report = fs::read_to_string(folder.path().join("out/report.md")).expect("a report");
     assert!(
-        report.contains("would come to a stand then") && report.contains("This is an estimate, not a bound"),
+        report.contains(&format!("{named} then")) && report.contains("This is an estimate, not a bound"),
         "{report}"
     );
 }
@@ -302,6 +361,57 @@ fn shares_of_one_and_springs_that_rebound_are_told() {
         let said = text(folder.path(), &["check", "train.toml"]);
         assert_eq!(said.contains("the whole rebound of the springs"), told, "{coupler}: {said}");
     }
+}
+
+/// A schedule whose first row is not the effort before the event, which jumps there.
+#[test]
+fn a_throttle_schedule_that_jumps_is_told() {
+    let train = hauled(GEARS, "throttle = \"throttle.csv\"\n");
+    for (rows, told) in [
+        ("time [s],share [%]\n0,60\n2.5,50\n", true),
+        ("time [s],share [%]\n0,99.5\n2.5,0\n", false),
+        ("time [s],share [%]\n0,100\n0,60\n", false),
+        ("time [s],force [kN]\n3,550\n4,0\n", true),
+        ("time [s],force [kN]\n0,600\n4,0\n", false),
+    ] {
+        let folder = folder(&[("train.toml", &train), ("throttle.csv", rows)]);
+        let said = text(folder.path(), &["check", "train.toml"]);
+        let at = if rows.contains("\n3,") { "3 s" } else { "0 s" };
+        let expected = format!("than that before the event: that of locomotives jumps at {at}; begin it with a row");
+        assert_eq!(said.contains(&expected), told, "{said}");
+    }
+}
+
+/// Parts in series with a gear that are softer than the gear; a gear without force; a map of an impact on gears.
+#[test]
+fn odd_gears_and_maps_are_told() {
+    let train = |gear: &str, solid: &str| {
+        format!(
+            "[coupler]\ngear = {gear}\nsolid_stiffness = \"{solid}\"\nfriction = \"50 %\"\nrated_load = \"2 MN\"\n[[vehicle]]\ncount = 3\nmass = \"80 t\"\n\
+             [[scenario]]\nname = \"they meet\"\nkind = \"impact\"\nat = \"tail\"\nvehicles = 1\nspeed = \"5 km/h\"\nhorizon = \"1 s\"\n"
+        )
+    };
+    let wedge = "[[\"0 mm\", \"100 kN\"], [\"100 mm\", \"1100 kN\"]]";
+    let folder = folder(&[("soft.toml", &train(wedge, "9 MN/m")), ("stiff.toml", &train(wedge, "11 MN/m"))]);
+    let soft = "warning: the solid_stiffness of coupler 1 (and 1 more coupler) is 9 MN/m, softer than its gear, 10 MN/m over the whole stroke";
+    assert!(
+        text(folder.path(), &["check", "soft.toml"]).contains(soft),
+        "{}",
+        text(folder.path(), &["check", "soft.toml"])
+    );
+    assert!(!text(folder.path(), &["check", "stiff.toml"]).contains("solid_stiffness of coupler"));
+    let flat = train("[[\"0 mm\", \"0 kN\"], [\"100 mm\", \"0 kN\"]]", "200 MN/m");
+    let refused = trainsafe::consist::parse(&flat, Path::new("flat.toml")).expect_err("no force").to_string();
+    assert!(refused.contains("gear: its loading force is 0 in every row, so that it moves without force"), "{refused}");
+    assert!(
+        refused.contains("help: give the forces of loading with their unit; travel without force is slack"),
+        "{refused}"
+    );
+    let output = run(folder.path(), &["analyze", "stiff.toml", "--map", "--json"]);
+    let said = String::from_utf8(output.stderr).expect("text");
+    let expected = "note: they meet: --map does nothing for an impact: the factor on its speed from which couplers exceed, which is searched for, \
+                    says all that a map would";
+    assert!(said.contains(expected), "{said}");
 }
 
 /// A warning names a gear that closes in an impact, and none that does not.

@@ -1,4 +1,4 @@
-//! What holds for every law and every train: energy, mirror images, units, rows on a line, agreement with the march of linear trains.
+//! What holds for every law and every train: energy, mirror images, units, rows on a line, split groups.
 
 use crate::gears::train;
 use proptest::prelude::*;
@@ -233,5 +233,30 @@ proptest! {
         let (a, b) = (solve(&problem, &ask()), solve(&with_more_rows(&problem), &ask()));
         let off = apart(&a, &b, 1.0, |i| i);
         prop_assert!(off <= 1e-7 * largest(&a), "{off} of {}", largest(&a));
+    }
+
+    /// Groups that are split are the same train, to the last bit of every force of its analysis.
+    #[test]
+    fn groups_may_be_split(
+        draft in table(), (slack, solid, load, mass) in (0.0..0.03f64, 60e6..260e6f64, 1e5..6e5f64, 30e3..150e3f64),
+        (first, count, at) in (1..11usize, 12..16usize, 1..15usize),
+    ) {
+        let rows: Vec<String> = draft.rows().iter().map(|r| format!("[\"{} m\", \"{} N\", \"{} N\"]", r.travel_m, r.loading_n, r.unloading_n)).collect();
+        let group = |count: usize| format!("[[vehicle]]\nlabel = \"car\"\nmass = \"{mass} kg\"\ncount = {count}\n");
+        let couplers = |groups: String| {
+            let text = format!(
+                "[coupler]\ngear = [{}]\nsolid_stiffness = \"{solid} N/m\"\nslack = \"{slack} m\"\nrated_load = \"1 MN\"\n\
+                 [[vehicle]]\nlabel = \"locomotive\"\nmass = \"195 t\"\nheld = true\n{groups}[load]\nuniform = \"{load} N\"\n\
+                 [[scenario]]\nkind = \"break\"\ncoupler = {}\nhorizon = \"3 s\"\n",
+                rows.join(", "),
+                at.min(count)
+            );
+            let train = trainsafe::consist::parse(&text, std::path::Path::new("a.toml")).unwrap_or_else(|e| panic!("{e}"));
+            let analysis = trainsafe::analyze(&train, &trainsafe::Options::default()).expect("sound");
+            analysis.scenarios[0].cases[0].couplers.clone()
+        };
+        let (whole, split) = (couplers(group(count)), couplers(group(first) + &group(1) + &group(count - first - 1)));
+        prop_assert_eq!(whole.len(), count - 1);
+        prop_assert_eq!(whole, split);
     }
 }

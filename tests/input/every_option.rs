@@ -185,7 +185,9 @@ const OPTIONS: &[(&str, &str, &[&str])] = &[
 ];
 
 /// Options that choose what is written and where, how a run is gone on with, or another command altogether.
-const OTHERS: [&str; 16] = [
+// Of a fleet --units is for its files.
+const OTHERS: [&str; 17] = [
+    "--units",
     "--color",
     "--threads",
     "--quiet",

@@ -38,8 +38,17 @@ fn no_two_vehicles_have_the_same_name() {
                 where it is named";
     assert_eq!(told(&[("w", 3), ("w 2", 1)]), [text]);
     assert!(told(&[("w", 3), ("w 4", 1)]).is_empty());
+    // A label is kept where it is that of a place; numbers behind a number stand in brackets.
+    assert_eq!(labels(&[("vehicle 2", 1), ("", 2)]), ["vehicle 2", "vehicle 2 (no label)", "vehicle 3"]);
+    assert_eq!(labels(&[("car 7", 2), ("car", 1)]), ["car 7 (1)", "car 7 (2)", "car"]);
+    let of_two =
+        read(&(vehicles(&[("car 7", 2)]) + "[[scenario]]\nkind = \"break\"\ncoupler = { behind = \"car 7\" }\n"));
+    let refused = of_two.expect_err("two of that label");
+    assert!(refused.contains("give one with its number, from \"car 7 (1)\" to \"car 7 (2)\""), "{refused}");
     for groups in [
         &[("vehicle 2", 1), ("", 3)][..],
+        &[("vehicle 2 (no label)", 1), ("vehicle 2", 1), ("", 1), ("vehicle 2", 1)],
+        &[("vehicle 2", 1), ("", 1), ("vehicle 2 (no label)", 1), ("a 1 (1)", 1), ("a 1", 2)],
         &[("", 2), ("vehicle", 3), ("", 1)],
         &[("a", 2), ("a 1", 2), ("a 1 1", 1)],
         &[("car ", 1), ("car", 1), ("car 1", 2)],

@@ -205,6 +205,8 @@ const ONLY_BY_READER: &[&str] = &[
     "coupler.limits.ultimate \".5 kN\"",
     "coupler.limits.ultimate \"1 kN\"",
     "coupler.limits.ultimate \"5. kN\"",
+    // Needed where some coupler has none of its own.
+    "coupler.stiffness left out",
     "coupler_override[0].limits.proof \".5 kN\"",
     "coupler_override[0].limits.proof \"1 kN\"",
     "coupler_override[0].limits.proof \"5. kN\"",

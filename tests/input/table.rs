@@ -5,6 +5,7 @@ use std::path::Path;
 
 use trainsafe::Train;
 use trainsafe::consist;
+use trainsafe::law::Law;
 use trainsafe::train::{Origin, TrainSpec};
 
 const FRONT: &str =
@@ -145,6 +146,34 @@ fn a_table_has_a_coupler_table_beside_it() {
     assert!(none.contains(&format!("add a [coupler] table with stiffness and rated_load{own}")), "{none}");
     let half = said("vehicles = \"consist.csv\"\n[coupler]\nstiffness = \"30 MN/m\"\n");
     assert!(half.contains(&format!("the capacity in draft{own}")), "{half}");
+}
+
+/// Where every coupler has a stiffness or a gear of its own, `[coupler]` needs neither; else the message names one that has none.
+#[test]
+fn stiffness_is_asked_for_where_a_coupler_has_none_of_its_own() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("gear.csv"), "travel [mm],loading [kN]\n0,0\n90,900\n").expect("a gear");
+    let read = |rows: &str, rest: &str| {
+        let table = format!("mass [t],gear,stiffness [MN/m],slack [mm]\n{rows}");
+        fs::write(folder.path().join("consist.csv"), table).expect("a table");
+        let text = format!("vehicles = \"consist.csv\"\n[coupler]\nrated_load = \"1 MN\"\n{rest}");
+        consist::parse(&text, &folder.path().join("train.toml")).map_err(|e| e.to_string())
+    };
+    let of_gears = "solid_stiffness = \"200 MN/m\"\nfriction = \"50 %\"\n";
+    let train = read("80,gear.csv,,\n80,,30,\n80,,,\n", of_gears).expect("each coupler has its own");
+    let couplers = train.into_spec().couplers;
+    assert!(matches!(couplers[0].law, Law::Gear { solid_n_per_m: 200e6, .. }));
+    assert_eq!(couplers[1].law, Law::linear(30e6));
+    let overridden = format!("{of_gears}[[coupler_override]]\nat = [1, 2]\ngear = \"gear.csv\"\n");
+    read("80,,,\n80,,,\n80,,,\n", &overridden).expect("overrides have gears");
+    let second = read("80,gear.csv,,\n80,,,10\n80,,,\n", of_gears).expect_err("coupler 2 has none");
+    assert!(
+        second.contains("error: [coupler] has no stiffness")
+            && second.contains("or give coupler 2 a stiffness or a gear"),
+        "{second}"
+    );
+    let none = read("80,,,\n80,,,\n", of_gears).expect_err("no coupler has one");
+    assert!(none.contains("between two vehicles; what a coupler's row of the table has goes before it"), "{none}");
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use trainsafe::findings::CouplerFindings;
 use trainsafe::{Analysis, Options, Train, analyze, consist, report};
 
 fn run(text: &str) -> (Train, Analysis) {
@@ -96,6 +97,79 @@ fn what_is_gone_at_once_is_decided() {
     let (breaks, undecided_s) = train("700 kN", "700 kN", &of(4));
     assert_eq!((breaks.iter().map(|b| b.0).collect::<Vec<_>>(), undecided_s), (vec![1, 8], None));
     assert!((breaks[0].1 - 0.493_411_9).abs() < 1e-6 && (breaks[1].1 - 0.533_862_9).abs() < 1e-6, "{breaks:?}");
+}
+
+/// Every coupler's largest forces in a cascade, of springs by Taylor series and of gears by the march: a coupler that its load breaks
+/// at once, under a pulse of next to nothing, leaves the forces that its break as the event leaves.
+#[test]
+fn forces_of_the_pieces_are_told() {
+    let gear =
+        "gear = [[\"0 mm\", \"0 kN\", \"0 kN\"], [\"1 m\", \"30 MN\", \"30 MN\"]]\nsolid_stiffness = \"30 MN/m\"";
+    let mut chained: Vec<Vec<[f64; 2]>> = vec![];
+    for law in ["stiffness = \"15 MN/m\"", gear] {
+        let text = |event: &str| {
+            format!(
+                "[coupler]\n{law}\nrated_load = \"2 MN\"\n[[vehicle]]\nmass = \"120 t\"\n[[vehicle]]\ncount = 8\nmass = \"80 t\"\n[load]\n\
+                 uniform = \"400 kN\"\n[[coupler_override]]\nat = 4\nrated_load = \"300 kN\"\n[[scenario]]\nhorizon = \"1.5 s\"\n{event}\n"
+            )
+        };
+        let pulse = "kind = \"pulse\"\nat = \"tail\"\nforce = \"-1e-9 N\"\nduration = \"0.1 s\"\ncascade = true";
+        let (train, analysis) = run(&text(pulse));
+        let case = &analysis.scenarios[0].cases[0];
+        let cascade = case.cascade.as_ref().expect("a cascade");
+        assert_eq!(cascade.breaks.iter().map(|b| (b.coupler, b.time_s)).collect::<Vec<_>>(), [(4, 0.0)], "{law}");
+        let broken = run(&text("kind = \"break\"\ncoupler = 4")).1.scenarios.remove(0).cases.remove(0);
+        assert_eq!(broken.couplers.len(), 7);
+        let within_n = 1e-6 + 2.0 * (cascade.error_n() + broken.error_n());
+        for b in &broken.couplers {
+            let c = &case.couplers[b.coupler - 1];
+            let found = c.cascade.as_ref().expect("its forces in the cascade");
+            let near = |a: Option<f64>, b: Option<f64>| (a.unwrap_or(0.0) - b.unwrap_or(0.0)).abs() < within_n;
+            assert!(
+                near(found.peak_buff_n, b.peak_buff_n) && near(found.peak_draft_n, b.peak_draft_n),
+                "{b:?} {found:?}"
+            );
+            assert_eq!(c.peak_buff_n, None, "the event alone brings no buff");
+            assert_eq!(found.exceeds, b.exceeds);
+            assert_eq!(found.error_estimate_n.is_some(), law == gear);
+        }
+        assert!(broken.couplers.iter().filter(|b| b.peak_buff_n.is_some()).count() >= 4, "{broken:?}");
+        let of_4 = case.couplers[3].cascade.as_ref().expect("up to its break");
+        assert_eq!((of_4.peak_draft_n, of_4.peak_draft_time_s, of_4.exceeds), (Some(4e5), Some(0.0), Some(true)));
+        let worst = broken.worst.expect("a worst coupler");
+        let [told, most] = [cascade.worst.map(|w| w.utilisation), Some(4.0 / 3.0)];
+        assert!(
+            told == most && worst.utilisation < 4.0 / 3.0 && cascade.exceeding == broken.exceeding + 1,
+            "{cascade:?}"
+        );
+        let shown = markdown(&train, &analysis);
+        assert!(
+            shown.contains("| 4 | vehicle 4, vehicle 5 | 400.0 kN in draft | 300 kN | 133 % (breaks) | 0 s | 133 % |"),
+            "{shown}"
+        );
+        let mut csv = vec![];
+        report::csv(&analysis, &mut csv).expect("written");
+        let csv = String::from_utf8(csv).expect("text");
+        assert!(
+            csv.starts_with("scenario,")
+                && csv.contains(",cascade_peak_buff_n,cascade_peak_buff_time_s,cascade_exceeds"),
+            "{csv}"
+        );
+        let weak =
+            run(&text(pulse).replace("2 MN", "450 kN").replace("1.5 s", "0.8 s")).1.scenarios.remove(0).cases.remove(0);
+        let cascade = weak.cascade.expect("a cascade");
+        assert_eq!(cascade.breaks.iter().map(|b| b.coupler).collect::<Vec<_>>(), [4, 1, 8], "{law}");
+        assert_eq!((cascade.gap_coupler, cascade.gap_closures.len()), (None, 0));
+        let peaks = |c: &CouplerFindings| {
+            let found = c.cascade.as_ref().expect("its forces in the cascade");
+            [found.peak_draft_n, found.peak_buff_n].map(|n| n.unwrap_or(0.0))
+        };
+        chained.push(weak.couplers.iter().map(peaks).collect());
+    }
+    // The gear's law is that of the spring.
+    let off =
+        chained[0].iter().flatten().zip(chained[1].iter().flatten()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(off < 1e-6, "{off}");
 }
 
 /// The sequence stands in the report in its order, with its figure.

@@ -5,6 +5,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use rayon::prelude::*;
 use trainsafe::accuracy::{Accuracy, Effort, MethodRow, RowOrigin};
 use trainsafe::solve::Method;
@@ -292,4 +294,46 @@ fn the_evidence_of_a_march_is_one() {
         let alike = |(a, b): (&f32, &f32)| a == b || a.is_nan() && b.is_nan() || (a - b).abs() < 1e-6;
         assert!(wave.share.iter().zip(&field.share).all(alike), "{name}");
     }
+}
+
+/// The picture of the wave marks couplers that pass their slack, and says so where there are any: of a rake at rest all ahead of the
+/// wave, and none under load.
+#[test]
+fn open_couplers_are_marked() {
+    let shown = |slack: &str, coupler: &str| {
+        let text = format!(
+            "[coupler]\n{coupler}\nslack = \"{slack}\"\nrated_load = \"2 MN\"\n[[vehicle]]\ncount = 6\nmass = \"80 t\"\n[[scenario]]\n\
+             kind = \"impact\"\nat = \"tail\"\nvehicles = 1\nspeed = \"5 km/h\"\nhorizon = \"1 s\"\n"
+        );
+        let train = consist::parse(&text, Path::new("a.toml")).unwrap_or_else(|e| panic!("{e}"));
+        let analysis = analyze(&train, &Options::default()).expect("sound");
+        let files = report::documents(&train, &analysis, &report::Format::ALL).expect("written");
+        let file = |name: &str| {
+            let (_, bytes) = files.iter().find(|(file, _)| file == name).unwrap_or_else(|| panic!("no {name}"));
+            String::from_utf8(bytes.clone()).expect("UTF-8")
+        };
+        let svg = file("figure-1-wave.svg");
+        let image =
+            svg.split_once("data:image/png;base64,").and_then(|(_, rest)| rest.split_once('"')).expect("a picture").0;
+        let image = STANDARD.decode(image).expect("base64");
+        let mut reader = png::Decoder::new(std::io::Cursor::new(image)).read_info().expect("a PNG");
+        let mut pixels = vec![0; reader.output_buffer_size().expect("its size")];
+        reader.next_frame(&mut pixels).expect("pixels");
+        let palette = reader.info().palette.as_ref().expect("colours").to_vec();
+        let grey = (palette.len() / 3 - 1) as u8;
+        assert_eq!(palette[palette.len() - 3..], [0x8c; 3]);
+        let (first, count) = (pixels[0], pixels.iter().filter(|p| **p == grey).count());
+        let told = [
+            svg.contains("open: passing its slack, without force"),
+            file("report.md").contains("buff orange, grey where it is open, outlined"),
+            file("report.html").contains("\"slack\":[true,true,true,true,true],"),
+        ];
+        (first == grey, count as f64 / pixels.len() as f64, told)
+    };
+    let spring = "stiffness = \"20 MN/m\"";
+    let (at_rest, share, told) = shown("40 mm", spring);
+    assert!(at_rest && (0.05..0.9).contains(&share) && told == [true; 3], "{at_rest} {share} {told:?}");
+    // Laws with events and no slack.
+    let (at_rest, share, told) = shown("0 mm", "stiffness = \"20 MN/m\"\nstiffness_in_buff = \"30 MN/m\"");
+    assert!(!at_rest && share == 0.0 && told == [false; 3], "{share} {told:?}");
 }

@@ -403,7 +403,7 @@ fn figures_say_what_they_show() {
     report::write(&built(&train), &analysis, dir.path(), &report::Format::ALL).expect("written");
     let svg = |name: &str| fs::read_to_string(dir.path().join(name)).expect("a figure");
     let (envelope, force) = (svg("figure-1-envelope.svg"), svg("figure-1-force.svg"));
-    for text in ["coupler 51 breaks", "largest draft", "largest buff", "rated", "exceeds its rating", "force, N"] {
+    for text in ["coupler 51 breaks", "largest draft", "largest buff", "rated", "over its rating", "force, N"] {
         assert!(envelope.contains(text), "{text}");
     }
     for text in ["first over its rating at 53.15 s", "time after the break, s", "force in coupler 1, N"] {

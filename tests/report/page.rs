@@ -36,7 +36,7 @@ fn the_policy_names_the_library_that_is_carried() {
 #[test]
 fn one_meaning_has_one_colour() {
     let page = page();
-    for meaning in ["draft", "buff", "over", "rod", "ramp"] {
+    for meaning in ["draft", "buff", "over", "rod", "slack", "ramp"] {
         assert_eq!(page.matches(&format!(" --{meaning}: ")).count(), 2, "{meaning}: once light, once dark");
         assert!(page.contains(&format!("color(\"{meaning}\")")), "{meaning} is used by the script");
     }

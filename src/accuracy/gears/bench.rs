@@ -7,7 +7,7 @@ use crate::accuracy::peers::Marched;
 use crate::accuracy::{AccuracyOptions, Effort, INSTANTS, MethodRow, RowOrigin, WATCHED};
 use crate::march::{Bound, MarchOptions, MarchOutcome, Problem, solve};
 
-/// How often the time of a problem is shortened until all of its forces can be told.
+/// How often a problem is shortened until all of its forces can be predicted.
 const CUTS: usize = 8;
 
 /// One problem on which methods are measured.
@@ -40,7 +40,7 @@ impl Bench {
         for _ in 0..CUTS {
             let outcome = solve(&problem, &ask);
             let stops_s = outcome.stopped.map_or(problem.horizon_s, |s| s.1);
-            // Up to just where the estimate passes the tolerance, another run's may pass it a little earlier.
+            // A little less: in another run the estimate may pass the tolerance slightly earlier.
             let horizon_s = outcome.predictable_until_s.map_or(stops_s, |t| stops_s.min(0.98 * t));
             (problem.horizon_s, problem.mark_s) = (horizon_s, horizon_s);
             if outcome.predictable_until_s.is_none() {
@@ -62,7 +62,7 @@ impl Bench {
             let setting = match (setting, &outcome.bound) {
                 ("with its error", Bound::Estimated(_)) => "three runs, for the estimate",
                 ("with its error", _) => "one run, with its proof",
-                // One run is all there is.
+                // It is the row above.
                 _ if matches!(outcome.bound, Bound::Proven(_)) => continue,
                 _ => setting,
             };

@@ -156,7 +156,7 @@ impl Clamped {
     }
 
     /// Whether any coupler has friction.
-    pub fn has_friction(&self) -> bool {
+    pub(crate) fn has_friction(&self) -> bool {
         self.gears.iter().any(|g| g.friction() > 0.0)
     }
 
@@ -178,7 +178,7 @@ impl Clamped {
     }
 
     /// Makes a state the one of the last step: its forces are the memory, and may be extremes.
-    pub fn commit(&mut self, state: &State) {
+    pub(crate) fn commit(&mut self, state: &State) {
         for i in 0..self.gears.len() {
             let force = self.force(state, i);
             let without_drag = force - self.gears[i].dashpot * (state.v[i] - state.v[i + 1]);

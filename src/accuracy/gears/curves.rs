@@ -49,7 +49,7 @@ impl Curve {
         curve
     }
 
-    /// The line just above (`side` 0) or just under an elongation.
+    /// The line just above or just under an elongation.
     fn line(&self, q: Dd, under: bool) -> Line {
         let next = self.points.partition_point(|p| if under { p[0] < q } else { p[0] <= q });
         let last = self.points.len();
@@ -110,7 +110,7 @@ impl Curves {
     }
 
     /// Whether the curves are one over an interval.
-    pub fn is_one(&self, interval: usize) -> bool {
+    pub(crate) fn is_one(&self, interval: usize) -> bool {
         let [upper, lower] = &self.lines[interval];
         let at = |n: Option<usize>| n.and_then(|n| self.knots.get(n)).map(|&q| (upper.at(q) - lower.at(q)).abs().hi);
         let apart = at(interval.checked_sub(1)).unwrap_or(0.0).max(at(Some(interval)).unwrap_or(0.0));
@@ -119,7 +119,7 @@ impl Curves {
             || apart <= 1e-28 * scale && (upper.slope - lower.slope).abs().hi <= 1e-28 * upper.slope.abs().hi
     }
 
-    /// How far a line of slope kl through a point stays under the upper and over the lower curve; infinite for without end.
+    /// How far a line of slope kl through a point stays under the upper and over the lower curve; infinite if endless.
     pub fn reach(&self, through: &Line) -> [Dd; 2] {
         let end = |side: usize| {
             // How far the curve is ahead of the line: falls with q on the upper one, rises on the lower one.

@@ -8,8 +8,8 @@
 //!
 //! A step is a Taylor series of degree `DEGREE` over a phase of at most `GearReference::PHASE`, whose first term left out is 1e-30 of the
 //! motion; it ends at the first event, found by Bernstein coefficients in double precision and by Newton's method in double-double. An
-//! event counts once the elongation is 1e-26 of the train's scale past it. Two marches with other steps tell what the reference is good
-//! for: [`GearReference::doubt_n`].
+//! event counts once the elongation is 1e-26 of the train's scale past it. Two marches with other steps tell the
+//! reference's error: [`GearReference::doubt_n`].
 
 use super::curves::{Curves, Line};
 use super::outside::{GearCourse, Outside, Shape};
@@ -61,7 +61,7 @@ pub struct TooManySteps {
 
 impl GearReference {
     /// Largest step times the largest rate, of the two marches.
-    pub const PHASE: [f64; 2] = [0.8, 0.61];
+    pub(crate) const PHASE: [f64; 2] = [0.8, 0.61];
 
     /// Of a problem up to its horizon, with forces at instants, in order.
     ///
@@ -86,7 +86,7 @@ impl GearReference {
     }
 }
 
-/// How a coupler's force goes with its elongation now.
+/// How a coupler's force follows its elongation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Mode {
     /// At slope kl between the curves, up to elongations on either.
@@ -102,7 +102,7 @@ enum Mode {
 enum Event {
     /// Passes the upper (0) or lower (1) end of its mode.
     End(usize),
-    /// Comes back on a curve.
+    /// Reverses on a curve.
     Turn,
     Breaks,
 }
@@ -230,16 +230,16 @@ impl<'a> Motion<'a> {
         self.expand(width);
         let first = self.first_event();
         let share = first.map_or(Dd::ONE, |f| f.0);
-        self.see(share);
+        self.update_largest(share);
         let to = if first.is_none() && ends { kink } else { self.t + width * share };
-        self.tell(width, to);
-        self.go(width, share);
+        self.record(width, to);
+        self.advance(width, share);
         self.t = to;
         self.found.steps += 1;
         let taken = (width * share).hi.max(1e-3 * wanted);
         self.mean = if self.mean.is_finite() { 0.8 * self.mean + 0.2 * taken } else { taken };
         if let Some((_, i, event)) = first {
-            self.happens(i, event);
+            self.apply_event(i, event);
         }
     }
 
@@ -341,7 +341,7 @@ impl Motion<'_> {
     }
 
     /// Takes the step up to a share of it into the largest forces.
-    fn see(&mut self, share: Dd) {
+    fn update_largest(&mut self, share: Dd) {
         for i in 0..self.couplers.len() {
             let row = self.force(i);
             let short = row.map(|f| f.hi);
@@ -360,7 +360,7 @@ impl Motion<'_> {
     }
 
     /// Forces at the asked instants up to the end of the step.
-    fn tell(&mut self, width: Dd, to: Dd) {
+    fn record(&mut self, width: Dd, to: Dd) {
         while let Some(&time) = self.times.get(self.found.forces.len()).filter(|time| Dd::from(**time) <= to) {
             let s = if width.hi > 0.0 { (Dd::from(time) - self.t) / width } else { Dd::ZERO };
             let forces = (0..self.couplers.len()).map(|i| value(&self.force(i), s)).collect();
@@ -369,7 +369,7 @@ impl Motion<'_> {
     }
 
     /// Moves the state to a share of the step.
-    fn go(&mut self, width: Dd, share: Dd) {
+    fn advance(&mut self, width: Dd, share: Dd) {
         for (course, circle) in self.outside.courses.iter().zip(&mut self.circle) {
             if let Shape::HalfSine(_, duration) = course.shape {
                 *circle = turned(*circle, duration, width).map(|row| value(&row, share));
@@ -385,7 +385,7 @@ impl Motion<'_> {
 }
 
 impl Motion<'_> {
-    fn happens(&mut self, i: usize, event: Event) {
+    fn apply_event(&mut self, i: usize, event: Event) {
         let q = self.couplers[i].start + self.x[i] - self.x[i + 1];
         match event {
             Event::End(side) => self.couplers[i].pass(side),
@@ -462,7 +462,7 @@ impl Coupler {
         self.enter(k, side);
     }
 
-    /// Comes back on a curve.
+    /// Reverses on a curve.
     fn turn(&mut self, q: Dd) {
         let slope = self.curves.solid.unwrap_or(self.line.slope);
         self.line = Line { q, force: self.line.at(q), slope };

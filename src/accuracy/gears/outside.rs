@@ -9,7 +9,7 @@ use crate::solve::dd::Dd;
 pub struct GearCourse {
     /// From 0.
     pub vehicle: usize,
-    /// How it goes.
+    /// The force over time.
     pub shape: Shape,
     /// Of a brake that a parting sets off: when it begins to act, s.
     wave_s: Option<f64>,
@@ -113,12 +113,12 @@ impl Outside {
     }
 
     /// The first kink of any force after `t`, if there is one.
-    pub fn kink(&self, t: Dd) -> Option<Dd> {
+    pub(crate) fn kink(&self, t: Dd) -> Option<Dd> {
         self.courses.iter().filter_map(|c| c.kink(t)).reduce(|a, b| if b < a { b } else { a })
     }
 
     /// Adds the forces just after `t` in double precision; half sines included.
-    pub fn add_at(&self, t: f64, forces: &mut [f64]) {
+    pub(crate) fn add_at(&self, t: f64, forces: &mut [f64]) {
         for course in &self.courses {
             forces[course.vehicle] += match course.shape {
                 Shape::HalfSine(peak, duration) if t < duration => peak * (std::f64::consts::PI * t / duration).sin(),
@@ -129,8 +129,8 @@ impl Outside {
     }
 }
 
-/// Steady forces without the common acceleration; what leaves 1e-12 of the largest force beside the couplers' forces at t = 0 is in
-/// balance with them, by the contract of a problem.
+/// Steady forces without the common acceleration; one within 1e-12 of the largest force from balance with the
+/// couplers' forces at t = 0 is taken as in balance.
 fn steady(problem: &Problem) -> Vec<Dd> {
     let n = problem.mass_kg.len();
     let sum = |of: &[f64]| of.iter().fold(Dd::ZERO, |sum, x| sum + Dd::from(*x));

@@ -38,7 +38,7 @@ pub enum GearPeer {
     },
 }
 
-/// The phase of steps of methods whose own error is not of their steps.
+/// Phase of the steps of methods whose error has another cause.
 const FINE: f64 = 0.03;
 /// The same of smoothed friction, which is stiff.
 const STIFF: f64 = 0.5;
@@ -93,7 +93,7 @@ impl GearPeer {
     }
 
     /// Whether it differs from the others only where there is friction.
-    pub fn needs_friction(self) -> bool {
+    pub(crate) fn needs_friction(self) -> bool {
         matches!(self, GearPeer::Smoothed { .. } | GearPeer::Softened { .. })
     }
 
@@ -107,7 +107,7 @@ impl GearPeer {
     }
 
     /// Accelerations that a march is going to compute; a guess where the method chooses its steps.
-    pub fn estimated_accelerations(self, problem: &Problem) -> f64 {
+    pub(crate) fn estimated_accelerations(self, problem: &Problem) -> f64 {
         let per_radian = match self {
             GearPeer::Verlet { phase } => 1.0 / phase,
             GearPeer::RungeKutta4 { phase } => 4.0 / phase,
@@ -254,7 +254,7 @@ impl Run<'_> {
     }
 }
 
-/// A state and so much of each of some rates.
+/// A state plus multiples of rates.
 fn moved(state: &State, parts: &[(f64, &State)]) -> State {
     let mut next = state.clone();
     for (share, rates) in parts {

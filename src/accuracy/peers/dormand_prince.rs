@@ -14,7 +14,7 @@ use super::Marched;
 use super::equations::{Equations, Recorder};
 use crate::chain::Scene;
 
-/// More steps than this are not a comparison any more.
+/// More steps than this are given up.
 const MOST_STEPS: usize = 20_000_000;
 
 /// Marches a scene to its horizon with the relative tolerance `tolerance`.
@@ -29,7 +29,7 @@ pub fn march(scene: &Scene, tolerance: f64, times: &[f64]) -> Result<Marched, St
     let smallest = scene.force.abs() / stiffest;
     let accelerations = Cell::new(0);
     let mut seen =
-        Seen { recorder: Recorder::new(scene, times), time: 0.0, state: vec![0.0; 2 * scene.chain.mass.len()] };
+        LastStep { recorder: Recorder::new(scene, times), time: 0.0, state: vec![0.0; 2 * scene.chain.mass.len()] };
     for (from, to, force) in equations.stretches() {
         let motion = Motion { equations: &equations, force, accelerations: &accelerations };
         let mut begin = from;
@@ -46,7 +46,7 @@ pub fn march(scene: &Scene, tolerance: f64, times: &[f64]) -> Result<Marched, St
     Ok(seen.recorder.finish(&seen.state[..masses], accelerations.get()))
 }
 
-fn run(motion: &Motion, rtol: f64, atol: f64, from: f64, to: f64, seen: &mut Seen) -> Result<(), String> {
+fn run(motion: &Motion, rtol: f64, atol: f64, from: f64, to: f64, seen: &mut LastStep) -> Result<(), String> {
     let method = ExplicitRungeKutta::dop853().max_steps(MOST_STEPS).rtol(rtol).atol(atol);
     let start = seen.state.clone();
     let outcome = IVP::ode(motion, from, to, start).method(method).solout(&mut *seen).solve();
@@ -83,14 +83,14 @@ impl ODE<f64, Vec<f64>> for Motion<'_> {
     }
 }
 
-/// Looks at every step and keeps none but the last.
-struct Seen<'a> {
+/// Sees every step and keeps the last.
+struct LastStep<'a> {
     recorder: Recorder<'a>,
     time: f64,
     state: Vec<f64>,
 }
 
-impl Seen<'_> {
+impl LastStep<'_> {
     fn take_until(&mut self, end: f64) {
         let masses = self.state.len() / 2;
         while self.recorder.next_until(end).is_some() {
@@ -99,7 +99,7 @@ impl Seen<'_> {
     }
 }
 
-impl Solout<f64, Vec<f64>> for &mut Seen<'_> {
+impl Solout<f64, Vec<f64>> for &mut LastStep<'_> {
     fn solout<I>(
         &mut self,
         now: f64,
@@ -113,7 +113,7 @@ impl Solout<f64, Vec<f64>> for &mut Seen<'_> {
         I: Interpolation<f64, Vec<f64>> + ?Sized,
     {
         let masses = state.len() / 2;
-        self.recorder.see(&state[..masses]);
+        self.recorder.add_to_extremes(&state[..masses]);
         self.time = now;
         self.state.clone_from(state);
         ControlFlag::Continue

@@ -52,7 +52,7 @@ impl<'a> Equations<'a> {
     }
 }
 
-/// Takes down what a march goes past.
+/// Records the forces of a march.
 pub struct Recorder<'a> {
     scene: &'a Scene,
     times: &'a [f64],
@@ -72,15 +72,15 @@ impl<'a> Recorder<'a> {
         self.times.get(self.marched.forces.len()).copied().filter(|&t| t <= to)
     }
 
-    /// Takes down the forces of `displacement` as those of the next instant asked for.
+    /// Records the forces of `displacement` as those of the next instant asked for.
     pub fn take(&mut self, displacement: &[f64]) {
         let force = |(i, &f): (usize, &f64)| f + self.since_event(displacement, i);
         let forces = self.scene.initial.iter().enumerate().map(force).collect();
         self.marched.forces.push(forces);
     }
 
-    /// Takes the forces of `displacement` into the extremes.
-    pub fn see(&mut self, displacement: &[f64]) {
+    /// Adds the forces of `displacement` to the extremes.
+    pub fn add_to_extremes(&mut self, displacement: &[f64]) {
         let springs = self.scene.chain.stiffness.iter().zip(&self.scene.initial).zip(displacement.windows(2));
         for (((k, f), x), [draft, buff]) in springs.zip(&mut self.marched.extremes) {
             let force = f + k * (x[0] - x[1]);
@@ -89,7 +89,7 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// What was taken down, with the work it took; instants beyond the last step take its forces.
+    /// What was recorded, with the work; instants beyond the last step get its forces.
     pub fn finish(mut self, last: &[f64], accelerations: u64) -> Marched {
         while self.marched.forces.len() < self.times.len() {
             self.take(last);
@@ -133,7 +133,7 @@ where
                     recorder.take(&between(&before, &state, width, (t - begin) / width));
                 }
             }
-            recorder.see(&state.displacement);
+            recorder.add_to_extremes(&state.displacement);
         }
     }
     recorder.finish(&state.displacement, accelerations)

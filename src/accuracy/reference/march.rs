@@ -22,7 +22,7 @@ const DEGREE: usize = 30;
 /// Pieces of a step in which extremes and crossings are looked for.
 const PIECES: usize = 12;
 
-/// What is played, in SI units; forces on couplers are positive in draft.
+/// What is followed, in SI units; forces on couplers are positive in draft.
 #[derive(Clone, Debug, Default)]
 pub struct System {
     /// Masses, kg.
@@ -113,12 +113,12 @@ pub fn march(system: &System, breaks_at: &[[f64; 2]]) -> March {
             if let Some((coupler, share)) = first_break(&piece, breaks_at) {
                 piece.end = share;
                 let force = rounded(&value(&piece.series[coupler], &piece.end));
-                motion.go(&piece.end);
+                motion.advance(&piece.end);
                 now = &now + &piece.end * &width;
                 motion.whole[coupler] = false;
                 march.broke.push(Broke { at: rounded(&now), coupler, force });
             } else {
-                motion.go(&piece.end);
+                motion.advance(&piece.end);
                 now = if last { end.clone() } else { &now + &width };
             }
             march.pieces.push(piece);
@@ -251,7 +251,7 @@ impl Motion<'_> {
         Piece { from: now.clone(), width: width.clone(), end: long(1.0), series: force, short }
     }
 
-    fn go(&mut self, share: &Real) {
+    fn advance(&mut self, share: &Real) {
         for (state, series) in self.state.iter_mut().zip(&self.series) {
             for (j, state) in state.iter_mut().enumerate() {
                 *state = series.iter().rev().fold(long(0.0), |sum, row| sum * share + &row[j]);
@@ -341,8 +341,8 @@ impl Piece {
         marks
     }
 
-    /// Up to where double precision leaves a doubt.
-    fn haze(&self, coupler: usize) -> f64 {
+    /// The error of a force in double precision.
+    fn rounding(&self, coupler: usize) -> f64 {
         1e-13 * self.short[coupler].iter().map(|c| c.abs()).sum::<f64>()
     }
 
@@ -370,7 +370,7 @@ impl Piece {
             short.iter().enumerate().map(|(q, c)| (q * q.saturating_sub(1)) as f64 * c.abs()).sum::<f64>(),
             rounded(&self.end),
         );
-        if (sign * short[0]).max(sign * at(short, end)[0]) + 0.125 * bend + self.haze(coupler) < rough {
+        if (sign * short[0]).max(sign * at(short, end)[0]) + 0.125 * bend + self.rounding(coupler) < rough {
             return None;
         }
         let over = |s: &Real| value(series, s) * &long_sign > *level;
@@ -380,13 +380,13 @@ impl Piece {
         }
         let mut before = start;
         for mark in self.marks(coupler, sign) {
-            if sign * at(short, mark)[0] + self.haze(coupler) < rough {
+            if sign * at(short, mark)[0] + self.rounding(coupler) < rough {
                 before = long(mark);
                 continue;
             }
             let mark = self.top(coupler, mark);
             if over(&mark) {
-                // Halving to 2^-140 of the step: steps of Newton's would be fewer, and none of them is surer.
+                // Halving to 2^-140 of the step: Newton's method would need fewer, but is less sure.
                 let (mut low, mut high) = (before, mark);
                 for _ in 0..BITS {
                     let middle = (&low + &high) * long(0.5);
@@ -418,13 +418,13 @@ impl March {
         for piece in self.up_to(until).filter(|p| !p.series[coupler].is_empty()) {
             let (short, least) = (&piece.short[coupler], best.as_ref().map_or(f64::NEG_INFINITY, |b| rounded(&b.1)));
             let bend: f64 = short.iter().enumerate().map(|(q, c)| (q * q.saturating_sub(1)) as f64 * c.abs()).sum();
-            let haze = piece.haze(coupler);
-            if (sign * short[0]).max(sign * at(short, rounded(&piece.end))[0]) + 0.125 * bend + haze < least {
+            let rounding = piece.rounding(coupler);
+            if (sign * short[0]).max(sign * at(short, rounded(&piece.end))[0]) + 0.125 * bend + rounding < least {
                 continue;
             }
             for mark in piece.marks(coupler, sign) {
                 let known = best.as_ref().map_or(f64::NEG_INFINITY, |b| rounded(&b.1));
-                if sign * at(short, mark)[0] + haze >= known {
+                if sign * at(short, mark)[0] + rounding >= known {
                     let s = piece.top(coupler, mark);
                     let force = value(&piece.series[coupler], &s) * long(sign);
                     if best.as_ref().is_none_or(|b| force > b.1) {

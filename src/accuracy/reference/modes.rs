@@ -1,4 +1,4 @@
-//! Modes in long arithmetic, and what they leave of the equations of motion.
+//! Modes in long arithmetic, and their residual in the equations of motion.
 //!
 //! With `y_i = F_i / sqrt(k_i)` and `w_v = sqrt(m_v) x_v'` the motion under a unit force on mass s is
 //!
@@ -133,7 +133,7 @@ impl Line {
         real(0.0, self.bits)
     }
 
-    /// A pivot, or in its place something too small to matter.
+    /// A pivot, or a negligible number in place of 0.
     fn pivot(&self, d: Real, omega: &Real) -> Real {
         if d == self.zero() { -(omega.clone() >> (2 * self.bits as isize)) } else { d }
     }
@@ -153,7 +153,7 @@ impl Line {
     /// The index-th positive eigenvalue: Rayleigh quotient iteration from a start, proved by two counts, or bisection.
     fn frequency(&self, index: usize, start: Real) -> Real {
         let target = self.nodes() - self.nodes() / 2 + index;
-        let sliver = real(0.5f64.powi(self.bits as i32 - 16) * self.nodes() as f64, self.bits);
+        let relative_width = real(0.5f64.powi(self.bits as i32 - 16) * self.nodes() as f64, self.bits);
         let mut omega = start.clone();
         for _ in 0..8 {
             let (gamma, z) = self.twisted(&omega);
@@ -164,7 +164,7 @@ impl Line {
                 break;
             }
         }
-        let width = &omega * &sliver;
+        let width = &omega * &relative_width;
         let (lo, hi) = (&omega - &width, &omega + &width);
         if omega > self.zero() && self.below(&lo) == target && self.below(&hi) == target + 1 {
             return omega;

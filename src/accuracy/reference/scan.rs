@@ -11,9 +11,9 @@ use crate::solve::dd::Dd;
 const NEAR: f64 = 0.7;
 /// Coefficients of the last polynomial: the next term is under 0.7^19 / 19! = 1e-20 of the amplitudes.
 const TERMS: usize = 19;
-/// Stretches looked at, per spring and sign, in all.
-const PATIENCE: usize = 40_000_000;
-/// Instants of a first look that gives the search something to beat.
+/// Stretches looked at over all springs and signs.
+const MOST_LOOKS: usize = 40_000_000;
+/// Instants of a first look that gives the search a lower bound.
 const FIRST_LOOK: usize = 2000;
 
 /// `f_i(t) = mean_i + sum_j weight_ij cos(omega_j (t - reference))`, or sin.
@@ -45,8 +45,8 @@ impl Target {
 pub struct Candidate {
     pub at: f64,
     pub value: f64,
-    /// The force bends there for certain, so that Newton's method leads to the top.
-    pub bent: bool,
+    /// The force is certainly concave there: Newton's method finds the top.
+    pub is_concave: bool,
 }
 
 /// All places at which the largest value can be.
@@ -56,7 +56,7 @@ pub struct Found {
     pub rounding: f64,
     /// Joint amplitude of the modes that were too fast to follow.
     pub unseen: f64,
-    /// Certainly reached.
+    /// A value reached.
     best: f64,
 }
 
@@ -138,7 +138,7 @@ impl Search<'_> {
         let mut open = vec![(piece.from, piece.to, all)];
         while let Some((a, b, active)) = open.pop() {
             self.looks += active.len();
-            if self.looks > PATIENCE {
+            if self.looks > MOST_LOOKS {
                 return Err(self.looks);
             }
             let left = self.look(piece, targets, &sizes, [a, b], active);
@@ -279,7 +279,7 @@ impl Poly {
                 let top = if concave { self.newton(x + step, x - h, x + h) } else { x + step };
                 let value = self.at(top)[0];
                 found.best = found.best.max(value - rounding);
-                found.candidates.push(Candidate { at: time(top), value, bent: concave });
+                found.candidates.push(Candidate { at: time(top), value, is_concave: concave });
             } else {
                 open.push((x - 0.5 * h, 0.5 * h));
                 open.push((x + 0.5 * h, 0.5 * h));

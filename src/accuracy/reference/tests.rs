@@ -14,7 +14,7 @@ fn held(springs: usize) -> Scene {
     }
 }
 
-/// `J_1(2t) / t` as its power series: until the other end is heard, a backward step of force 1 on a free end brings the
+/// `J_1(2t) / t` as its power series: before any reflection, a backward step of force 1 on a free end brings the
 /// spring next to it `1 - J_1(2t) / t`.
 fn last_spring(t: f64, bits: usize) -> Real {
     let square = real::real(t, bits) * real::real(t, bits);
@@ -28,7 +28,7 @@ fn last_spring(t: f64, bits: usize) -> Real {
     sum
 }
 
-/// Forty springs: the held end answers with J_160(2t), under 1e-200 at t = 2. Both sides are right to 2^-256 times the
+/// Forty springs: the held end reflects J_160(2t), under 1e-200 at t = 2. Both sides are right to 2^-256 times the
 /// few hundred roundings in each: 1e-70 leaves room, and is 40 digits below what is asked of the reference.
 #[test]
 fn agrees_with_bessel_functions_to_70_digits() {

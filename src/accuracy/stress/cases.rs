@@ -39,8 +39,8 @@ fn sizes() -> Vec<Named> {
     ]
 }
 
-/// Ratios of 1e12. The slowest mode would ask for horizons of 1e6 time units, and fast modes fill each of them: what a
-/// minute can follow is what is run.
+/// Ratios of 1e12. The slowest mode would need horizons of 1e6 time units, full of fast oscillations: horizons are cut
+/// to what a minute can compute.
 fn ratios() -> Vec<Named> {
     let masses = |at: &dyn Fn(usize) -> bool, value: f64| {
         let mut scene = mixed(24);

@@ -17,7 +17,7 @@ pub struct GearCase {
 }
 
 /// Rating of every coupler, and the unit of forces in the rows, N.
-pub const PULL: f64 = 0.6e6;
+pub(crate) const PULL: f64 = 0.6e6;
 /// Mass of a car, kg, and stiffness, N/m, of a gear that is loaded to the pull.
 const CAR: f64 = 130e3;
 const STIFFNESS: f64 = 17.9e6;

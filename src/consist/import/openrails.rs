@@ -23,9 +23,9 @@ use crate::train::Doubt;
 use tree::Block;
 use units::{Of, Read};
 
-/// Stronger couplings than this are no real ones, N.
+/// No real coupling is stronger than this, N.
 const STRONGEST_N: f64 = 10e6;
-/// Files that include each other are followed so far.
+/// Includes are followed to this depth.
 const DEEPEST: usize = 8;
 
 /// A vehicle of the consist.
@@ -43,7 +43,7 @@ struct Vehicle {
     missing: Vec<[String; 2]>,
     /// Stiffness, N/m, and strength, N, of the front and the rear coupling.
     couplings: [[Option<f64>; 2]; 2],
-    /// What of its couplings is not read, in words.
+    /// Keys of its couplings that are not read.
     unread: Vec<String>,
 }
 
@@ -107,7 +107,7 @@ fn folders(consist: &Path, trainsets: &[PathBuf]) -> Vec<PathBuf> {
     trainsets.iter().cloned().chain([own].into_iter().chain(beside).flat_map(with_trainset)).collect()
 }
 
-/// An entry of a folder by its name in any case; names of Windows have none.
+/// An entry of a folder by its name, in capital or small letters as on Windows.
 fn entry(folder: &Path, name: &str) -> Option<PathBuf> {
     let exact = folder.join(name);
     if exact.exists() {
@@ -124,7 +124,7 @@ fn find(member: &Member, folders: &[PathBuf]) -> Option<PathBuf> {
     }
     let name = format!("{}.{}", member.file, member.extension);
     let own = folders.iter().filter_map(|folder| entry(folder, &member.folder)).find_map(|folder| {
-        // What Open Rails has of its own goes before the game's first form.
+        // A file in the folder `openrails` replaces the original game's.
         let or = entry(&folder, "openrails").and_then(|or| entry(&or, &name));
         or.or_else(|| entry(&folder, &name))
     });
@@ -161,7 +161,7 @@ fn vehicle(member: &Member, name: &str, folders: &[PathBuf], files: &Files) -> V
         }
     };
     let wagons: Vec<&Block> = blocks.iter().flat_map(|root| root.all("Wagon")).collect();
-    // The last file that says something counts.
+    // The last file that has a key counts.
     let last = |key: &str| wagons.iter().rev().find_map(|wagon| wagon.find(key));
     let mut quantity = |key: &str, block: &str, index: usize, of: Of| {
         let written = last(block).and_then(|b| b.words.get(index));
@@ -254,7 +254,7 @@ fn remarks(vehicles: &[Placed]) -> Vec<String> {
     remarks
 }
 
-/// Strengths that no coupler has.
+/// A doubt about unreal strengths.
 fn too_strong(vehicles: &[Placed]) -> Option<Doubt> {
     let strong =
         |(_, v, _): &&Placed| v.couplings.iter().any(|[_, strength]| strength.is_some_and(|n| n > STRONGEST_N));

@@ -93,7 +93,7 @@ fn held(group: &Group) -> bool {
     group.vehicle.iter().any(|v| v.key == "held" && v.value == "true")
 }
 
-/// What is given of each coupler; what stands behind the last vehicle is no coupler's.
+/// The values given for each coupler; behind the last vehicle there is none.
 fn couplers(groups: &[Group]) -> ByKey<'_> {
     let total: usize = groups.iter().map(|g| g.count).sum();
     let mut by_key = ByKey::new();
@@ -109,9 +109,9 @@ fn couplers(groups: &[Group]) -> ByKey<'_> {
     by_key
 }
 
-/// The value that most couplers have, where all have one that can stand in `[coupler]`, and how many have it.
+/// The commonest value of a key and its count, if all couplers have one and it may stand in `[coupler]`.
 fn common<'d>(of: &BTreeMap<usize, &'d Given>, couplers: usize, key: &str) -> Option<(&'d Given, usize)> {
-    // A share is of the rating in [coupler], which is then not known.
+    // A share needs the rating in [coupler], which is not known.
     let share = key == "rated_load" && of.values().any(|given| given.value.contains('%'));
     if of.len() < couplers || share {
         return None;
@@ -180,7 +180,7 @@ fn overrides(by_key: &ByKey, couplers: usize) -> String {
     text
 }
 
-/// What a table of vehicles does not say at all.
+/// Load and scenarios, which no table gives.
 fn load(draft: &Draft) -> String {
     let forces = ["tractive_effort", "brake_force", "rolling_resistance", "grade"];
     let given = draft.groups.iter().flat_map(|g| &g.vehicle).any(|v| forces.contains(&v.key.as_str()));

@@ -5,7 +5,7 @@ use quick_xml::XmlVersion;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::reader::Reader;
 
-use super::{AS_CSV, Held, MOST_COLUMNS, MOST_ROWS, Named, Sheet, Wrong};
+use super::{AS_CSV, CellContent, MOST_COLUMNS, MOST_ROWS, Named, Sheet, Wrong};
 
 /// All sheets, in their order, with the texts of those that may be meant.
 pub(super) fn sheets(content: &str, name: Option<&str>) -> Result<Vec<Named>, Wrong> {
@@ -44,7 +44,7 @@ fn attribute(start: &BytesStart, name: &str) -> Result<Option<String>, Wrong> {
     text.map_err(|e| damaged(&e))
 }
 
-/// How often a row or cell stands there.
+/// How often a row or cell is repeated.
 fn repeats(start: &BytesStart, name: &str) -> Result<usize, Wrong> {
     let text = attribute(start, name)?;
     text.map_or(Ok(1), |text| text.parse().map_err(|_| damaged(&format!("{name} is {text}"))))
@@ -61,9 +61,9 @@ fn table(reader: &mut Reader<&[u8]>) -> Result<String, Wrong> {
                 let cells = cells(reader)?;
                 let last = if cells.is_empty() { 0 } else { times };
                 for at in row..row.saturating_add(last).min(MOST_ROWS + 1) {
-                    for (from, count, held) in &cells {
+                    for (from, count, cell_content) in &cells {
                         for column in *from..from.saturating_add(*count).min(MOST_COLUMNS + 1) {
-                            sheet.add(at, column, held)?;
+                            sheet.add(at, column, cell_content)?;
                         }
                     }
                 }
@@ -79,8 +79,8 @@ fn table(reader: &mut Reader<&[u8]>) -> Result<String, Wrong> {
     }
 }
 
-/// The cells of a row that hold something: the column, how often, and what.
-fn cells(reader: &mut Reader<&[u8]>) -> Result<Vec<(usize, usize, Held)>, Wrong> {
+/// The filled cells of a row: first column, repeats and content.
+fn cells(reader: &mut Reader<&[u8]>) -> Result<Vec<(usize, usize, CellContent)>, Wrong> {
     let is_cell =
         |start: &BytesStart| ["table:table-cell", "table:covered-table-cell"].contains(&start.name().as_ref());
     let mut cells = vec![];
@@ -97,14 +97,14 @@ fn cells(reader: &mut Reader<&[u8]>) -> Result<Vec<(usize, usize, Held)>, Wrong>
             _ => continue,
         };
         let times = repeats(&start, "table:number-columns-repeated")?;
-        if let Some(held) = held(&start, text)? {
-            cells.push((column, times, held));
+        if let Some(cell_content) = cell_content(&start, text)? {
+            cells.push((column, times, cell_content));
         }
         column = column.saturating_add(times);
     }
 }
 
-fn held(start: &BytesStart, text: String) -> Result<Option<Held>, Wrong> {
+fn cell_content(start: &BytesStart, text: String) -> Result<Option<CellContent>, Wrong> {
     let number = || -> Result<f64, Wrong> {
         let value = attribute(start, "office:value")?.unwrap_or_default();
         value.parse().map_err(|_| damaged(&format!("a number is {value}")))
@@ -113,14 +113,15 @@ fn held(start: &BytesStart, text: String) -> Result<Option<Held>, Wrong> {
         None if text.is_empty() => None,
         None | Some("string") => {
             let own = attribute(start, "office:string-value")?;
-            Some(Held::Text(own.unwrap_or(text))).filter(|held| !matches!(held, Held::Text(t) if t.is_empty()))
+            Some(CellContent::Text(own.unwrap_or(text)))
+                .filter(|cell_content| !matches!(cell_content, CellContent::Text(t) if t.is_empty()))
         }
-        Some("float" | "currency") => Some(Held::Number(number()?)),
-        Some("percentage") => Some(Held::Percentage(number()?)),
-        Some("boolean") => Some(Held::Text(attribute(start, "office:boolean-value")?.unwrap_or(text))),
-        Some("date") => Some(Held::Other("a date or time".to_owned())),
-        Some("time") => Some(Held::Other("a duration".to_owned())),
-        Some(other) => Some(Held::Other(other.to_owned())),
+        Some("float" | "currency") => Some(CellContent::Number(number()?)),
+        Some("percentage") => Some(CellContent::Percentage(number()?)),
+        Some("boolean") => Some(CellContent::Text(attribute(start, "office:boolean-value")?.unwrap_or(text))),
+        Some("date") => Some(CellContent::Other("a date or time".to_owned())),
+        Some("time") => Some(CellContent::Other("a duration".to_owned())),
+        Some(other) => Some(CellContent::Other(other.to_owned())),
     })
 }
 

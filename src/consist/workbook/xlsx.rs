@@ -4,7 +4,7 @@ use std::io::Cursor;
 
 use calamine::{Cell, DataRef, Reader as _, SheetType, SheetVisible, Style, Xlsx, XlsxError};
 
-use super::{AS_CSV, Held, Named, Sheet, Wrong};
+use super::{AS_CSV, CellContent, Named, Sheet, Wrong};
 
 /// The sheets that are shown, in their order, with the texts of those that may be meant.
 pub(super) fn sheets(bytes: &[u8], name: Option<&str>) -> Result<Vec<Named>, Wrong> {
@@ -28,9 +28,9 @@ fn text(workbook: &mut Xlsx<Cursor<&[u8]>>, name: &str) -> Result<String, Wrong>
     let mut sheet = Sheet::default();
     while let Some((cell, style)) = cells.next_cell_with_style_id().map_err(damaged)? {
         let percent = cells.styles().get(style).is_some_and(shows_percent);
-        if let Some(held) = held(&cell, percent) {
+        if let Some(cell_content) = cell_content(&cell, percent) {
             let (row, column) = cell.get_position();
-            sheet.add(row as usize, column as usize, &held)?;
+            sheet.add(row as usize, column as usize, &cell_content)?;
         }
     }
     Ok(sheet.text)
@@ -41,23 +41,23 @@ fn shows_percent(style: &Style) -> bool {
     format.is_some_and(|f| matches!(f.format_id, Some(9 | 10)) || unquoted_percent(&f.format_code))
 }
 
-/// A `%` that is no text of the format.
+/// Whether `%` stands outside quotes.
 fn unquoted_percent(code: &str) -> bool {
     let outside = code.split('"').step_by(2);
     outside.flat_map(|part| part.match_indices('%').map(move |(at, _)| !part[..at].ends_with('\\'))).any(|plain| plain)
 }
 
-fn held(cell: &Cell<DataRef>, percent: bool) -> Option<Held> {
-    let number = |x: f64| if percent { Held::Percentage(x) } else { Held::Number(x) };
+fn cell_content(cell: &Cell<DataRef>, percent: bool) -> Option<CellContent> {
+    let number = |x: f64| if percent { CellContent::Percentage(x) } else { CellContent::Number(x) };
     Some(match cell.get_value() {
         DataRef::Empty => return None,
         DataRef::Int(i) => number(*i as f64),
         DataRef::Float(x) => number(*x),
-        DataRef::String(text) => Held::Text(text.clone()),
-        DataRef::SharedString(text) => Held::Text((*text).to_owned()),
-        DataRef::Bool(flag) => Held::Text(flag.to_string()),
-        DataRef::DateTime(_) | DataRef::DateTimeIso(_) => Held::Other("a date or time".to_owned()),
-        DataRef::DurationIso(_) => Held::Other("a duration".to_owned()),
-        DataRef::Error(error) => Held::Other(error.to_string()),
+        DataRef::String(text) => CellContent::Text(text.clone()),
+        DataRef::SharedString(text) => CellContent::Text((*text).to_owned()),
+        DataRef::Bool(flag) => CellContent::Text(flag.to_string()),
+        DataRef::DateTime(_) | DataRef::DateTimeIso(_) => CellContent::Other("a date or time".to_owned()),
+        DataRef::DurationIso(_) => CellContent::Other("a duration".to_owned()),
+        DataRef::Error(error) => CellContent::Other(error.to_string()),
     })
 }

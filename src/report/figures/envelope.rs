@@ -1,6 +1,6 @@
 //! The largest draft and buff of every coupler along the train, against the ratings.
 
-use super::reach::{Reach, four_digits};
+use super::reach::{ForceAxis, four_digits};
 use super::{HEIGHT, RATED, along, mark_size, steps};
 use crate::figures::{Axis, Color, Figure, Panel, Point, Sample, Shape, Stroke};
 use crate::findings::ScenarioFindings;
@@ -9,9 +9,10 @@ use crate::report::words;
 use crate::scenario::initial_force_n;
 use crate::train::{Coupler, Train};
 
-/// Places that a figure has room for; of more couplers several share one.
+/// Places in a figure; if there are more couplers, several share one.
 const PLACES: usize = 800;
-/// Steps of a rating narrower than this are drawn as a stroke of this width, in pixels; and so many of them have their numbers.
+/// Steps of a rating narrower than this are drawn as a stroke of this width, in pixels; up to so many of them are
+/// labelled.
 const NARROW: f64 = 14.0;
 const NUMBERED: usize = 4;
 
@@ -57,7 +58,7 @@ pub fn envelope(train: &Train, scenario: &ScenarioFindings, name: &str) -> Strin
     let source = words::source(train, scenario).filter(|_| train.extras().steady.is_some());
     let before = source.map_or_else(Vec::new, |(_, source)| initial_force_n(train, &source.event));
     let forces = all.iter().flat_map(|e| [e.draft, e.buff]).flatten().chain(before.iter().copied());
-    let reach = Reach::new(forces, &ratings(|c| c.rated_draft_n), &ratings(|c| c.rated_buff_n));
+    let reach = ForceAxis::new(forces, &ratings(|c| c.rated_draft_n), &ratings(|c| c.rated_buff_n));
     let unit = force_unit(train.origin().units, reach.largest());
     let mut figure = Figure::new(name);
     let y_label = format!("force, {} (draft +, buff −)", unit.name);
@@ -77,7 +78,7 @@ pub fn envelope(train: &Train, scenario: &ScenarioFindings, name: &str) -> Strin
     let narrow = draw_ratings(&mut panel, train, &reach, unit);
     figure.explain("rated", Sample::Line(RATED));
     if marked {
-        figure.explain("exceeds its rating", Sample::Mark(Shape::Diamond, Color::Over));
+        figure.explain("over its rating", Sample::Mark(Shape::Diamond, Color::Over));
     }
     reach.tell(&mut panel, train.origin().units);
     if let [case] = &scenario.cases[..]
@@ -119,7 +120,7 @@ fn mark_exceedances(panel: &mut Panel, all: &[Extremes], unit: Unit, width: f64)
 }
 
 /// Draws the ratings that are on the axis; returns the labels of those of a few couplers, with their places.
-fn draw_ratings(panel: &mut Panel, train: &Train, reach: &Reach, unit: Unit) -> Vec<(String, Point)> {
+fn draw_ratings(panel: &mut Panel, train: &Train, reach: &ForceAxis, unit: Unit) -> Vec<(String, Point)> {
     let share = couplers_per_place(train.couplers().len());
     let mut named = Vec::new();
     for sign in [1.0, -1.0] {

@@ -1,8 +1,8 @@
 //! Force against time of one coupler, with the elastic rod's beside it, as in [P] figures 4 and 5.
 
-use super::reach::Reach;
+use super::reach::ForceAxis;
 use super::{HEIGHT, RATED, ROD};
-use crate::figures::{Axis, Color, Figure, Panel, Point, Sample, Stroke};
+use crate::figures::{Axis, Color, Figure, Panel, Point, Sample, Shape, Stroke};
 use crate::findings::{CaseFindings, CouplerFindings, Evidence};
 use crate::report::numbers::{force_unit, time, time_unit};
 use crate::report::words::time_axis;
@@ -14,7 +14,7 @@ const LINE: f64 = 2.0;
 /// The force in the worst coupler of a case over time, as SVG.
 pub fn history(train: &Train, case: &CaseFindings, c: &CouplerFindings, evidence: &Evidence, name: &str) -> String {
     let Evidence { times_s: times, force_n: chain, rod_force_n: rod, .. } = evidence;
-    let reach = Reach::new(chain.iter().chain(rod).copied(), &[c.rated_draft_n], &[c.rated_buff_n]);
+    let reach = ForceAxis::new(chain.iter().chain(rod).copied(), &[c.rated_draft_n], &[c.rated_buff_n]);
     let unit = force_unit(train.origin().units, reach.largest());
     let clock = time_unit(times.last().copied().unwrap_or(1.0));
     let points = |forces: &[f64]| -> Vec<Point> {
@@ -35,10 +35,11 @@ pub fn history(train: &Train, case: &CaseFindings, c: &CouplerFindings, evidence
         panel.line(&points(rod), ROD);
         figure.explain("elastic rod", Sample::Line(ROD));
     }
-    // A line along the rating is not over it.
+    // A line on the rating is not over it.
     let aside = LINE / HEIGHT * (reach.range.1 - reach.range.0);
     draw_chain(&mut figure, &mut panel, &chain, [rated[0] + aside, rated[1] - aside].map(|r| r / unit.size));
     figure.explain("rated", Sample::Line(RATED));
+    mark_peaks(&mut figure, &mut panel, c, |(t, f)| (t / clock.size, f / unit.size), evidence.window_s);
     reach.tell(&mut panel, train.origin().units);
     if let Some(first_s) = c.first_exceeds_s.filter(|t| times.contains(t)) {
         let target = chain.iter().find(|p| p.0 >= first_s / clock.size).copied().unwrap_or((0.0, 0.0));
@@ -52,7 +53,31 @@ pub fn history(train: &Train, case: &CaseFindings, c: &CouplerFindings, evidence
     figure.svg()
 }
 
-/// The force, each stretch in the colour of its sense, and over that what is above the first height or below the second.
+/// The largest draft and buff, each in the colour of its sense or, where it is over the rating, of that.
+fn mark_peaks(
+    figure: &mut Figure,
+    panel: &mut Panel,
+    c: &CouplerFindings,
+    at: impl Fn(Point) -> Point,
+    shown: (f64, f64),
+) {
+    let peaks = [
+        (c.peak_draft_time_s.zip(c.peak_draft_n), Color::Draft, c.rated_draft_n),
+        (c.peak_buff_time_s.zip(c.peak_buff_n), Color::Buff, c.rated_buff_n),
+    ];
+    let mut told = false;
+    for (peak, sense, rated) in peaks {
+        let Some(peak) = peak.filter(|p| (shown.0..=shown.1).contains(&p.0)) else { continue };
+        let over = c.exceeds == Some(true) && peak.1.abs() > rated;
+        let color = if over { Color::Over } else { sense };
+        panel.marks(&[at(peak)], Shape::Diamond, 5.5, color);
+        if !std::mem::replace(&mut told, true) {
+            figure.explain("largest draft and buff", Sample::Mark(Shape::Diamond, color));
+        }
+    }
+}
+
+/// The force, each stretch in the colour of its sense, and in another what is above `draft` or below `buff`.
 fn draw_chain(figure: &mut Figure, panel: &mut Panel, chain: &[Point], [draft, buff]: [f64; 2]) {
     const MOST: f64 = f64::MAX;
     let stretches = [

@@ -1,4 +1,4 @@
-//! Force against elongation of one coupler with slack or a gear: its way in the event, and the curves of its law.
+//! Force against elongation of one coupler with slack or a gear: its path in the event, and its law's curves.
 
 use super::HEIGHT;
 use crate::figures::{Axis, Color, Figure, Point, Sample, Shape, Stroke};
@@ -10,7 +10,7 @@ use crate::train::Train;
 const WAY: Stroke = Stroke::solid(Color::Ink, 1.6);
 const LAW: Stroke = Stroke::solid(Color::Quiet, 2.4);
 
-/// The way of a coupler as elongations, m, and forces, N, as SVG; `None` of a linear coupler, which has none.
+/// The path of a coupler, in elongations, m, and forces, N, as SVG; `None` for a linear coupler.
 pub fn hysteresis(train: &Train, c: &CouplerFindings, way: &[[f64; 2]], name: &str) -> Option<String> {
     let law = train.extras().laws.get(c.coupler - 1).filter(|_| !way.is_empty())?;
     let span = |of: usize| {

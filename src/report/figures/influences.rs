@@ -1,4 +1,4 @@
-//! How strongly each input of a study goes together with the largest utilisation.
+//! How strongly each input of a study is correlated with the largest utilisation.
 
 use crate::figures::{Axis, Color, Figure, Stroke};
 

@@ -1,7 +1,7 @@
 //! A scenario's map: the smallest overloading force against a pulse's duration, or the safe load against what breaks.
 
 use super::{HEIGHT, RATED, ROD, along, range_of_shares};
-use crate::figures::{Axis, Color, Figure, Point, Sample, Stroke};
+use crate::figures::{Axis, Color, Figure, Point, Sample, Shape, Stroke};
 use crate::findings::{MapFindings, MapPoint};
 use crate::report::numbers::{Unit, force_unit, given_force, time_unit};
 use crate::train::Event;
@@ -68,8 +68,15 @@ impl Lines {
             figure.explain(means, Sample::Line(RATED));
         }
         if !self.rod.is_empty() {
-            panel.line(&self.rod, ROD);
-            figure.explain("elastic rod", Sample::Line(ROD));
+            // Only breaks that leave equal parts have a rod: a line through so few points is not seen.
+            let few = self.rod.len() < 3;
+            if few {
+                panel.marks(&self.rod, Shape::Square, 5.0, Color::Rod);
+            } else {
+                panel.line(&self.rod, ROD);
+            }
+            let sample = if few { Sample::Mark(Shape::Square, Color::Rod) } else { Sample::Line(ROD) };
+            figure.explain("elastic rod", sample);
         }
         panel.line(&self.chain, CHAIN);
         figure.explain("chain", Sample::Line(CHAIN));

@@ -18,6 +18,7 @@ pub use history::history;
 pub use hysteresis::hysteresis;
 pub use influences::influences;
 pub use map::map;
+pub use regions::{over_rating, rows_over};
 pub use safe_factors::safe_factors;
 pub use wave::{Marks, wave};
 
@@ -38,7 +39,7 @@ fn mark_size(count: usize) -> f64 {
     (600.0 / count.max(1) as f64).clamp(4.5, 6.0)
 }
 
-/// The range of positive values with some air, from zero on unless that would press them flat.
+/// The range of positive values with some air, from zero on unless that would make them look equal.
 fn range_of_shares(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let (low, high) = values.fold((f64::INFINITY, 0.0f64), |(l, h), v| (l.min(v), h.max(v)));
     if high <= 0.0 {

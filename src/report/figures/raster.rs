@@ -3,14 +3,15 @@
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
-use crate::figures::ramp;
+use crate::figures::{Color, ramp};
 use crate::findings::{Field, larger};
 
 /// Steps of colour in each sense.
 const STEPS: usize = 60;
-/// Indices of the palette beyond the colours: where there is no coupler, and the outline.
+/// Indices of the palette beyond the colours: where there is no coupler, the outline, and open couplers.
 const NONE: u8 = 2 * STEPS as u8 + 1;
 const OUTLINE: u8 = NONE + 1;
+const OPEN: u8 = OUTLINE + 1;
 /// No image has more pixels to a side, and no file is larger (before it is written in base64).
 const WIDE: usize = 1000;
 const TALL: usize = 300;
@@ -22,7 +23,7 @@ pub fn scale() -> Vec<[u8; 3]> {
 }
 
 fn palette() -> Vec<u8> {
-    scale().into_iter().chain([[200, 200, 200], [0, 0, 0]]).flatten().collect()
+    scale().into_iter().chain([[200, 200, 200], [0, 0, 0], Color::Slack.rgb()]).flatten().collect()
 }
 
 /// The field as a PNG, head on top, in base64; `most` is the utilisation of the strongest colour.
@@ -73,6 +74,7 @@ fn pixels(field: &Field, most: f64, (width, height): (usize, usize)) -> Vec<u8> 
         match share[i] {
             s if !over(x, y) && beside_over(x, y) && !s.is_nan() => OUTLINE,
             s if s.is_nan() => NONE,
+            s if field.is_open(cells(y, height, rows), s) => OPEN,
             s => (STEPS as f64 * (1.0 + (f64::from(s) / most).clamp(-1.0, 1.0))).round() as u8,
         }
     };

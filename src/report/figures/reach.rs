@@ -5,15 +5,15 @@ use crate::figures::Panel;
 use crate::report::numbers::{digits, force_unit, without_zeros};
 use crate::units::UnitSystem;
 
-/// Of the axis, the least that the forces must have for another rating to be on it: one of the sense that comes nearest to its
-/// rating, and one of the other.
+/// Share of the axis that the forces must still fill if a rating is put on it: a rating of the sense that is nearer to
+/// its rating, and one of the other.
 const LEAST: [f64; 2] = [0.4, 0.75];
-/// Of the axis, what stays free at an end: where it has a mark, and where it says what lies beyond.
+/// Share of the axis that stays free at an end: usually, and where it says what lies beyond.
 const AIR: f64 = 0.06;
 const STRIP: f64 = 30.0 / HEIGHT;
 
 /// A force axis.
-pub struct Reach {
+pub struct ForceAxis {
     /// Its ends, N.
     pub range: (f64, f64),
     /// Smallest and largest rating in draft that lies above it, N.
@@ -22,13 +22,13 @@ pub struct Reach {
     buff: Option<(f64, f64)>,
 }
 
-impl Reach {
-    /// An axis for all forces, N, zero, and those ratings in draft and in buff that do not press them flat.
-    pub fn new(forces: impl Iterator<Item = f64>, draft: &[f64], buff: &[f64]) -> Reach {
+impl ForceAxis {
+    /// An axis for all forces, N, zero, and those ratings in draft and in buff that leave them visible.
+    pub fn new(forces: impl Iterator<Item = f64>, draft: &[f64], buff: &[f64]) -> ForceAxis {
         let forces = forces.filter(|f| f.is_finite()).fold((0.0f64, 0.0f64), |(l, h), f| (l.min(f), h.max(f)));
         let least = |of: &[f64]| of.iter().copied().fold(f64::INFINITY, f64::min);
         let draft_is_nearer = forces.1 / least(draft) >= -forces.0 / least(buff);
-        let mut reach = Reach { range: forces, draft: None, buff: None };
+        let mut reach = ForceAxis { range: forces, draft: None, buff: None };
         let mut ratings: Vec<f64> = draft.iter().copied().chain(buff.iter().map(|r| -r)).collect();
         let outside = |r: f64| (forces.0 - r).max(r - forces.1);
         ratings.sort_by(|a, b| outside(*a).total_cmp(&outside(*b)));
@@ -61,7 +61,7 @@ impl Reach {
             if whole > 0.0 && whole.is_finite() { (low - below * whole, high + above * whole) } else { (-1.0, 1.0) };
     }
 
-    /// The magnitude that tells the unit of the axis, N.
+    /// The magnitude that decides the axis' unit, N.
     pub fn largest(&self) -> f64 {
         self.range.1.max(-self.range.0)
     }
@@ -93,7 +93,7 @@ mod tests {
 
     #[test]
     fn a_rating_far_off_is_told_and_presses_nothing_flat() {
-        let reach = Reach::new([-1.7e6, 1.9e6].into_iter(), &[1.779e6, 0.97e6], &[3.114e6]);
+        let reach = ForceAxis::new([-1.7e6, 1.9e6].into_iter(), &[1.779e6, 0.97e6], &[3.114e6]);
         assert!(reach.shows(1.779e6) && !reach.shows(-3.114e6));
         assert_eq!((reach.draft, reach.buff), (None, Some((3.114e6, 3.114e6))));
         assert!(3.6e6 > 0.8 * (reach.range.1 - reach.range.0));
@@ -101,15 +101,15 @@ mod tests {
 
     #[test]
     fn a_rating_that_is_nearly_reached_is_shown() {
-        let reach = Reach::new([-0.1, 0.5].into_iter(), &[1.0], &[1.0]);
+        let reach = ForceAxis::new([-0.1, 0.5].into_iter(), &[1.0], &[1.0]);
         assert!(reach.shows(1.0) && !reach.shows(-1.0));
-        assert!(Reach::new([-1.4, 1.5].into_iter(), &[1.0], &[1.0]).shows(-1.0));
+        assert!(ForceAxis::new([-1.4, 1.5].into_iter(), &[1.0], &[1.0]).shows(-1.0));
     }
 
     #[test]
     fn without_forces_there_is_an_axis_too() {
-        let reach = Reach::new([0.0].into_iter(), &[1e6], &[2e6]);
+        let reach = ForceAxis::new([0.0].into_iter(), &[1e6], &[2e6]);
         assert!(reach.shows(1e6) && reach.shows(-2e6));
-        assert_eq!(Reach::new([0.0].into_iter(), &[f64::INFINITY], &[1.0]).range, (-1.0, 1.0));
+        assert_eq!(ForceAxis::new([0.0].into_iter(), &[f64::INFINITY], &[1.0]).range, (-1.0, 1.0));
     }
 }

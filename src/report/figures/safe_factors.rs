@@ -3,7 +3,7 @@
 use super::{HEIGHT, RATED};
 use crate::figures::{Axis, Color, Figure, Panel, Sample, Stroke};
 
-/// Points of the line: more than the eye can use.
+/// Points of the line at most.
 const MOST: usize = 1000;
 const LINE: Stroke = Stroke::solid(Color::Ink, 1.8);
 /// Height of one of several panels, in pixels.
@@ -40,7 +40,7 @@ fn distribution(panel: &mut Panel, sorted: &[f64], finite: usize, right: f64) {
         line.push((sorted[i], share(i + 1)));
     }
     line.push((right, share(finite)));
-    // Left of the cause as it is given a coupler is overloaded.
+    // Below factor 1 a coupler is overloaded.
     let below = line.iter().copied().filter(|p| p.0 < 1.0);
     let end = (1.0, below.clone().next_back().map_or(0.0, |p| p.1));
     let below: Vec<_> = below.chain([end]).collect();

@@ -13,10 +13,10 @@ const MARGIN: f64 = 0.02;
 /// Heights of the axes, in pixels: of one picture, and of each of two.
 const ALONE: f64 = 350.0;
 const EACH: f64 = 250.0;
-/// A region over its rating that is thinner than this, in pixels, is marked; marks are no nearer to each other than this.
-const THIN: f64 = 9.0;
+/// Marks of regions over the rating are no nearer to each other than this, in pixels.
 const APART: f64 = 14.0;
 const FORCE: Stroke = Stroke::solid(Color::Ink, 5.0);
+const OPEN: Stroke = Stroke::solid(Color::Slack, 12.0);
 
 /// What is marked over the picture, in couplers from 1 at the head and seconds.
 #[derive(Default)]
@@ -31,9 +31,15 @@ pub struct Marks<'a> {
     pub breaks: &'a [CascadeBreak],
 }
 
-/// A picture of the wave, as SVG, with the rod's below it where there is one.
-pub fn wave(field: &Field, rod: Option<&Field>, marks: &Marks, since: &str, couplers: usize, name: &str) -> String {
-    let most = rod.into_iter().chain([field]).map(|f| f64::from(f.largest())).fold(0.0, f64::max);
+/// A picture of the wave, as SVG, with the rod's below it where there is one; `most` is the utilisation of the strongest colour.
+pub fn wave(
+    (field, rod): (&Field, Option<&Field>),
+    most: f64,
+    marks: &Marks,
+    since: &str,
+    couplers: usize,
+    name: &str,
+) -> String {
     let until = field.times_s[field.times_s.len() - 1];
     let clock = time_unit(until);
     let since = format!("{since}, {}", clock.name);
@@ -59,6 +65,9 @@ pub fn wave(field: &Field, rod: Option<&Field>, marks: &Marks, since: &str, coup
         figure.add(panel);
     }
     explain(&mut figure, marks, over);
+    if field.opens() {
+        figure.explain("open: passing its slack, without force", Sample::Line(OPEN));
+    }
     color_bar(&mut figure, most);
     figure.svg()
 }
@@ -78,21 +87,17 @@ fn draw_marks(panel: &mut Panel, marks: &Marks, until: f64, clock: Unit) {
     panel.marks(&breaks, Shape::Diamond, mark_size(breaks.len()), Color::Over);
 }
 
-/// Marks couplers over their ratings at the right, and where the outline in the picture is too thin to be seen, the place in it;
+/// Marks couplers over their ratings at the right, and in the picture where and when, as an outline one coupler high is not seen;
 /// whether there is any.
 fn mark_exceedances(panel: &mut Panel, field: &Field, marks: &Marks, clock: Unit, high: f64) -> bool {
     let place = |row: usize| (row as f64 + 0.5) * field.couplers_per_row as f64 + 0.5;
     let rows: Vec<f64> = rows_over(field).into_iter().map(place).collect();
     panel.margin_marks(&rows, Color::Over);
-    let thin = |(rows, columns): (usize, usize)| {
-        let wide = panel.width_of((0.0, columns as f64 * step(field) / clock.size));
-        (rows as f64 * high / field.rows() as f64).min(wide) < THIN
-    };
     let pixels = |p: Point| (panel.width_of((0.0, p.0)), p.1 * high / (field.rows() * field.couplers_per_row) as f64);
-    let taken: Vec<Point> = marks.breaks.iter().map(|b| (b.time_s / clock.size, b.coupler as f64)).collect();
-    let mut all = taken.clone();
-    for region in over_rating(field).iter().filter(|r| thin(r.size)) {
-        let at = (field.times_s[region.peak.1] / clock.size, place(region.peak.0));
+    let mut all: Vec<Point> = marks.breaks.iter().map(|b| (b.time_s / clock.size, b.coupler as f64)).collect();
+    let taken = all.len();
+    for (row, column) in over_rating(field) {
+        let at = (field.times_s[column] / clock.size, place(row));
         let here = pixels(at);
         let near = |p: &Point| {
             let there = pixels(*p);
@@ -102,13 +107,8 @@ fn mark_exceedances(panel: &mut Panel, field: &Field, marks: &Marks, clock: Unit
             all.push(at);
         }
     }
-    let found = all.split_off(taken.len());
-    panel.marks(&found, Shape::OpenDiamond, 6.0, Color::Over);
+    panel.marks(&all[taken..], Shape::OpenDiamond, 6.0, Color::Over);
     !rows.is_empty()
-}
-
-fn step(field: &Field) -> f64 {
-    field.times_s.get(1).map_or(0.0, |t| t - field.times_s[0])
 }
 
 fn explain(figure: &mut Figure, marks: &Marks, over: bool) {
@@ -126,7 +126,7 @@ fn explain(figure: &mut Figure, marks: &Marks, over: bool) {
     }
     if over {
         figure.explain("coupler over its rating", Sample::Mark(Shape::Left, Color::Over));
-        figure.explain("where and when, if small", Sample::Mark(Shape::OpenDiamond, Color::Over));
+        figure.explain("where and when", Sample::Mark(Shape::OpenDiamond, Color::Over));
     }
 }
 

@@ -1,10 +1,10 @@
 //! The text of Open Rails' files: words, and blocks in parentheses with a name ahead of them.
 
-/// More words than this in a file are not kept, and deeper blocks are not told from the one around them.
+/// Words of a file that are read at most, and the depth below which a block is part of the one around it.
 const MOST_WORDS: usize = 1_000_000;
 const DEEPEST: usize = 100;
 
-/// A block: its name, the words that stand in it and the blocks.
+/// A block: its name, and the words and blocks in it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Block {
     pub(super) name: String,
@@ -13,7 +13,7 @@ pub(super) struct Block {
 }
 
 impl Block {
-    /// The whole text as a block without a name, and whether it ends within another. The end closes the blocks that are open.
+    /// The whole text as a block without a name, and whether it has unclosed blocks, which its end closes.
     pub(super) fn parse(text: &str) -> (Block, bool) {
         let mut open = vec![Block::default()];
         for token in (Tokens { rest: text }).take(MOST_WORDS) {

@@ -1,4 +1,4 @@
-//! Numbers of Open Rails' files, with units glued on: `90t`, `5.1e6N`, `20cm`.
+//! Numbers with units, as in Open Rails' files: `90t`, `5.1e6N`, `20cm`.
 
 /// What a number measures.
 #[derive(Clone, Copy)]
@@ -16,8 +16,8 @@ pub(super) struct Read {
     pub(super) si: f64,
 }
 
-/// A unit as the game writes it in small letters; a number in it times the first factor is one in the train file's unit, and that
-/// times the second is one in SI units. A mass stands for its weight where a force is due.
+/// A unit of the game in small letters, the factor to the train file's unit, that unit, and the factor from it to SI.
+/// A mass in the place of a force stands for its weight.
 type Unit = (&'static str, f64, &'static str, f64);
 
 const POUND_KG: f64 = 0.453_592_37;
@@ -64,7 +64,7 @@ pub(super) fn read(text: &str, of: Of) -> Option<Read> {
         Of::Stiffness => &STIFFNESS[..],
     };
     let text = text.trim().trim_end_matches(',').to_lowercase();
-    // The longest start that is a number, so that 1e6n is no exponent without digits.
+    // The longest start that is a number: of 1e6n it is 1e6.
     let end = (1..=text.len()).rev().find(|&end| {
         text.is_char_boundary(end)
             && text[..end].ends_with(|c: char| c.is_ascii_digit() || c == '.')

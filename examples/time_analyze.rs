@@ -2,7 +2,7 @@
 //! error. Reading the file is not timed.
 //!
 //! ```text
-//! cargo run --release --example time_analyze -- TRAIN.toml [RUNS]
+//! cargo run --release --example time_analyze -- TRAIN.toml [RUNS [TOLERANCE]]
 //! ```
 
 use std::path::Path;
@@ -13,10 +13,11 @@ use trainsafe::{Options, analyze, consist};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
-    let path = arguments.next().ok_or("usage: time_analyze TRAIN.toml [RUNS]")?;
+    let path = arguments.next().ok_or("usage: time_analyze TRAIN.toml [RUNS [TOLERANCE]]")?;
     let runs: usize = arguments.next().map_or(Ok(7), |text| text.parse())?;
     let train = consist::read(Path::new(&path))?;
-    let options = Options::default();
+    let mut options = Options::default();
+    options.tolerance = arguments.next().map_or(Ok(options.tolerance), |text| text.parse())?;
     let mut analysis = analyze(&train, &options)?;
     let mut seconds = Vec::with_capacity(runs);
     for _ in 0..runs.max(1) {

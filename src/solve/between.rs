@@ -11,19 +11,20 @@
 //! lies below another step's lower bound are dropped; the few that are left are looked into at the end.
 
 use super::Wanted;
-use super::lead::Lead;
+use super::foresee::Levels;
 use super::local::{COEFFICIENTS, Local};
-use super::motion::{BLOCK, FROM_OUTSIDE, GROWTH, Motion, bracket, least_slope};
+use super::motion::{BLOCK, Motion, bracket, least_slope};
 use super::series::{DEGREE, POWERS, table};
-use super::watch::Watch;
+use super::watch::{SpringPeaks, Watch};
 use crate::chain::Scene;
 
 /// Largest phase of a step, h omega_max.
 pub const PHASE: f64 = 1.5;
-/// Springs around the one in question that the series need, and its place among them; two more than needed, for whole
-/// vectors.
-const WINDOW: usize = 32;
-const CENTRE: usize = 15;
+/// Springs around the one in question that the series need, and its place among them.
+const WINDOW: usize = 2 * POWERS - 1;
+const CENTRE: usize = POWERS - 1;
+/// Steps looked into side by side.
+const LANES: usize = 8;
 /// Steps of one side of one spring kept open before they are looked into.
 const MOST_OPEN: usize = 48;
 
@@ -41,12 +42,12 @@ pub struct Step {
 }
 
 /// A step in which one side of a spring may have its extreme, or pass its rating first.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Open {
     step: Step,
     upper: f64,
-    /// Forces around the spring at both ends: a place in the search's store.
-    window: usize,
+    /// Forces around the spring at both ends.
+    window: Box<[[f64; WINDOW]; 2]>,
 }
 
 /// One sign of one spring.
@@ -67,8 +68,11 @@ pub struct Search<'a> {
     scene: &'a Scene,
     motion: &'a Motion,
     watch: Watch,
-    /// What springs have certainly reached so far, where only the worst is asked for; and the same when levels were last computed from it.
-    lead: Option<[Lead; 2]>,
+    /// What every side is expected to pass, and the largest utilisation that is, where only the worst is asked for.
+    expected: Levels,
+    lead: Option<f64>,
+    /// The last step in which a first exceedance is of interest: there, where only the worst is asked for, another spring's has been.
+    crossed: u64,
     sides: Vec<[Side; 2]>,
     /// Per sign and spring: what G, or -G, has to pass to matter; whole blocks of springs.
     pub levels: [Vec<f64>; 2],
@@ -76,17 +80,15 @@ pub struct Search<'a> {
     pub crossings: [Vec<f64>; 2],
     /// Steps looked into.
     pub looked: u64,
-    /// Windows of the open steps, and the places in it that are free.
-    store: Vec<[[f64; WINDOW]; 2]>,
-    free: Vec<usize>,
     /// Sides that stood at their rating and have not left it, and the lowest they were seen at.
     at_rating: Vec<(usize, bool, f64)>,
 }
 
 impl<'a> Search<'a> {
-    /// Before the event; `bound` is the error bound of all forces to come.
-    pub fn new(scene: &'a Scene, motion: &'a Motion, bound: f64, wanted: Wanted) -> Search<'a> {
-        let watch = Watch::new(scene, bound);
+    /// Before the event; `bound` is the error bound of all forces to come, and a difference of `grain` is not worth any work.
+    pub fn new(scene: &'a Scene, motion: &'a Motion, [bound, grain]: [f64; 2]) -> Search<'a> {
+        let mut watch = Watch::new(scene, bound);
+        watch.ease(grain);
         let side = |spring: usize, negative: bool| {
             let initial = watch.peaks[spring].side(negative);
             Side {
@@ -104,34 +106,55 @@ impl<'a> Search<'a> {
             .map(|(s, negative)| (s, negative, watch.peaks[s].side(negative).best.value))
             .collect();
         let [levels, crossings] = [0, 1].map(|_| [0, 1].map(|_| vec![f64::INFINITY; springs.next_multiple_of(BLOCK)]));
-        let lead = (wanted == Wanted::Worst).then(|| {
-            let lead = Lead::new(bound);
-            [lead.clone(), lead]
-        });
         let mut search = Search {
             scene,
             motion,
             watch,
-            lead,
+            expected: vec![[f64::NEG_INFINITY; 2]; springs],
+            lead: None,
+            crossed: u64::MAX,
             sides,
             levels,
             crossings,
             looked: 0,
-            store: Vec::new(),
-            free: Vec::new(),
             at_rating,
         };
-        for (spring, negative) in search.watch.sides() {
-            let initial = search.watch.peaks[spring].side(negative);
-            let (value, over) = (initial.best.value, initial.first_over.is_some());
-            let rating = search.watch.rating(spring, negative);
-            if let Some([lead, _]) = &mut search.lead {
-                lead.reach(value, rating);
-                lead.crossed = if over { 0.0 } else { lead.crossed };
-            }
-        }
-        search.watch.sides().for_each(|(s, negative)| search.set_level(s, negative));
+        search.set_levels();
         search
+    }
+
+    /// From here on: what forces are expected to pass. Steps that do not are dropped; whether forces did is seen at the end
+    /// ([`Search::finish`]).
+    ///
+    /// For the worst spring: forces that the error bound cannot distinguish count as equal, and the first of them is taken.
+    pub fn expect(&mut self, levels: &Levels, wanted: Wanted) {
+        self.expected = levels.clone();
+        if wanted == Wanted::Worst {
+            let lead = self.leading(|s, negative| levels[s][usize::from(negative)]);
+            let margin = 4.0 * (self.watch.bound() + self.watch.grain());
+            let level = |s: usize, negative: bool| lead * self.watch.rating(s, negative) - margin;
+            self.expected = (0..self.sides.len()).map(|s| [level(s, false), level(s, true)]).collect();
+            self.lead = Some(lead);
+            let over = self.sides.iter().flatten().filter_map(|side| side.over_in);
+            self.crossed = over.map(|(number, _)| number + 1).min().unwrap_or(u64::MAX);
+        }
+        self.set_levels();
+    }
+
+    /// The largest utilisation.
+    fn leading(&self, value: impl Fn(usize, bool) -> f64) -> f64 {
+        let utilisation = |(s, negative): (usize, bool)| value(s, negative) / self.watch.rating(s, negative);
+        self.watch.sides().map(utilisation).fold(0.0, f64::max)
+    }
+
+    /// Whether forces have not passed what was expected, so that steps were dropped which may hold the largest.
+    fn falls_short(&self) -> bool {
+        let best = |s: usize, negative: bool| self.watch.peaks[s].side(negative).best.value;
+        if let Some(lead) = self.lead {
+            return self.leading(best) < lead;
+        }
+        let grain = self.watch.grain();
+        self.watch.sides().any(|(s, negative)| best(s, negative) + grain < self.expected[s][usize::from(negative)])
     }
 
     /// The same search, to go on up to an earlier instant than the horizon: the step that contains it is cut there.
@@ -144,10 +167,14 @@ impl<'a> Search<'a> {
         0.01 * self.watch.grain()
     }
 
+    fn set_levels(&mut self) {
+        self.watch.sides().for_each(|(s, negative)| self.set_level(s, negative));
+    }
+
     fn set_level(&mut self, spring: usize, negative: bool) {
         let side = &self.sides[spring][usize::from(negative)];
         let rating = self.watch.rating(spring, negative);
-        let largest = self.worth(side, rating);
+        let largest = self.worth(spring, negative);
         let level = match side {
             Side { over_in: Some(_), .. } => largest,
             Side { at_rating: true, .. } => side.reached.min(rating + self.watch.bound()),
@@ -162,19 +189,9 @@ impl<'a> Search<'a> {
 
     /// What a side's force has to pass for its largest value to matter.
     #[inline]
-    fn worth(&self, side: &Side, rating: f64) -> f64 {
-        self.lead.as_ref().map_or(side.reached, |[lead, _]| lead.level(rating).max(side.reached))
-    }
-
-    /// After a step, or some: levels anew where others have reached much more than when they were made.
-    #[inline]
-    pub fn keep_up(&mut self) {
-        if let Some([lead, last]) = &mut self.lead
-            && lead.is_far_from(last)
-        {
-            *last = lead.clone();
-            self.watch.sides().for_each(|(s, negative)| self.set_level(s, negative));
-        }
+    fn worth(&self, spring: usize, negative: bool) -> f64 {
+        let negative = usize::from(negative);
+        self.sides[spring][negative].reached.max(self.expected[spring][negative])
     }
 
     /// Whether no step like this one follows: the last one, or the last before a pulse ends.
@@ -188,27 +205,16 @@ impl<'a> Search<'a> {
         step.from + step.width > self.watch.horizon()
     }
 
-    /// A step of which a quick bound says that a spring may matter. `at(end, s)` is G of spring s at the beginning (0) or end
-    /// (1) of the step, for any s in the chain; `factor` is the spring's second remainder per unit of norm, and `norm` that of
-    /// the blocks around.
-    #[inline]
-    pub fn consider(&mut self, step: &Step, spring: usize, factor: f64, norm: f64, at: impl Fn(usize, usize) -> f64) {
-        let ends = [jet(self.motion, step, spring, |s| at(0, s)), jet(self.motion, step, spring, |s| at(1, s))];
-        let mut remainder = factor * norm;
-        let mut narrowed = false;
+    /// A step of which a quick bound says that a spring may matter. `force` and `bend` are rows of G and of `-h^2 G''` at both ends,
+    /// in which spring s stands at s + 1; `remainder` is the spring's second one.
+    #[inline(never)]
+    pub fn consider(&mut self, step: &Step, spring: usize, remainder: f64, [force, bend]: [[&[f64]; 2]; 2]) {
+        let ends = [0, 1].map(|end| jet(self.motion, step, spring, force[end], bend[end]));
         for negative in [false, true] {
             let sign = if negative { -1.0 } else { 1.0 };
             let level = self.levels[usize::from(negative)][spring];
             let [[a, b, c], [d, e, f]] = ends;
             let ends = [[sign * a, sign * b, sign * c], [sign * d, sign * e, sign * f]];
-            if bracket(ends, remainder)[1] <= level {
-                continue;
-            }
-            if !narrowed {
-                narrowed = true;
-                let near = self.norm(step, spring, |s| at(0, s)).max(self.norm(step, spring, |s| at(1, s)));
-                remainder = factor * (GROWTH * near + FROM_OUTSIDE * norm).min(norm);
-            }
             let [mut lower, upper] = bracket(ends, remainder);
             if self.is_cut(step) {
                 // What lies behind the horizon does not count.
@@ -219,11 +225,10 @@ impl<'a> Search<'a> {
             }
             let initial = sign * self.scene.initial[spring];
             // Rounding can turn a narrow bracket over.
-            let mut open = Open { step: *step, upper: upper.max(lower) + initial, window: 0 };
-            if self.reach(spring, negative, lower + initial, &open) {
-                let springs = self.sides.len();
-                open.window = self.put([window(springs, spring, |s| at(0, s)), window(springs, spring, |s| at(1, s))]);
-                self.keep(spring, negative, open);
+            let upper = upper.max(lower) + initial;
+            if self.reach(spring, negative, step, [lower + initial, upper]) {
+                let window = Box::new(windows(self.sides.len(), spring, |end, s| force[end][s + 1]));
+                self.keep(spring, negative, Open { step: *step, upper, window });
             }
         }
     }
@@ -249,87 +254,42 @@ impl<'a> Search<'a> {
         !may_cross && !self.is_last(step) && least_slope(ends, remainder) > 0.0
     }
 
-    /// Puts a window into the store.
-    fn put(&mut self, window: [[f64; WINDOW]; 2]) -> usize {
-        if let Some(place) = self.free.pop() {
-            self.store[place] = window;
-            return place;
-        }
-        self.store.push(window);
-        self.store.len() - 1
-    }
-
-    /// Norm of `h^2 G''` over the block's length on either side of a spring.
-    #[inline]
-    fn norm(&self, step: &Step, spring: usize, at: impl Fn(usize) -> f64) -> f64 {
-        let range = spring.saturating_sub(BLOCK)..(spring + BLOCK + 1).min(self.sides.len());
-        let mut before = if range.start > 0 { at(range.start - 1) } else { 0.0 };
-        let mut here = at(range.start);
-        let mut sum = 0.0;
-        for s in range {
-            let after = if s + 1 < self.sides.len() { at(s + 1) } else { 0.0 };
-            let pull = self.motion.ahead[s] * (here - before) + self.motion.behind[s] * (here - after);
-            let bend = step.force * self.motion.drive[s] - pull;
-            sum += bend * bend * self.motion.compliance[s];
-            (before, here) = (here, after);
-        }
-        step.width * step.width * sum.sqrt()
-    }
-
     /// Takes note of what a side certainly reaches in a step; whether the step still matters then.
-    fn reach(&mut self, spring: usize, negative: bool, lower: f64, open: &Open) -> bool {
-        let rating = self.watch.rating(spring, negative);
-        // What is not looked into later must be over the rating beyond what rounding makes of the bracket.
-        let room = if self.lead.is_some() { self.watch.grain() } else { 0.0 };
-        let over = self.watch.certainly_over(spring, negative, lower - room);
+    fn reach(&mut self, spring: usize, negative: bool, step: &Step, [lower, upper]: [f64; 2]) -> bool {
+        let over = self.watch.certainly_over(spring, negative, lower);
         let side = &mut self.sides[spring][usize::from(negative)];
-        let rises = lower > side.reached;
-        side.reached = side.reached.max(lower);
         if over && side.over_in.is_none() {
-            side.over_in = Some((open.step.number, open.step.from + open.step.width));
-        }
-        if let Some([lead, _]) = &mut self.lead {
-            lead.reach(lower, rating);
-            if over {
-                lead.cross(&open.step);
+            side.over_in = Some((step.number, step.from + step.width));
+            if self.lead.is_some() {
+                // The next step still counts: where it begins is rounded.
+                self.crossed = self.crossed.min(step.number + 1);
             }
         }
-        if rises {
-            self.forget(spring, negative);
+        if lower > side.reached {
+            side.reached = lower;
+            let mut open = std::mem::take(&mut side.open);
+            open.retain(|o| self.matters(spring, negative, &o.step, o.upper));
+            self.sides[spring][usize::from(negative)].open = open;
         }
-        let side = &self.sides[spring][usize::from(negative)];
-        let matters = self.matters(spring, negative, side, open);
+        let matters = self.matters(spring, negative, step, upper);
         if !matters {
             self.set_level(spring, negative);
         }
         matters
     }
 
-    /// Drops open steps that no longer matter.
-    fn forget(&mut self, spring: usize, negative: bool) {
-        let mut all = std::mem::take(&mut self.sides[spring][usize::from(negative)].open);
-        let side = &self.sides[spring][usize::from(negative)];
-        let mut freed = std::mem::take(&mut self.free);
-        all.retain(|o| {
-            let matters = self.matters(spring, negative, side, o);
-            if !matters {
-                freed.push(o.window);
-            }
-            matters
-        });
-        self.free = freed;
-        self.sides[spring][usize::from(negative)].open = all;
+    /// Whether a step may hold a side's largest force, or the instant at which it passes its rating, or whether it does.
+    fn matters(&self, spring: usize, negative: bool, step: &Step, upper: f64) -> bool {
+        let is_at_rating = self.sides[spring][usize::from(negative)].at_rating;
+        upper >= self.worth(spring, negative) || self.may_cross(spring, negative, step, upper) || is_at_rating
     }
 
-    /// Whether a step may hold a side's largest force, or the instant at which it passes its rating, or whether it does.
-    fn matters(&self, spring: usize, negative: bool, side: &Side, open: &Open) -> bool {
-        let rating = self.watch.rating(spring, negative);
-        let may_cross = open.upper > self.watch.cautious_rating(spring, negative);
-        // For a side that may be the worst, the same steps are kept as where everything is asked for.
-        let asked = |[lead, _]: &[Lead; 2]| open.step.from < lead.crossed || open.upper >= lead.level(rating);
-        let is_first = |over_in: u64| open.step.number <= over_in && self.lead.as_ref().is_none_or(asked);
-        let may_be_first = side.over_in.is_none_or(|(over_in, _)| is_first(over_in));
-        open.upper >= self.worth(side, rating) || may_cross && may_be_first || side.at_rating
+    /// Whether a side may first pass its rating in a step, and that is of interest.
+    fn may_cross(&self, spring: usize, negative: bool, step: &Step, upper: f64) -> bool {
+        let side = &self.sides[spring][usize::from(negative)];
+        let [of_all, own] = [step.number <= self.crossed, upper >= self.expected[spring][usize::from(negative)]];
+        let may_be_first = side.over_in.is_none_or(|(over_in, _)| step.number <= over_in && (of_all || own));
+        upper > self.watch.cautious_rating(spring, negative) && may_be_first
     }
 
     /// Keeps a step open.
@@ -337,12 +297,12 @@ impl<'a> Search<'a> {
         let side = &mut self.sides[spring][usize::from(negative)];
         side.open.push(open);
         if side.at_rating || side.open.len() >= MOST_OPEN {
-            self.look(spring, negative);
+            self.look(&[(spring, negative)]);
         }
         self.set_level(spring, negative);
     }
 
-    /// After a step: springs that stood at their rating and have left it; `at` as for [`Search::consider`].
+    /// After a step: springs that stood at their rating and have left it; `at(end, s)` is G of spring s at the beginning (0) or end (1).
     pub fn departures(&mut self, step: &Step, at: impl Fn(usize, usize) -> f64) {
         let mut left = std::mem::take(&mut self.at_rating);
         left.retain_mut(|(spring, negative, lowest)| {
@@ -393,135 +353,183 @@ impl<'a> Search<'a> {
         departed
     }
 
-    /// Looks into the open steps of a side, in the order of time.
-    fn look(&mut self, spring: usize, negative: bool) {
-        if self.lead.is_some() {
-            self.forget(spring, negative);
-        }
-        let mut all = std::mem::take(&mut self.sides[spring][usize::from(negative)].open);
-        for open in all.drain(..) {
-            self.free.push(open.window);
-            if open.upper <= self.watch.level(spring, negative) {
-                continue;
+    /// Looks into the open steps of some sides.
+    fn look(&mut self, sides: &[(usize, bool)]) {
+        loop {
+            let next = |&(s, negative): &(usize, bool)| self.next(s, negative).map(|open| (s, negative, open));
+            let next: Vec<(usize, bool, Open)> = sides.iter().filter_map(next).collect();
+            if next.is_empty() {
+                return;
             }
-            self.looked += 1;
-            let mut local = local(self.motion, &open.step, spring, &self.store[open.window]);
-            local.coefficient[0] += self.scene.initial[spring];
-            let end = ((self.watch.horizon() - local.center) / local.radius).min(1.0);
-            self.watch.note(spring, negative, &local, end, |t| local.value_at(t));
-        }
-        let best = self.watch.peaks[spring].side(negative).best.value;
-        let side = &mut self.sides[spring][usize::from(negative)];
-        side.open = all;
-        side.reached = side.reached.max(best);
-        if let Some([lead, _]) = &mut self.lead {
-            lead.reach(best, self.watch.rating(spring, negative));
+            for some in next.chunks(LANES) {
+                let of: Vec<_> = some.iter().map(|(s, _, open)| (*s, open.step, &*open.window)).collect();
+                let locals = pieces(self.motion, &of);
+                for ((spring, negative, _), mut local) in some.iter().zip(locals) {
+                    let (spring, negative) = (*spring, *negative);
+                    self.looked += 1;
+                    local.coefficient[0] += self.scene.initial[spring];
+                    let end = ((self.watch.horizon() - local.center) / local.radius).min(1.0);
+                    self.watch.note(spring, negative, &local, end, |t| local.value_at(t));
+                    let best = self.watch.peaks[spring].side(negative).best.value;
+                    let side = &mut self.sides[spring][usize::from(negative)];
+                    side.reached = side.reached.max(best);
+                }
+            }
         }
     }
 
-    /// Looks into all that is still open, the most promising first; what has been found.
-    pub fn finish(mut self) -> (Watch, u64) {
-        let promise = |&(s, negative): &(usize, bool)| {
-            let uppers = self.sides[s][usize::from(negative)].open.iter().map(|o| o.upper);
-            uppers.fold(f64::NEG_INFINITY, f64::max) / self.watch.rating(s, negative)
-        };
-        let mut sides: Vec<(f64, (usize, bool))> = self.watch.sides().map(|side| (promise(&side), side)).collect();
-        sides.sort_by(|a, b| b.0.total_cmp(&a.0));
-        for (_, (spring, negative)) in sides {
-            self.look(spring, negative);
-            let over_in = self.sides[spring][usize::from(negative)].over_in;
-            if let Some((_, until)) = over_in.filter(|_| self.lead.is_some()) {
+    /// Takes out of a side's open steps the one to look into next: where it may pass its rating first, or stands at it, the
+    /// earliest; else the one with the highest bound.
+    fn next(&mut self, spring: usize, negative: bool) -> Option<Open> {
+        let (level, at_rating) = (self.watch.level(spring, negative), self.watch.at_rating(spring, negative));
+        let uncrossed = self.watch.peaks[spring].side(negative).first_over.is_none();
+        let mut open = std::mem::take(&mut self.sides[spring][usize::from(negative)].open);
+        open.retain(|o| o.upper > level && self.matters(spring, negative, &o.step, o.upper));
+        let may_cross = |o: &Open| uncrossed && self.may_cross(spring, negative, &o.step, o.upper);
+        let first = open.iter().position(|o| at_rating || may_cross(o));
+        let highest = || (0..open.len()).max_by(|&a, &b| open[a].upper.total_cmp(&open[b].upper));
+        let next = first.or_else(highest).map(|place| open.remove(place));
+        self.sides[spring][usize::from(negative)].open = open;
+        next
+    }
+
+    /// Looks into all that is still open.
+    pub fn look_into_all(&mut self) {
+        self.look(&self.watch.sides().collect::<Vec<_>>());
+        self.set_levels();
+    }
+
+    /// Looks into all that is still open; what has been found, unless forces did not pass what was expected, and how many looks it
+    /// took.
+    pub fn finish(mut self) -> (Option<Vec<SpringPeaks>>, u64) {
+        self.look_into_all();
+        let short = self.falls_short();
+        for (spring, negative) in self.watch.sides() {
+            if let Some((_, until)) = self.sides[spring][usize::from(negative)].over_in {
                 self.watch.mark_over(spring, negative, until);
             }
         }
         for (spring, negative, lowest) in std::mem::take(&mut self.at_rating) {
             self.watch.settle(spring, negative, lowest);
         }
-        (self.watch, self.looked)
+        ((!short).then_some(self.watch.peaks), self.looked)
     }
 
-    /// Values of one spring's force since the event at times within a step.
+    /// Values of one spring's force since the event at times within a step; `at` as for [`piece`].
     pub fn values(&self, step: &Step, spring: usize, times: &[f64], at: impl Fn(usize, usize) -> f64) -> Vec<f64> {
         let local = piece(self.motion, step, spring, at);
         times.iter().map(|t| local.value_and_slope((t - local.center) / local.radius).0).collect()
     }
 }
 
-/// `G`, `h^2 G''` and `h^4 G''''` of a spring at one end of a step.
+/// `G`, `h^2 G''` and `h^4 G''''` of a spring at one end of a step, from rows as for [`Search::consider`].
 #[inline(always)]
-pub fn jet(motion: &Motion, step: &Step, spring: usize, at: impl Fn(usize) -> f64) -> [f64; 3] {
-    let square = step.width * step.width;
-    let springs = motion.ahead.len();
-    // Springs from two before to two behind; those that do not exist are at rest.
-    let mut g = [0.0; 5];
-    for (l, g) in g.iter_mut().enumerate() {
-        let s = (spring + l).wrapping_sub(2);
-        if s < springs {
-            *g = at(s);
-        }
-    }
-    let mut bend = [0.0; 3];
-    for (l, bend) in bend.iter_mut().enumerate() {
-        let s = (spring + l).wrapping_sub(1);
-        if s < springs {
-            let pull = motion.ahead[s] * (g[l + 1] - g[l]) + motion.behind[s] * (g[l + 1] - g[l + 2]);
-            *bend = square * (step.force * motion.drive[s] - pull);
-        }
-    }
+pub fn jet(motion: &Motion, step: &Step, spring: usize, force: &[f64], bend: &[f64]) -> [f64; 3] {
     let (ahead, behind) = (motion.ahead[spring], motion.behind[spring]);
-    [g[2], bend[1], -square * (ahead * (bend[1] - bend[0]) + behind * (bend[1] - bend[2]))]
+    let around = &bend[spring..spring + 3];
+    let pull = ahead * (around[1] - around[0]) + behind * (around[1] - around[2]);
+    [force[spring + 1], -around[1], step.width * step.width * pull]
 }
 
-/// Forces of the springs around.
+/// Forces of the springs around at both ends of a step.
 #[inline(always)]
-fn window(springs: usize, spring: usize, at: impl Fn(usize) -> f64) -> [f64; WINDOW] {
-    let mut window = [0.0; WINDOW];
-    for (l, w) in window.iter_mut().enumerate() {
-        let s = (spring + l).wrapping_sub(CENTRE);
-        if s < springs {
-            *w = at(s);
+fn windows(springs: usize, spring: usize, at: impl Fn(usize, usize) -> f64) -> [[f64; WINDOW]; 2] {
+    let mut windows = [[0.0; WINDOW]; 2];
+    for (end, window) in windows.iter_mut().enumerate() {
+        for (l, w) in window.iter_mut().enumerate() {
+            let s = (spring + l).wrapping_sub(CENTRE);
+            if s < springs {
+                *w = at(end, s);
+            }
         }
     }
-    window
+    windows
 }
 
-/// The force since the event over a step, from the forces around the spring at both ends.
-fn local(motion: &Motion, step: &Step, spring: usize, around: &[[f64; WINDOW]; 2]) -> Local {
-    let square = step.width * step.width;
-    let squared = |x: &[f64]| window(motion.ahead.len(), spring, |s| square * x[s]);
-    let (ahead, behind, drive) = (squared(&motion.ahead), squared(&motion.behind), squared(&motion.drive));
-    let mut sum: [f64; WINDOW] = std::array::from_fn(|l| 0.5 * (around[0][l] + around[1][l]));
-    let mut difference: [f64; WINDOW] = std::array::from_fn(|l| 0.5 * (around[1][l] - around[0][l]));
-    let mut coefficient = [0.0; COEFFICIENTS];
-    let table = table();
-    for power in 0..POWERS {
-        for m in 0..DEGREE {
-            coefficient[2 * m] += table.even[power][m] * sum[CENTRE];
-            coefficient[2 * m + 1] += table.odd[power][m] * difference[CENTRE];
-        }
-        sum = times_x(&ahead, &behind, &sum);
-        difference = times_x(&ahead, &behind, &difference);
-        if power == 0 {
-            (0..WINDOW).for_each(|l| sum[l] -= step.force * drive[l]);
-        }
-    }
-    let radius = 0.5 * step.width;
-    Local { coefficient, terms: 2 * DEGREE, center: step.from + radius, radius }
-}
-
-/// The force since the event of one spring over a step; `at` as for [`Search::consider`].
+/// The force since the event of one spring over a step; `at(end, s)` is G of spring s at the beginning (0) or end (1) of the step, for
+/// any s in the chain.
 pub fn piece(motion: &Motion, step: &Step, spring: usize, at: impl Fn(usize, usize) -> f64) -> Local {
-    let springs = motion.ahead.len();
-    let around = [window(springs, spring, |s| at(0, s)), window(springs, spring, |s| at(1, s))];
-    local(motion, step, spring, &around)
+    let windows = windows(motion.ahead.len(), spring, at);
+    pieces(motion, &[(spring, *step, &windows)]).swap_remove(0)
 }
 
-/// X r on a window; its edges lose their meaning, one place with each application.
-#[inline]
-fn times_x(ahead: &[f64; WINDOW], behind: &[f64; WINDOW], r: &[f64; WINDOW]) -> [f64; WINDOW] {
-    let mut out = [0.0; WINDOW];
-    for l in 1..WINDOW - 1 {
-        out[l] = ahead[l] * (r[l] - r[l - 1]) + behind[l] * (r[l] - r[l + 1]);
+/// The forces since the event of springs over steps, from the forces around them at both ends: at most as many as there are lanes.
+fn pieces(motion: &Motion, of: &[(usize, Step, &[[f64; WINDOW]; 2])]) -> Vec<Local> {
+    let none = [[0.0; LANES]; WINDOW];
+    let mut w = Windows { ahead: none, behind: none, drive: none, sum: none, difference: none };
+    for (lane, (spring, step, window)) in of.iter().enumerate() {
+        let square = step.width * step.width;
+        for l in 0..WINDOW {
+            w.sum[l][lane] = 0.5 * (window[0][l] + window[1][l]);
+            w.difference[l][lane] = 0.5 * (window[1][l] - window[0][l]);
+            let s = (spring + l).wrapping_sub(CENTRE);
+            if s < motion.ahead.len() {
+                w.ahead[l][lane] = square * motion.ahead[s];
+                w.behind[l][lane] = square * motion.behind[s];
+                w.drive[l][lane] = step.force * (square * motion.drive[s]);
+            }
+        }
     }
-    out
+    let coefficients = pulp::Arch::new().dispatch(&mut w);
+    let local = |(lane, (_, step, _)): (usize, &(usize, Step, _))| {
+        let mut coefficient = [0.0; COEFFICIENTS];
+        coefficient.iter_mut().zip(&coefficients).for_each(|(c, lanes)| *c = lanes[lane]);
+        let radius = 0.5 * step.width;
+        Local { coefficient, terms: 2 * DEGREE, center: step.from + radius, radius }
+    };
+    of.iter().enumerate().map(local).collect()
+}
+
+/// Springs around those in question, one in each lane: `X` by its parts, and forces at both ends.
+struct Windows {
+    ahead: [Row; WINDOW],
+    behind: [Row; WINDOW],
+    drive: [Row; WINDOW],
+    /// Mean of both ends, and half their difference.
+    sum: [Row; WINDOW],
+    difference: [Row; WINDOW],
+}
+
+type Row = [f64; LANES];
+
+/// Compiled for the widest vector unit at hand.
+impl pulp::WithSimd for &mut Windows {
+    type Output = [Row; 2 * DEGREE];
+
+    /// Coefficients of the two series at the centres, of the mean and of half the difference in turn.
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> [Row; 2 * DEGREE] {
+        let mut out = [[0.0; LANES]; 2 * DEGREE];
+        let table = table();
+        for power in 0..POWERS {
+            let (sum, difference) = (self.sum[CENTRE], self.difference[CENTRE]);
+            for (m, out) in out.iter_mut().enumerate() {
+                let of = if m % 2 == 0 { table.even[power][m / 2] } else { table.odd[power][m / 2] };
+                let r = if m % 2 == 0 { sum } else { difference };
+                let mut next = *out;
+                (0..LANES).for_each(|l| next[l] = of.mul_add(r[l], next[l]));
+                *out = next;
+            }
+            // The edges lose their meaning, one place with each application.
+            for r in [&mut self.sum, &mut self.difference] {
+                let mut before = r[power];
+                for place in power + 1..WINDOW - 1 - power {
+                    let (here, after) = (r[place], r[place + 1]);
+                    let (ahead, behind) = (self.ahead[place], self.behind[place]);
+                    let mut next = [0.0; LANES];
+                    for l in 0..LANES {
+                        next[l] = behind[l].mul_add(here[l] - after[l], ahead[l] * (here[l] - before[l]));
+                    }
+                    r[place] = next;
+                    before = here;
+                }
+            }
+            if power == 0 {
+                for (sum, drive) in self.sum.iter_mut().zip(&self.drive) {
+                    (0..LANES).for_each(|l| sum[l] -= drive[l]);
+                }
+            }
+        }
+        out
+    }
 }

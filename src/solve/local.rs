@@ -239,7 +239,7 @@ impl Piece {
 }
 
 /// The largest value over [0, h] of the cubic with value and slope `left` at 0 and `right` at h.
-#[inline]
+#[inline(always)]
 pub fn hermite_top(h: f64, left: [f64; 2], right: [f64; 2]) -> Point {
     let ends = if left[0] >= right[0] { Point { at: 0.0, value: left[0] } } else { Point { at: h, value: right[0] } };
     let (d0, d1) = (left[1] * h, right[1] * h);

@@ -27,8 +27,6 @@ pub struct Motion {
     pub behind: Vec<f64>,
     /// `k_i (p_i / m_i - p_{i+1} / m_{i+1})` for a unit outside force p on the source.
     pub drive: Vec<f64>,
-    /// `1 / k_i`
-    pub compliance: Vec<f64>,
     /// Bounds on `(A G)_i` and `(A^2 G)_i` per unit of the norm of `G_i / sqrt(k_i)`.
     row: Vec<[f64; 2]>,
 }
@@ -55,8 +53,7 @@ impl Motion {
             (ahead[i] + behind[i]) * first[i] + ahead[i] * before + behind[i] * after
         };
         let row = (0..springs).map(|i| [first[i], second(i)]).collect();
-        let compliance = chain.stiffness.iter().map(|k| 1.0 / k).collect();
-        Motion { ahead, behind, drive, compliance, row }
+        Motion { ahead, behind, drive, row }
     }
 
     /// The two remainders of every spring over steps of `width`, per unit of the local norm of `h^2 G''`; whole blocks of springs.
@@ -77,22 +74,31 @@ fn row_norm(ahead: &[f64], behind: &[f64], stiffness: &[f64], i: usize) -> f64 {
 
 /// Springs whose norms are taken together.
 pub const BLOCK: usize = 8;
-/// Blocks on either side beyond which a step brings little of a motion to two springs beside a block: what comes from there takes 7
-/// powers of X or more.
+/// Blocks on either side beyond which a step brings little of a motion to two springs beside a block: what comes from there is 7 springs
+/// or more away.
 const NEAR: usize = 1;
-/// How much it brings from there, at most: the rest of the series of `1 / cos(theta/2)` at the largest phase, from those powers on. Its
-/// terms are all positive, and as large as those of any instant between the ends.
-pub const FROM_OUTSIDE: f64 = 5.28e-5;
-/// Blocks beyond which it brings next to nothing: 23 powers or more.
-pub const FAR: usize = 3;
-const FROM_AFAR: f64 = 3e-15;
-/// `1 / cos(PHASE / 2)`, rounded up.
-pub const GROWTH: f64 = 1.37;
+/// Blocks beyond which it brings next to nothing: 15 springs or more, at most so much.
+pub const FAR: usize = 2;
+const FROM_AFAR: f64 = 4.41e-18;
+/// What a step at the largest phase brings from so many springs away or more.
+///
+/// Motion between two instants is a mix f(X) of that at both, and polynomials in X of degrees under n bring nothing across n springs.
+/// So what comes from there is at most what such a polynomial leaves of f over `0 <= x <= theta^2`: the rest of f's Chebyshev series from
+/// n on. Power series of `cos(z theta/2) / cos(theta/2)` and of `sin(s theta) / sin(theta)` in x have no negative terms, and so
+/// no Chebyshev series of them has; both ends' together are at most those of `1 / cos(theta/2)`, whose rests these are (S. N. Bernstein's
+/// argument for functions of banded matrices: M. Benzi, G. H. Golub, *BIT* 39 (1999) 417-438).
+const FROM_SPRINGS: [f64; SHELLS + 2] =
+    [1.367, 0.196, 1.29e-2, 8.35e-4, 5.4e-5, 3.49e-6, 2.26e-7, 1.46e-8, 9.39e-10, 6.07e-11, 3.92e-12, 2.54e-13];
+/// Springs beyond the next two whose motion is taken one by one.
+const SHELLS: usize = 10;
+/// Zeros before a row of springs' sizes, and behind it at least.
+pub const MARGIN: usize = SHELLS + 2;
 
-/// Bounds on the norm of `h^2 G''` around blocks during a step, `L` side by side, from squared norms at its two ends: those of
-/// the blocks from `FAR` before to `FAR` behind, and of all blocks together.
+/// Bounds on the norm of `h^2 G''` over blocks and two springs beside them during a step, `L` side by side, and on what comes over the next
+/// two of a block's springs from more than [`SHELLS`] springs beyond; from squared norms at the step's two ends: those of the blocks
+/// from `FAR` before to `FAR` behind, and of all blocks together.
 #[inline(always)]
-pub fn local_norms<const L: usize>(around: [[[f64; L]; 2 * FAR + 1]; 2], all: [[f64; L]; 2]) -> [f64; L] {
+pub fn local_norms<const L: usize>(around: [[[f64; L]; 2 * FAR + 1]; 2], all: [[f64; L]; 2]) -> [[f64; L]; 2] {
     let (mut near, mut far) = ([[0.0; L]; 2], [[0.0; L]; 2]);
     for end in 0..2 {
         for (n, block) in around[end].iter().enumerate() {
@@ -103,10 +109,38 @@ pub fn local_norms<const L: usize>(around: [[[f64; L]; 2 * FAR + 1]; 2], all: [[
         }
     }
     let more = |a: f64, b: f64| if a > b { a } else { b };
-    let mut norms = [0.0; L];
+    let mut norms = [[0.0; L]; 2];
     for l in 0..L {
-        let (near, far) = (more(near[0][l], near[1][l]), more(far[0][l], far[1][l]));
-        norms[l] = GROWTH * near.sqrt() + FROM_OUTSIDE * far.sqrt() + FROM_AFAR * (all[0][l] + all[1][l]).sqrt();
+        let (near, far) = (more(near[0][l], near[1][l]).sqrt(), more(far[0][l], far[1][l]).sqrt());
+        let afar = FROM_AFAR * (all[0][l] + all[1][l]).sqrt();
+        norms[0][l] = FROM_SPRINGS[0] * near + FROM_SPRINGS[7] * far + afar;
+        norms[1][l] = FROM_SPRINGS[SHELLS + 1] * far + afar;
+    }
+    norms
+}
+
+/// Bounds on the norm of `h^2 G''` during a step over every spring of a block and the next two on either side: from its size
+/// `|h^2 G''| / sqrt(k)` at both ends in every spring, the block's first at `from`, and the two bounds of [`local_norms`].
+#[inline(always)]
+pub fn norms_around(sizes: [&[f64]; 2], from: usize, [norm, beyond]: [f64; 2]) -> [f64; BLOCK] {
+    let more = |a: f64, b: f64| if a > b { a } else { b };
+    let (mut near, mut beyond) = ([[0.0; BLOCK]; 2], [beyond; BLOCK]);
+    for place in 0..=2 * MARGIN {
+        let mut size = [[0.0; BLOCK]; 2];
+        (0..2).for_each(|end| size[end].copy_from_slice(&sizes[end][from + place..from + place + BLOCK]));
+        let apart = place.abs_diff(MARGIN);
+        for l in 0..BLOCK {
+            if apart <= 2 {
+                (0..2).for_each(|end| near[end][l] += size[end][l] * size[end][l]);
+            } else {
+                beyond[l] += FROM_SPRINGS[apart - 2] * more(size[0][l], size[1][l]);
+            }
+        }
+    }
+    let mut norms = [norm; BLOCK];
+    for l in 0..BLOCK {
+        let narrow = FROM_SPRINGS[0] * more(near[0][l], near[1][l]).sqrt() + beyond[l];
+        norms[l] = if narrow < norm { narrow } else { norm };
     }
     norms
 }
@@ -146,7 +180,7 @@ pub fn any_opens<const L: usize>(open: [f64; L]) -> bool {
 }
 
 /// Lower and upper bound of the largest value over a step, from `G`, `h^2 G''`, `h^4 G''''` at both ends and the remainder.
-#[inline]
+#[inline(always)]
 pub fn bracket([left, right]: [[f64; 3]; 2], remainder: f64) -> [f64; 2] {
     let rise = right[0] - left[0];
     // Slopes of the cubic that has these values and second derivatives.
@@ -162,7 +196,7 @@ pub fn bracket([left, right]: [[f64; 3]; 2], remainder: f64) -> [f64; 2] {
 ///
 /// The remainder's second derivative is that of the shorter series for `h^2 G''`, `5 / 384` of the same maximum, and the
 /// remainder vanishes at both ends: its slope is at most half of that.
-#[inline]
+#[inline(always)]
 pub fn least_slope([left, right]: [[f64; 3]; 2], remainder: f64) -> f64 {
     let first = right[0] - left[0] - left[1] / 3.0 - right[1] / 6.0;
     let last = first + 0.5 * (left[1] + right[1]);
@@ -177,23 +211,29 @@ pub fn least_slope([left, right]: [[f64; 3]; 2], remainder: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::super::between::PHASE;
+    use super::super::dd::{Dd, sin_pi};
+    use super::super::series::cosine_of_root;
     use super::*;
 
-    /// The rests of the series of `1 / cos(theta/2)` in `theta^2`, whose coefficients follow from `cos x / cos x = 1`.
+    /// The rests of the Chebyshev series of `1 / cos(theta/2)`, whose terms are sums over Chebyshev's points.
     #[test]
     fn rests_of_the_series_are_rounded_up() {
-        let mut terms = vec![1.0f64];
-        for p in 1..60 {
-            let (mut power, mut term) = (1.0, 0.0);
-            for j in 1..=p {
-                power *= -PHASE * PHASE / 4.0 / ((2 * j * (2 * j - 1)) as f64);
-                term -= power * terms[p - j];
-            }
-            terms.push(term);
-        }
-        let rest = |from: usize| terms[from..].iter().rev().sum::<f64>();
-        for (from, bound) in [(0, GROWTH), (7, FROM_OUTSIDE), (23, FROM_AFAR)] {
-            assert!(rest(from) <= bound && bound < 2.0 * rest(from), "{from}: {:e} {bound:e}", rest(from));
+        let points = 48;
+        // The cosine of pi n / (2 points).
+        let cosine = |n: usize| sin_pi((n + points) % (4 * points), 2 * points);
+        let value = |j: usize| {
+            let x = (Dd::ONE + cosine(2 * j + 1)) * Dd::from(PHASE * PHASE / 2.0);
+            Dd::ONE / cosine_of_root(x * Dd::from(0.25))
+        };
+        let values: Vec<Dd> = (0..points).map(value).collect();
+        let term = |k: usize| {
+            let sum = (0..points).fold(Dd::ZERO, |sum, j| sum + values[j] * cosine(k * (2 * j + 1)));
+            (sum * Dd::from(if k == 0 { 1.0 } else { 2.0 }) / Dd::from(points as f64)).to_f64()
+        };
+        let rest = |from: usize| (from..30).rev().map(term).sum::<f64>();
+        let afar = std::iter::once((15, &FROM_AFAR));
+        for (from, bound) in FROM_SPRINGS.iter().enumerate().chain(afar) {
+            assert!(rest(from) <= *bound && *bound < 1.01 * rest(from), "{from}: {:e} {bound:e}", rest(from));
         }
     }
 

@@ -22,6 +22,8 @@ const LANES: usize = 8;
 pub struct Path {
     /// `g^2 = k / m` between node l and node l + 1.
     weight: Vec<Dd>,
+    /// `g`
+    root: Vec<Dd>,
     /// The first node is a mass (the head is free).
     begins_with_mass: bool,
 }
@@ -50,7 +52,8 @@ impl Path {
                 weight.push(Dd::quotient(k, chain.mass[i + 1]));
             }
         }
-        Path { weight, begins_with_mass: !chain.held_head }
+        let root = weight.iter().map(|w| w.sqrt()).collect();
+        Path { weight, root, begins_with_mass: !chain.held_head }
     }
 
     /// Number of nodes: live masses and springs.
@@ -133,7 +136,8 @@ impl Path {
                 for (s, [lo, hi]) in shift.iter_mut().zip(group.iter()) {
                     let wide = *hi > 2.0 * lo;
                     *s = if wide { (lo * hi).sqrt() } else { 0.5 * (lo + hi) };
-                    open |= hi - lo > 1e-8 * lo;
+                    // From so near one Rayleigh quotient is enough.
+                    open |= hi - lo > 1e-12 * lo;
                 }
                 if !open {
                     break;
@@ -206,10 +210,10 @@ impl Path {
         let twist = choose_twist(&gamma, copy);
         let mut z = vec![Dd::ONE; n];
         for l in (0..twist).rev() {
-            z[l] = -(self.weight[l].sqrt() * z[l + 1]) / nonzero(left[l], omega);
+            z[l] = -(self.root[l] * z[l + 1]) / nonzero(left[l], omega);
         }
         for l in twist + 1..n {
-            z[l] = -(self.weight[l - 1].sqrt() * z[l - 1]) / nonzero(right[l], omega);
+            z[l] = -(self.root[l - 1] * z[l - 1]) / nonzero(right[l], omega);
         }
         (gamma[twist], z)
     }

@@ -24,6 +24,8 @@ const LOOK: f64 = 3000.0;
 const MOST_TIMES: f64 = 10.0;
 const NEARLY: f64 = 10.0;
 const FINE: f64 = 1e-9;
+/// The share of a coarser tolerance that is not searched for.
+const COARSE: f64 = 0.1;
 /// The longest that a scene may take, and the memory that its modes may fill.
 const MOST_SECONDS: f64 = 3600.0;
 const MOST_GIGABYTES: f64 = 4.0;
@@ -237,8 +239,10 @@ pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
             (peaks, work, searched(fronts::error_bound(scene)))
         }
         _ => {
-            let (peaks, work) = propagator::peaks(scene, plan.omega_max, ask.wanted, ask.mark);
-            (peaks, work, searched(propagator::error_bound(scene, plan.omega_max)))
+            let bound = propagator::error_bound(scene, plan.omega_max);
+            let grain = coarse_grain(scene, ask).min(ask.tolerance - bound);
+            let (peaks, work) = propagator::peaks(scene, plan.omega_max, grain, ask.wanted, ask.mark);
+            (peaks, work, searched(bound).max(bound + grain))
         }
     };
     let kept = |peaks: &[SpringPeaks]| springs.clone().map(|i| peaks.get(i).copied().filter(|_| !safe(i))).collect();
@@ -252,6 +256,13 @@ pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
         all_time_bounds: bounds,
         work,
     }
+}
+
+/// A difference in force that is not worth any work, beyond what the error bound leaves: none unless far more than usual is allowed.
+fn coarse_grain(scene: &Scene, ask: &Ask) -> f64 {
+    let ratings = scene.rated_draft.iter().chain(&scene.rated_buff);
+    let largest = ratings.fold(scene.force.abs(), |largest, &rating| largest.max(rating));
+    if ask.tolerance > NEARLY * FINE * largest { COARSE * ask.tolerance } else { 0.0 }
 }
 
 /// Whether a spring stands at its rating before the event, or within a millionth under it, where the error bound may not decide.

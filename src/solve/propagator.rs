@@ -21,7 +21,8 @@ use std::sync::OnceLock;
 
 use super::between::{PHASE, Search, Step};
 use super::dd::Dd;
-use super::motion::{BLOCK, FAR, Motion, any_opens, local_norms, opening};
+use super::foresee::{self, Levels};
+use super::motion::{BLOCK, FAR, MARGIN, Motion, any_opens, local_norms, norms_around, opening};
 use super::path::Path;
 use super::series::{polynomial, sine_over_root};
 use super::watch::SpringPeaks;
@@ -69,25 +70,49 @@ pub fn error_bound(scene: &Scene, omega: f64) -> f64 {
     marching + 8.0 * size * roundoff + dropped
 }
 
-/// Extremes of every spring's force in a scene, up to the horizon and up to a mark before it.
-pub fn peaks(scene: &Scene, omega: f64, wanted: Wanted, mark: Option<f64>) -> ([Vec<SpringPeaks>; 2], Work) {
+/// Extremes of every spring's force in a scene, up to the horizon and up to a mark before it; one that is larger than another by less
+/// than `grain` need not be found.
+pub fn peaks(
+    scene: &Scene,
+    omega: f64,
+    grain: f64,
+    wanted: Wanted,
+    mark: Option<f64>,
+) -> ([Vec<SpringPeaks>; 2], Work) {
+    let expected = foresee::levels(scene, omega, mark.unwrap_or(scene.horizon));
+    let from = |expected| peaks_from(scene, [omega, grain], wanted, mark, expected);
+    from(Some(expected)).or_else(|| from(None)).unwrap_or_default()
+}
+
+/// The same, given what forces are expected to pass up to the mark and up to the horizon; `None` if they do not.
+fn peaks_from(
+    scene: &Scene,
+    [omega, grain]: [f64; 2],
+    wanted: Wanted,
+    mark: Option<f64>,
+    expected: Option<[Levels; 2]>,
+) -> Option<([Vec<SpringPeaks>; 2], Work)> {
     let motion = Motion::new(scene);
-    let search = Search::new(scene, &motion, error_bound(scene, omega), wanted);
+    let mut search = Search::new(scene, &motion, [error_bound(scene, omega), grain]);
+    let later = expected.map(|[first, later]| {
+        search.expect(&first, wanted);
+        later
+    });
     let quiet = search.quiet();
-    let mut sieve = Sieve { search, mark, to_mark: Vec::new(), work: Work::default() };
+    let mut sieve = Sieve { search, wanted, mark, later, to_mark: Some(Vec::new()), work: Work::default() };
     march(scene, &motion, omega, quiet, &mut sieve);
-    let Sieve { search, mark, to_mark, mut work } = sieve;
-    let (watch, looked) = search.finish();
+    let Sieve { search, mark, to_mark, mut work, .. } = sieve;
+    let (peaks, looked) = search.finish();
     work.refinements += looked;
     // The last step may round to end just before a mark.
-    let to_mark = if mark.is_some() { watch.peaks.clone() } else { to_mark };
-    ([watch.peaks, to_mark], work)
+    let to_mark = if mark.is_some() { peaks.clone() } else { to_mark };
+    Some(([peaks?, to_mark?], work))
 }
 
 /// Forces of one spring at given times, ascending.
 pub fn history(scene: &Scene, omega: f64, spring: usize, times: &[f64]) -> Vec<f64> {
     let motion = Motion::new(scene);
-    let search = Search::new(scene, &motion, 0.0, Wanted::Everything);
+    let search = Search::new(scene, &motion, [0.0; 2]);
     let values = vec![scene.initial[spring]; times.len()];
     let mut record = Record { search, spring, times, values, next: 0, horizon: scene.horizon };
     march(scene, &motion, omega, 0.0, &mut record);
@@ -109,9 +134,12 @@ pub(super) trait See {
 /// Passes on to the search what may matter.
 struct Sieve<'a> {
     search: Search<'a>,
+    wanted: Wanted,
     /// An instant that is still to come, up to which extremes are wanted as well; and those, once it is past.
     mark: Option<f64>,
-    to_mark: Vec<SpringPeaks>,
+    to_mark: Option<Vec<SpringPeaks>>,
+    /// What forces are expected to pass behind it.
+    later: Option<Levels>,
     work: Work,
 }
 
@@ -131,11 +159,15 @@ impl Sieve<'_> {
     #[cold]
     fn pass_mark(&mut self, view: &View) {
         let Some(mark) = self.mark.take() else { return };
+        self.search.look_into_all();
         let mut search = self.search.until(mark);
         view.show(&mut search);
-        let (watch, looked) = search.finish();
+        let (peaks, looked) = search.finish();
         self.work.refinements += looked - self.search.looked;
-        self.to_mark = watch.peaks;
+        self.to_mark = peaks;
+        if let Some(later) = &self.later {
+            self.search.expect(later, self.wanted);
+        }
     }
 }
 
@@ -146,30 +178,41 @@ impl View<'_> {
         let last = search.is_last(&self.step);
         let at = |end: usize, s: usize| self.force[end][s + 1];
         for block in self.range.start / BLOCK..self.range.end.div_ceil(BLOCK) {
-            let norm = self.norms[block];
-            let from = block * BLOCK;
-            let open = sift(self, [&search.levels, &search.crossings], from, norm, last);
-            if any_opens(open) {
-                for s in (from..from + BLOCK).filter(|s| open[s - from] > 0.0) {
-                    search.consider(&self.step, s, self.remainders[1][s], norm, at);
-                }
+            let Some((open, remainders)) = sift(self, [&search.levels, &search.crossings], block, last) else {
+                continue;
+            };
+            for l in (0..BLOCK).filter(|&l| open[l] > 0.0) {
+                search.consider(&self.step, block * BLOCK + l, remainders[l], [self.force, self.bend]);
             }
         }
         search.departures(&self.step, at);
-        search.keep_up();
     }
 }
 
-/// How far the quick bounds of a block's springs over the step pass what matters: per sign and spring what G, or -G, has to pass, and what
-/// it has to pass where it rises through the whole step.
+/// How far the quick bounds of a block's springs over the step pass what matters, if one does, and their second remainders: per sign and
+/// spring `levels` is what G, or -G, has to pass, and `crossings` what it has to pass where it rises through the whole step.
 #[inline(always)]
 pub(super) fn sift(
     view: &View,
+    levels: [&[Vec<f64>; 2]; 2],
+    number: usize,
+    last: bool,
+) -> Option<([f64; BLOCK], [f64; BLOCK])> {
+    let norms = view.norms.map(|row| row[number]);
+    let open = passing(view, levels, number, [norms[0]; BLOCK], last);
+    if any_opens(open) { pulp::Arch::new().dispatch(Closer { view, levels, number, norms, last }) } else { None }
+}
+
+/// How far the quick bounds of a block's springs pass what matters, given bounds on the norms around them.
+#[inline(always)]
+fn passing(
+    view: &View,
     [levels, crossings]: [&[Vec<f64>; 2]; 2],
-    from: usize,
-    norm: f64,
+    number: usize,
+    norms: [f64; BLOCK],
     last: bool,
 ) -> [f64; BLOCK] {
+    let from = number * BLOCK;
     let (f0, f1) = (block(view.force[0], from + 1), block(view.force[1], from + 1));
     let (q0, q1) = (block(view.bend[0], from + 1), block(view.bend[1], from + 1));
     let remainder = block(&view.remainders[0], from);
@@ -178,9 +221,32 @@ pub(super) fn sift(
     let mut open = [0.0; BLOCK];
     for l in 0..BLOCK {
         let (level, crossing) = ([high[l], low[l]], [over[l], under[l]]);
-        open[l] = opening([f0[l], f1[l]], [q0[l], q1[l]], norm * remainder[l], level, crossing, last);
+        open[l] = opening([f0[l], f1[l]], [q0[l], q1[l]], norms[l] * remainder[l], level, crossing, last);
     }
     open
+}
+
+/// The same with each spring's own norm; few blocks come so far, so it is compiled apart from the march.
+struct Closer<'a> {
+    view: &'a View<'a>,
+    levels: [&'a [Vec<f64>; 2]; 2],
+    number: usize,
+    norms: [f64; 2],
+    last: bool,
+}
+
+impl pulp::WithSimd for Closer<'_> {
+    type Output = Option<([f64; BLOCK], [f64; BLOCK])>;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
+        let from = self.number * BLOCK;
+        let norms = norms_around(self.view.sizes, from, self.norms);
+        let open = passing(self.view, self.levels, self.number, norms, self.last);
+        let mut remainders = block(&self.view.remainders[1], from);
+        (0..BLOCK).for_each(|l| remainders[l] *= norms[l]);
+        any_opens(open).then_some((open, remainders))
+    }
 }
 
 #[inline(always)]
@@ -264,8 +330,10 @@ pub(super) struct View<'a> {
     /// `q = -h^2 G''` at both ends.
     pub bend: [&'a [f64]; 2],
     pub remainders: &'a [Vec<f64>; 2],
-    /// Per block of springs, a bound on the norm of `h^2 G''` around it.
-    pub norms: &'a [f64],
+    /// `|q| / sqrt(k)` at both ends, spring i at i + MARGIN.
+    pub sizes: [&'a [f64]; 2],
+    /// The bounds of [`local_norms`], per block of springs.
+    pub norms: [&'a [f64]; 2],
     /// Springs that a wave has reached.
     pub range: std::ops::Range<usize>,
 }
@@ -312,7 +380,8 @@ struct State<'a> {
     scene: &'a Scene,
     motion: &'a Motion,
     stiffness: Vec<f64>,
-    compliance: Vec<f64>,
+    /// `1 / sqrt(k)`
+    root: Vec<f64>,
     inverse_mass: Vec<f64>,
     /// G at the beginning and the end of a step, and what its rounding left.
     force: [Vec<f64>; 2],
@@ -323,9 +392,11 @@ struct State<'a> {
     /// `(h / m) (G_{v-1} - G_v + p_v)`
     pull: Vec<f64>,
     bend: [Vec<f64>; 2],
-    /// `sum q_i^2 / k_i` over blocks of springs, at the beginning and the end of a step, the first at FAR; and the norms from it.
+    /// `|q_i| / sqrt(k_i)` at the beginning and the end of a step, the first at MARGIN; the sums of their squares over blocks of springs, the
+    /// first at FAR; and the norms from them.
+    sizes: [Vec<f64>; 2],
     energy: [Vec<f64>; 2],
-    norms: Vec<f64>,
+    norms: [Vec<f64>; 2],
     scratch: [Vec<f64>; 2],
     /// A change of force too small to look at.
     quiet: f64,
@@ -357,7 +428,7 @@ impl<'a> State<'a> {
         State {
             scene,
             motion,
-            compliance: stiffness.iter().map(|&k| if k > 0.0 { 1.0 / k } else { 0.0 }).collect(),
+            root: stiffness.iter().map(|&k| if k > 0.0 { 1.0 / k.sqrt() } else { 0.0 }).collect(),
             stiffness,
             inverse_mass,
             force: two(),
@@ -366,8 +437,9 @@ impl<'a> State<'a> {
             velocity_rest: zero.clone(),
             pull: zero.clone(),
             bend: two(),
+            sizes: [0, 1].map(|_| vec![0.0; springs.next_multiple_of(BLOCK) + 2 * MARGIN + BLOCK]),
             energy: [0, 1].map(|_| vec![0.0; springs.div_ceil(BLOCK).next_multiple_of(BLOCK) + 2 * FAR]),
-            norms: vec![0.0; springs.div_ceil(BLOCK).next_multiple_of(BLOCK)],
+            norms: [0, 1].map(|_| vec![0.0; springs.div_ceil(BLOCK).next_multiple_of(BLOCK)]),
             scratch: two(),
             quiet,
             reached: source.saturating_sub(1)..(source + 1).min(springs),
@@ -401,6 +473,7 @@ impl<'a> State<'a> {
             share = 1.0;
             self.force.swap(0, 1);
             self.bend.swap(0, 1);
+            self.sizes.swap(0, 1);
             self.energy.swap(0, 1);
             self.drift(&c);
             self.find_bend(&c, force);
@@ -412,7 +485,8 @@ impl<'a> State<'a> {
                 force: [&self.force[0], &self.force[1]],
                 bend: [&self.bend[0], &self.bend[1]],
                 remainders: &remainders,
-                norms: &self.norms,
+                sizes: [&self.sizes[0], &self.sizes[1]],
+                norms: [&self.norms[0], &self.norms[1]],
                 range: self.loud(),
             });
         }
@@ -430,7 +504,8 @@ impl<'a> State<'a> {
             return;
         }
         let springs = self.scene.initial.len();
-        let series = polynomial(SWITCH_TERMS, |x| if x.hi == 0.0 { Dd::ZERO } else { (factor(x) - Dd::ONE) / x });
+        let series =
+            polynomial(SWITCH_TERMS, PHASE, |x| if x.hi == 0.0 { Dd::ZERO } else { (factor(x) - Dd::ONE) / x });
         // Y = X applied to masses: (h / m) (h k (v_{i-1} - v_i) ...), from velocities to velocities.
         let times = |v: &[f64]| {
             let stretch: Vec<f64> = (0..=springs + 1)
@@ -488,12 +563,13 @@ impl<'a> State<'a> {
             i += BLOCK;
         }
         for number in range.start / BLOCK..range.end.div_ceil(BLOCK) {
-            let (q, compliance) =
-                (block(&self.bend[1], number * BLOCK + 1), block(&self.compliance, number * BLOCK + 1));
-            let mut energy = [0.0; BLOCK];
+            let (q, root) = (block(&self.bend[1], number * BLOCK + 1), block(&self.root, number * BLOCK + 1));
+            let (mut size, mut energy) = ([0.0; BLOCK], [0.0; BLOCK]);
             for l in 0..BLOCK {
-                energy[l] = q[l] * q[l] * compliance[l];
+                size[l] = q[l].abs() * root[l];
+                energy[l] = size[l] * size[l];
             }
+            put(&mut self.sizes[1], MARGIN + number * BLOCK, size, BLOCK);
             self.energy[1][FAR + number] = total(energy);
         }
     }
@@ -503,7 +579,7 @@ impl<'a> State<'a> {
         let mut all = [[0.0; BLOCK]; 2];
         for (sum, row) in all.iter_mut().zip(&self.energy) {
             let mut sums = [0.0; BLOCK];
-            for from in 0..self.norms.len() / BLOCK {
+            for from in 0..self.norms[0].len() / BLOCK {
                 let energy = block(row, FAR + from * BLOCK);
                 for l in 0..BLOCK {
                     sums[l] += energy[l];
@@ -511,14 +587,15 @@ impl<'a> State<'a> {
             }
             *sum = [total(sums); BLOCK];
         }
-        for number in 0..self.norms.len() / BLOCK {
+        for number in 0..self.norms[0].len() / BLOCK {
             let mut around = [[[0.0; BLOCK]; 2 * FAR + 1]; 2];
             for (around, row) in around.iter_mut().zip(&self.energy) {
                 for (n, energy) in around.iter_mut().enumerate() {
                     *energy = block(row, number * BLOCK + n);
                 }
             }
-            put(&mut self.norms, number * BLOCK, local_norms(around, all), BLOCK);
+            let norms = local_norms(around, all);
+            self.norms.iter_mut().zip(norms).for_each(|(row, norms)| put(row, number * BLOCK, norms, BLOCK));
         }
     }
 
@@ -527,7 +604,7 @@ impl<'a> State<'a> {
     fn kick(&mut self, c: &Coefficients, share: f64) {
         let range = self.reach();
         let [r, spare] = &mut self.scratch;
-        horner(c, range.clone(), KICK_SERIES.get_or_init(kick_series), &self.bend[1], r, spare);
+        horner(c, range.clone(), KICK_SERIES.get_or_init(|| kick_series(KICK_TERMS, PHASE)), &self.bend[1], r, spare);
         let to = range.end + 1;
         let mut v = range.start + 1;
         while v <= to {
@@ -649,8 +726,8 @@ fn horner(
 static KICK_SERIES: OnceLock<Vec<f64>> = OnceLock::new();
 
 /// `(4 sin^2(theta / 2) / theta^2 - 1) / theta^2` as a polynomial in theta^2: `2 sum_k (-1)^(k+1) x^k / (2k + 4)!`.
-fn kick_series() -> Vec<f64> {
-    polynomial(KICK_TERMS, |x| {
+pub fn kick_series(terms: usize, phase: f64) -> Vec<f64> {
+    polynomial(terms, phase, |x| {
         let terms = (0..16).rev().fold(Dd::ZERO, |sum, k| {
             let over = Dd::from(f64::from((2 * k + 5) * (2 * k + 6)));
             Dd::ONE - x * sum / over
@@ -667,7 +744,7 @@ mod tests {
     /// The kick's factor to rounding over the whole range of phases.
     #[test]
     fn kick_is_exact_to_rounding() {
-        let series = kick_series();
+        let series = kick_series(KICK_TERMS, PHASE);
         for n in 1..=200 {
             let theta = PHASE * f64::from(n) / 200.0;
             let x = theta * theta;
@@ -683,5 +760,45 @@ mod tests {
         let x = Dd::from(2.0);
         let (c, s) = (cosine_of_root(x), sine_over_root(x));
         assert!((c * c + x * s * s - Dd::ONE).abs().hi < 1e-30);
+    }
+
+    /// An unequal chain with a held head, pulled at its tail, by a step or a pulse.
+    fn unequal(duration: f64) -> Scene {
+        let mass: Vec<f64> = (0..40).map(|v| 1.0 + 0.6 * f64::from(v * v).sin()).collect();
+        let stiffness: Vec<f64> = (0..39).map(|i| 1.0 + 0.4 * f64::from(i * i).cos()).collect();
+        let chain = crate::chain::Chain { mass, stiffness, held_head: true, held_tail: false };
+        let (initial, rated) = (vec![0.5; 39], vec![1.2; 39]);
+        let (rated_draft, rated_buff) = (rated.clone(), rated);
+        Scene { chain, source: 39, force: -0.5, duration, initial, rated_draft, rated_buff, horizon: 150.0 }
+    }
+
+    /// Levels that are foreseen are just under what a search without them finds, and lead to the same; a search that is told to
+    /// expect more than there is says so.
+    #[test]
+    fn foreseen_levels_change_nothing() {
+        for duration in [f64::INFINITY, 20.0] {
+            let scene = unequal(duration);
+            let omega = omega_max(&scene);
+            let find = |expected| peaks_from(&scene, [omega, 0.0], Wanted::Everything, Some(60.0), expected);
+            let levels = foresee::levels(&scene, omega, 60.0);
+            let ([plain, to_mark], _) = find(None).expect("nothing was expected");
+            for (found, levels) in [(&to_mark, &levels[0]), (&plain, &levels[1])] {
+                for (peaks, level) in found.iter().zip(levels) {
+                    for negative in [false, true] {
+                        let below = peaks.side(negative).best.value - level[usize::from(negative)];
+                        assert!((0.0..0.2).contains(&below), "{below}");
+                    }
+                }
+            }
+            let ([with, _], _) = find(Some(levels.clone())).expect("no more than there is was expected");
+            let bound = error_bound(&scene, omega);
+            for (a, b) in with.iter().zip(&plain) {
+                assert!((a.draft.best.value - b.draft.best.value).abs() <= bound);
+                assert_eq!((a.draft.exceeds(), a.buff.exceeds()), (b.draft.exceeds(), b.buff.exceeds()));
+            }
+            let mut more = levels;
+            more[1][7][0] = plain[7].draft.best.value + 1e-6;
+            assert!(find(Some(more)).is_none());
+        }
     }
 }

@@ -11,7 +11,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::between::{Step, jet, piece};
 use super::local::{Local, Point};
-use super::motion::{BLOCK, Motion, any_opens, bracket, least_slope};
+use super::motion::{BLOCK, Motion, bracket, least_slope};
 use super::propagator::{self, See, View, march, sift};
 use super::watch::{Side, SpringPeaks, searched};
 use super::{Ask, Method, Solution, Wanted, Work};
@@ -300,12 +300,9 @@ impl See for Recorder<'_> {
     fn see(&mut self, view: &View) {
         let mut any = false;
         for number in view.range.start / BLOCK..view.range.end.div_ceil(BLOCK) {
-            let from = number * BLOCK;
-            let open = sift(view, [&self.levels; 2], from, view.norms[number], false);
-            if any_opens(open) {
-                for spring in (from..from + BLOCK).filter(|s| open[s - from] > 0.0) {
-                    any |= self.record(view, spring, view.norms[number]);
-                }
+            let Some((open, remainders)) = sift(view, [&self.levels; 2], number, false) else { continue };
+            for l in (0..BLOCK).filter(|&l| open[l] > 0.0) {
+                any |= self.record(view, number * BLOCK + l, remainders[l]);
             }
         }
         if any {
@@ -317,11 +314,10 @@ impl See for Recorder<'_> {
 impl Recorder<'_> {
     /// Whether a spring has a record in a step; it is noted.
     #[inline]
-    fn record(&mut self, view: &View, spring: usize, norm: f64) -> bool {
+    fn record(&mut self, view: &View, spring: usize, remainder: f64) -> bool {
         let step = &view.step;
         let at = |end: usize, s: usize| view.force[end][s + 1];
-        let ends = [0, 1].map(|end| jet(self.motion, step, spring, |s| at(end, s)));
-        let remainder = view.remainders[1][spring] * norm;
+        let ends = [0, 1].map(|end| jet(self.motion, step, spring, view.force[end], view.bend[end]));
         let mut any = false;
         for negative in [false, true] {
             let sign = if negative { -1.0 } else { 1.0 };

@@ -28,7 +28,7 @@ pub fn table() -> &'static Table {
             let power =
                 |x: Dd| (1..=2 * m + odd).fold(Dd::ONE, |p, q| p / Dd::from(q as f64)) * signed_power(x * quarter, m);
             let over = |x: Dd| if odd == 1 { sine_over_root(x * quarter) } else { cosine_of_root(x * quarter) };
-            polynomial(POWERS, |x| power(x) / over(x))
+            polynomial(POWERS, PHASE, |x| power(x) / over(x))
         };
         let by_power = |odd: usize| {
             let fits: Vec<Vec<f64>> = (0..DEGREE).map(|m| fit(m, odd)).collect();
@@ -52,9 +52,9 @@ pub fn sine_over_root(x: Dd) -> Dd {
     (0..16).rev().fold(Dd::ONE, |sum, k| Dd::ONE - x * sum / Dd::from(f64::from((2 * k + 2) * (2 * k + 3))))
 }
 
-/// The polynomial of `terms` terms through `f` at the Chebyshev points of 0 <= x <= PHASE^2, in powers of x.
-pub fn polynomial(terms: usize, f: impl Fn(Dd) -> Dd) -> Vec<f64> {
-    let top = PHASE * PHASE;
+/// The polynomial of `terms` terms through `f` at the Chebyshev points of 0 <= x <= phase^2, in powers of x.
+pub fn polynomial(terms: usize, phase: f64, f: impl Fn(Dd) -> Dd) -> Vec<f64> {
+    let top = phase * phase;
     let point = |k: usize| {
         let angle = std::f64::consts::PI * (2 * k + 1) as f64 / (2 * terms) as f64;
         Dd::from(0.5 * top * (1.0 + angle.cos()))

@@ -279,7 +279,8 @@ impl Watch {
     /// `exact` gives the force at one instant, a sum of two numbers, as well as the method can.
     pub fn note(&mut self, spring: usize, negative: bool, local: &Local, end: f64, exact: impl Fn(Dd) -> f64) {
         let level = self.level(spring, negative);
-        if self.see(spring, negative, local, [end, level], exact) {
+        let over = self.see(spring, negative, local, [end, level], exact);
+        if over && self.peaks[spring].side(negative).first_over.is_none() {
             self.note_crossing(spring, negative, local);
         }
     }

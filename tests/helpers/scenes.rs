@@ -150,7 +150,7 @@ pub fn by(method: Method, scene: &Scene) -> Option<Found> {
                 return None;
             }
             (
-                propagator::peaks(scene, omega, Wanted::Everything, None).0[0].clone(),
+                propagator::peaks(scene, omega, 0.0, Wanted::Everything, None).0[0].clone(),
                 propagator::error_bound(scene, omega),
             )
         }

@@ -1,12 +1,11 @@
-//! A run of coupled vehicles as a chain of masses and springs, and the scene that is played on it.
+//! A run of coupled vehicles as a chain of masses and springs, and a step or pulse of force on it.
 //!
 //! Everything here is in one consistent set of units, whatever it is (`m_ref`, `k_ref` and `f_ref` = 1 in the solvers).
 
-/// Masses joined by springs: spring `i` lies between mass `i` and mass `i + 1`, [P] figure 1 and physics of
-/// unequal links.
+/// Masses joined by springs, equal or not: spring `i` lies between mass `i` and mass `i + 1` ([P] figure 1).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chain {
-    /// Masses, from the head; at least one. That of a held end plays no part.
+    /// Masses, from the head; at least one. That of a held end is not used.
     pub mass: Vec<f64>,
     /// Stiffnesses, `mass.len() - 1` of them.
     pub stiffness: Vec<f64>,
@@ -49,8 +48,8 @@ impl Chain {
 
     /// Time that a long wave takes from one end to the other: sum over springs of `sqrt(m / k)`.
     ///
-    /// Of the two masses at a spring the mean of the roots counts, so that a train and its mirror image agree; held masses
-    /// play no part. For equal vehicles this is the number of springs over the wave speed `sqrt(k / m)`.
+    /// For each spring the mean of the roots of its two masses is used, so that a train and its mirror image agree;
+    /// held masses are left out. For equal vehicles this is the number of springs over the wave speed `sqrt(k / m)`.
     pub fn transit(&self) -> f64 {
         let spring = |(i, k): (usize, &f64)| {
             let live = [i, i + 1].into_iter().filter(|&v| self.live(v));
@@ -58,7 +57,7 @@ impl Chain {
             if count > 0.0 { sum / count } else { 0.0 }
         };
         let terms: Vec<f64> = self.stiffness.iter().enumerate().map(spring).collect();
-        // Equal terms are multiplied, so that trains of equal vehicles have whole transits; no terms at all sum to -0.
+        // Equal terms are multiplied: trains of equal vehicles then have whole transits. An empty sum is -0: `abs`.
         terms.chunk_by(|a, b| a == b).map(|run| run.len() as f64 * run[0]).sum::<f64>().abs()
     }
 }

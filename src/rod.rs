@@ -1,4 +1,4 @@
-//! The elastic rod: what a continuum model would have said, [P] section 3, eqs (30) and (31).
+//! The elastic rod: what a continuum model gives, [P] section 3, eqs (30) and (31).
 //!
 //! Long waves in a chain of equal masses and springs travel one spring in `sqrt(mass / stiffness)` and keep their shape. In
 //! the rod all waves do, so a step of force stays a step: by d'Alembert's method the force at a place is a sum of steps,
@@ -7,14 +7,14 @@
 //! F(x, t) = F(x, 0) + P sum over images a of  +-1/2 H(t - |x - a|),
 //! ```
 //!
-//! plus behind an image, minus before it, and a second set turned and begun at the end of a pulse. An end of the rod that
-//! is free mirrors the force, a held one mirrors it and turns its sign. The rod that stands for the chain reaches half a
-//! spring beyond a free end's mass, to a held end's mass itself; a force on an end mass acts on the rod's end. A coupler's
-//! place is its middle. Every level is a whole multiple of half the force, and none passes what the loads make at rest:
-//! the overloads of [P] figures 4 and 5 are the chain's own.
+//! plus behind an image, minus before it, and a second set of opposite sign from the end of a pulse. An end of the rod
+//! that is free mirrors the force, a held one mirrors it and turns its sign. The rod that stands for the chain reaches
+//! half a spring beyond a free end's mass, to a held end's mass itself; a force on an end mass acts on the rod's end.
+//! A coupler's place is its middle. Every level is a whole multiple of half the force, and none passes what the loads
+//! make at rest: the overloads of [P] figures 4 and 5 occur in the chain only.
 //!
-//! What a lasting force does in a rod of length L recurs every `T = 4 L / c`, its four transits, and so does what is left when it
-//! ends: times beyond are told from those within, however long the horizon.
+//! Under a constant force the motion of a rod of length L repeats every `T = 4 L / c` (four transits), and so does the
+//! motion after the force ends: later times are mapped to the first period, however long the horizon.
 
 use crate::chain::Scene;
 use crate::solve::closed_form::equal;
@@ -29,7 +29,7 @@ pub struct Rod<'a> {
     images: Vec<(f64, f64)>,
     /// T
     recurrence: f64,
-    /// Of the event as it is told from the first T after the force sets in, and the first after it ends.
+    /// The force's duration less whole periods T, and the time up to which arrivals are needed.
     duration: f64,
     horizon: f64,
 }
@@ -68,7 +68,7 @@ impl Rod<'_> {
         Some(Rod { scene, unit, images, recurrence, duration, horizon })
     }
 
-    /// Arrivals at a spring's place: times and changes of force, ascending, within the time that is told from.
+    /// Arrivals at a spring's place: times and changes of force, ascending, up to `self.horizon`.
     fn arrivals(&self, spring: usize) -> Vec<(f64, f64)> {
         let x = spring as f64 + 0.5;
         let step = |&(a, sign): &(f64, f64)| {
@@ -89,7 +89,7 @@ impl Rod<'_> {
         let (mut change, mut high, mut low) = (0.0, initial, initial);
         for (n, &(time, step)) in arrivals.iter().enumerate() {
             change += step;
-            // Arrivals at one instant, up to rounding, are one.
+            // Arrivals at one instant, up to rounding, count as one.
             let alone = arrivals.get(n + 1).is_none_or(|next| next.0 - time > 1e-12 * self.horizon);
             if alone {
                 (high, low) = (high.max(initial + change), low.min(initial + change));
@@ -101,13 +101,13 @@ impl Rod<'_> {
     /// Force at a spring's place at given times.
     pub fn history(&self, spring: usize, times: &[f64]) -> Vec<f64> {
         let arrivals = self.arrivals(spring);
-        let told_at = |t: f64| match t < self.scene.duration {
+        let mapped_time = |t: f64| match t < self.scene.duration {
             true if t > self.recurrence => t % self.recurrence,
             true => t,
             false => self.duration + (t - self.scene.duration) % self.recurrence,
         };
         let change = |t: f64| arrivals.iter().take_while(|a| a.0 <= t).map(|a| a.1).sum::<f64>();
-        let at = |&t: &f64| self.scene.initial[spring] + change(told_at(t));
+        let at = |&t: &f64| self.scene.initial[spring] + change(mapped_time(t));
         times.iter().map(at).collect()
     }
 }
@@ -160,7 +160,7 @@ mod tests {
 
     /// Against the sum over as many images as the horizon takes.
     #[test]
-    fn long_horizons_are_told_from_four_transits() {
+    fn long_horizons_follow_from_four_transits() {
         for (held_tail, duration, transits) in [
             (true, f64::INFINITY, 41.3),
             (false, f64::INFINITY, 41.3),

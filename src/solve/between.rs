@@ -1,4 +1,4 @@
-//! Extremes between the instants of a march: what a method that knows every spring's force at equal steps shows the watch.
+//! Extremes between the instants of a march, from every spring's force at equal steps.
 //!
 //! With X = h^2 A a spring's force over a step obeys, mode by mode with theta^2 an eigenvalue of X,
 //!
@@ -7,7 +7,7 @@
 //! ```
 //!
 //! and both functions are power series in X: forces around a spring at both ends of a step give its force at every instant
-//! between them, to rounding. That is only worth its price where an extreme may be: steps whose upper bound ([`super::motion`])
+//! between them, to rounding. This is done only where an extreme may be: steps whose upper bound ([`super::motion`])
 //! lies below another step's lower bound are dropped; the few that are left are looked into at the end.
 
 use super::Wanted;
@@ -68,11 +68,11 @@ pub struct Search<'a> {
     scene: &'a Scene,
     motion: &'a Motion,
     watch: Watch,
-    /// What every side is expected to pass, and the largest utilisation that is, where only the worst is asked for.
+    /// What every side is expected to pass; and the largest utilisation expected, where only the worst is wanted.
     expected: Levels,
-    lead: Option<f64>,
-    /// The last step in which a first exceedance is of interest: there, where only the worst is asked for, another spring's has been.
-    crossed: u64,
+    expected_utilisation: Option<f64>,
+    /// The last step in which first exceedances matter: where only the worst is wanted, that of the earliest.
+    last_to_cross: u64,
     sides: Vec<[Side; 2]>,
     /// Per sign and spring: what G, or -G, has to pass to matter; whole blocks of springs.
     pub levels: [Vec<f64>; 2],
@@ -85,14 +85,14 @@ pub struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    /// Before the event; `bound` is the error bound of all forces to come, and a difference of `grain` is not worth any work.
-    pub fn new(scene: &'a Scene, motion: &'a Motion, [bound, grain]: [f64; 2]) -> Search<'a> {
+    /// Before the event; `bound` is the error bound of all forces to come, and differences under `min_rise` are ignored.
+    pub fn new(scene: &'a Scene, motion: &'a Motion, [bound, min_rise]: [f64; 2]) -> Search<'a> {
         let mut watch = Watch::new(scene, bound);
-        watch.ease(grain);
+        watch.coarsen(min_rise);
         let side = |spring: usize, negative: bool| {
             let initial = watch.peaks[spring].side(negative);
             Side {
-                reached: initial.best.value + watch.grain(),
+                reached: initial.best.value + watch.min_rise(),
                 over_in: initial.first_over.map(|t| (0, t)),
                 at_rating: watch.at_rating(spring, negative),
                 open: Vec::new(),
@@ -111,8 +111,8 @@ impl<'a> Search<'a> {
             motion,
             watch,
             expected: vec![[f64::NEG_INFINITY; 2]; springs],
-            lead: None,
-            crossed: u64::MAX,
+            expected_utilisation: None,
+            last_to_cross: u64::MAX,
             sides,
             levels,
             crossings,
@@ -123,26 +123,26 @@ impl<'a> Search<'a> {
         search
     }
 
-    /// From here on: what forces are expected to pass. Steps that do not are dropped; whether forces did is seen at the end
-    /// ([`Search::finish`]).
+    /// Sets what forces are expected to pass from here on. Steps that stay below are dropped; [`Search::finish`]
+    /// checks whether forces did pass it.
     ///
     /// For the worst spring: forces that the error bound cannot distinguish count as equal, and the first of them is taken.
     pub fn expect(&mut self, levels: &Levels, wanted: Wanted) {
         self.expected = levels.clone();
         if wanted == Wanted::Worst {
-            let lead = self.leading(|s, negative| levels[s][usize::from(negative)]);
-            let margin = 4.0 * (self.watch.bound() + self.watch.grain());
-            let level = |s: usize, negative: bool| lead * self.watch.rating(s, negative) - margin;
+            let expected_utilisation = self.largest_utilisation(|s, negative| levels[s][usize::from(negative)]);
+            let margin = 4.0 * (self.watch.bound() + self.watch.min_rise());
+            let level = |s: usize, negative: bool| expected_utilisation * self.watch.rating(s, negative) - margin;
             self.expected = (0..self.sides.len()).map(|s| [level(s, false), level(s, true)]).collect();
-            self.lead = Some(lead);
+            self.expected_utilisation = Some(expected_utilisation);
             let over = self.sides.iter().flatten().filter_map(|side| side.over_in);
-            self.crossed = over.map(|(number, _)| number + 1).min().unwrap_or(u64::MAX);
+            self.last_to_cross = over.map(|(number, _)| number + 1).min().unwrap_or(u64::MAX);
         }
         self.set_levels();
     }
 
     /// The largest utilisation.
-    fn leading(&self, value: impl Fn(usize, bool) -> f64) -> f64 {
+    fn largest_utilisation(&self, value: impl Fn(usize, bool) -> f64) -> f64 {
         let utilisation = |(s, negative): (usize, bool)| value(s, negative) / self.watch.rating(s, negative);
         self.watch.sides().map(utilisation).fold(0.0, f64::max)
     }
@@ -150,21 +150,21 @@ impl<'a> Search<'a> {
     /// Whether forces have not passed what was expected, so that steps were dropped which may hold the largest.
     fn falls_short(&self) -> bool {
         let best = |s: usize, negative: bool| self.watch.peaks[s].side(negative).best.value;
-        if let Some(lead) = self.lead {
-            return self.leading(best) < lead;
+        if let Some(expected_utilisation) = self.expected_utilisation {
+            return self.largest_utilisation(best) < expected_utilisation;
         }
-        let grain = self.watch.grain();
-        self.watch.sides().any(|(s, negative)| best(s, negative) + grain < self.expected[s][usize::from(negative)])
+        let min_rise = self.watch.min_rise();
+        self.watch.sides().any(|(s, negative)| best(s, negative) + min_rise < self.expected[s][usize::from(negative)])
     }
 
-    /// The same search, to go on up to an earlier instant than the horizon: the step that contains it is cut there.
+    /// The same search, up to an instant before the horizon: the step that contains it is cut there.
     pub fn until(&self, mark: f64) -> Search<'a> {
         Search { watch: self.watch.until(mark), ..self.clone() }
     }
 
     /// A change of force too small to matter.
-    pub fn quiet(&self) -> f64 {
-        0.01 * self.watch.grain()
+    pub fn negligible(&self) -> f64 {
+        0.01 * self.watch.min_rise()
     }
 
     fn set_levels(&mut self) {
@@ -174,7 +174,7 @@ impl<'a> Search<'a> {
     fn set_level(&mut self, spring: usize, negative: bool) {
         let side = &self.sides[spring][usize::from(negative)];
         let rating = self.watch.rating(spring, negative);
-        let largest = self.worth(spring, negative);
+        let largest = self.peak_level(spring, negative);
         let level = match side {
             Side { over_in: Some(_), .. } => largest,
             Side { at_rating: true, .. } => side.reached.min(rating + self.watch.bound()),
@@ -189,7 +189,7 @@ impl<'a> Search<'a> {
 
     /// What a side's force has to pass for its largest value to matter.
     #[inline]
-    fn worth(&self, spring: usize, negative: bool) -> f64 {
+    fn peak_level(&self, spring: usize, negative: bool) -> f64 {
         let negative = usize::from(negative);
         self.sides[spring][negative].reached.max(self.expected[spring][negative])
     }
@@ -205,11 +205,11 @@ impl<'a> Search<'a> {
         step.from + step.width > self.watch.horizon()
     }
 
-    /// A step of which a quick bound says that a spring may matter. `force` and `bend` are rows of G and of `-h^2 G''` at both ends,
-    /// in which spring s stands at s + 1; `remainder` is the spring's second one.
+    /// Examines a spring in a step where it may matter. `force` and `bend` are rows of G and of `-h^2 G''` at both
+    /// ends, in which spring s stands at s + 1; `remainder` is the spring's second one.
     #[inline(never)]
     pub fn consider(&mut self, step: &Step, spring: usize, remainder: f64, [force, bend]: [[&[f64]; 2]; 2]) {
-        let ends = [0, 1].map(|end| jet(self.motion, step, spring, force[end], bend[end]));
+        let ends = [0, 1].map(|end| even_derivatives(self.motion, step, spring, force[end], bend[end]));
         for negative in [false, true] {
             let sign = if negative { -1.0 } else { 1.0 };
             let level = self.levels[usize::from(negative)][spring];
@@ -220,11 +220,11 @@ impl<'a> Search<'a> {
                 // What lies behind the horizon does not count.
                 lower = ends[0][0];
             }
-            if upper <= level || self.other_steps_have_it(step, spring, negative, ends, remainder) {
+            if upper <= level || self.extreme_is_elsewhere(step, spring, negative, ends, remainder) {
                 continue;
             }
             let initial = sign * self.scene.initial[spring];
-            // Rounding can turn a narrow bracket over.
+            // Rounding can make the lower bound the larger one.
             let upper = upper.max(lower) + initial;
             if self.reach(spring, negative, step, [lower + initial, upper]) {
                 let window = Box::new(windows(self.sides.len(), spring, |end, s| force[end][s + 1]));
@@ -233,10 +233,10 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Whether the force certainly falls, so that it is largest where the step before ended, or certainly rises, so that the
-    /// next step holds whatever this one does, and no rating can be passed before.
+    /// Whether the force certainly falls, so that it was largest at the end of the step before, or certainly rises, so
+    /// that the next step begins with its largest value, and no rating can be passed here.
     #[inline]
-    fn other_steps_have_it(
+    fn extreme_is_elsewhere(
         &self,
         step: &Step,
         spring: usize,
@@ -260,9 +260,9 @@ impl<'a> Search<'a> {
         let side = &mut self.sides[spring][usize::from(negative)];
         if over && side.over_in.is_none() {
             side.over_in = Some((step.number, step.from + step.width));
-            if self.lead.is_some() {
-                // The next step still counts: where it begins is rounded.
-                self.crossed = self.crossed.min(step.number + 1);
+            if self.expected_utilisation.is_some() {
+                // The next step still counts: its beginning is rounded.
+                self.last_to_cross = self.last_to_cross.min(step.number + 1);
             }
         }
         if lower > side.reached {
@@ -278,16 +278,16 @@ impl<'a> Search<'a> {
         matters
     }
 
-    /// Whether a step may hold a side's largest force, or the instant at which it passes its rating, or whether it does.
+    /// Whether a step may decide a side's largest force, or when or whether it passes its rating.
     fn matters(&self, spring: usize, negative: bool, step: &Step, upper: f64) -> bool {
         let is_at_rating = self.sides[spring][usize::from(negative)].at_rating;
-        upper >= self.worth(spring, negative) || self.may_cross(spring, negative, step, upper) || is_at_rating
+        upper >= self.peak_level(spring, negative) || self.may_cross(spring, negative, step, upper) || is_at_rating
     }
 
     /// Whether a side may first pass its rating in a step, and that is of interest.
     fn may_cross(&self, spring: usize, negative: bool, step: &Step, upper: f64) -> bool {
         let side = &self.sides[spring][usize::from(negative)];
-        let [of_all, own] = [step.number <= self.crossed, upper >= self.expected[spring][usize::from(negative)]];
+        let [of_all, own] = [step.number <= self.last_to_cross, upper >= self.expected[spring][usize::from(negative)]];
         let may_be_first = side.over_in.is_none_or(|(over_in, _)| step.number <= over_in && (of_all || own));
         upper > self.watch.cautious_rating(spring, negative) && may_be_first
     }
@@ -302,16 +302,17 @@ impl<'a> Search<'a> {
         self.set_level(spring, negative);
     }
 
-    /// After a step: springs that stood at their rating and have left it; `at(end, s)` is G of spring s at the beginning (0) or end (1).
-    pub fn departures(&mut self, step: &Step, at: impl Fn(usize, usize) -> f64) {
+    /// After a step: notes which springs have left their rating; `at(end, s)` is G of spring s at its beginning (0) or
+    /// end (1).
+    pub fn note_all_left_rating(&mut self, step: &Step, at: impl Fn(usize, usize) -> f64) {
         let mut left = std::mem::take(&mut self.at_rating);
         left.retain_mut(|(spring, negative, lowest)| {
             let end = [self.watch.horizon()];
             let g = if self.is_cut(step) { self.values(step, *spring, &end, &at)[0] } else { at(1, *spring) };
-            self.mind_push(*spring, *negative, g);
+            self.note_push(*spring, *negative, g);
             let value = self.value(*spring, *negative, g);
             *lowest = lowest.min(value);
-            !self.departs(*spring, *negative, value)
+            !self.note_left_rating(*spring, *negative, value)
         });
         self.at_rating = left;
     }
@@ -320,10 +321,10 @@ impl<'a> Search<'a> {
     pub fn departures_of(&mut self, spring: usize, forces: &[f64]) {
         for negative in [false, true] {
             for &g in forces {
-                if self.departs(spring, negative, self.value(spring, negative, g)) {
+                if self.note_left_rating(spring, negative, self.value(spring, negative, g)) {
                     break;
                 }
-                self.mind_push(spring, negative, g);
+                self.note_push(spring, negative, g);
             }
         }
     }
@@ -334,23 +335,23 @@ impl<'a> Search<'a> {
         if negative { -value } else { value }
     }
 
-    /// A side that stood at its rating and has not left it: G, what the event has added, may push it on.
-    fn mind_push(&mut self, spring: usize, negative: bool, g: f64) {
+    /// Notes that G may push a side over the rating at which it still stands.
+    fn note_push(&mut self, spring: usize, negative: bool, g: f64) {
         let value = self.value(spring, negative, g);
-        self.watch.mind_push(spring, negative, if negative { -g } else { g }, value);
+        self.watch.note_push(spring, negative, if negative { -g } else { g }, value);
     }
 
-    /// Whether a side that stood at its rating is well below it; if so it is marked.
-    fn departs(&mut self, spring: usize, negative: bool, value: f64) -> bool {
+    /// Whether a side does not stand at its rating any more; notes it.
+    fn note_left_rating(&mut self, spring: usize, negative: bool, value: f64) -> bool {
         if !self.sides[spring][usize::from(negative)].at_rating {
             return true;
         }
-        let departed = self.watch.departs(spring, negative, value);
-        if departed {
+        let left_rating = self.watch.note_left_rating(spring, negative, value);
+        if left_rating {
             self.sides[spring][usize::from(negative)].at_rating = false;
             self.set_level(spring, negative);
         }
-        departed
+        left_rating
     }
 
     /// Looks into the open steps of some sides.
@@ -399,18 +400,18 @@ impl<'a> Search<'a> {
         self.set_levels();
     }
 
-    /// Looks into all that is still open; what has been found, unless forces did not pass what was expected, and how many looks it
-    /// took.
+    /// Looks into all that is still open. Returns the peaks, or `None` if forces did not pass what was expected, and
+    /// the number of looks.
     pub fn finish(mut self) -> (Option<Vec<SpringPeaks>>, u64) {
         self.look_into_all();
         let short = self.falls_short();
         for (spring, negative) in self.watch.sides() {
             if let Some((_, until)) = self.sides[spring][usize::from(negative)].over_in {
-                self.watch.mark_over(spring, negative, until);
+                self.watch.note_over_by(spring, negative, until);
             }
         }
         for (spring, negative, lowest) in std::mem::take(&mut self.at_rating) {
-            self.watch.settle(spring, negative, lowest);
+            self.watch.decide_at_rating(spring, negative, lowest);
         }
         ((!short).then_some(self.watch.peaks), self.looked)
     }
@@ -424,7 +425,7 @@ impl<'a> Search<'a> {
 
 /// `G`, `h^2 G''` and `h^4 G''''` of a spring at one end of a step, from rows as for [`Search::consider`].
 #[inline(always)]
-pub fn jet(motion: &Motion, step: &Step, spring: usize, force: &[f64], bend: &[f64]) -> [f64; 3] {
+pub fn even_derivatives(motion: &Motion, step: &Step, spring: usize, force: &[f64], bend: &[f64]) -> [f64; 3] {
     let (ahead, behind) = (motion.ahead[spring], motion.behind[spring]);
     let around = &bend[spring..spring + 3];
     let pull = ahead * (around[1] - around[0]) + behind * (around[1] - around[2]);
@@ -510,7 +511,7 @@ impl pulp::WithSimd for &mut Windows {
                 (0..LANES).for_each(|l| next[l] = of.mul_add(r[l], next[l]));
                 *out = next;
             }
-            // The edges lose their meaning, one place with each application.
+            // Each application makes one more place at the edges invalid.
             for r in [&mut self.sum, &mut self.difference] {
                 let mut before = r[power];
                 for place in power + 1..WINDOW - 1 - power {

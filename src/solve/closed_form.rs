@@ -8,7 +8,7 @@
 //! ```
 //!
 //! which is (29)'s a_j r_ij / omega_j with a_j from (27). (27) labels its right-hand side b_j = a_j omega_j; it is a_j. For a
-//! force on mass v put v for N in the sine, and turn the sign of nothing: `share` below carries the sign of a forward force.
+//! force on mass v put v for N in the sine, and change no sign: `share` below has the sign of a forward force.
 //! The other ends have the same shape with other angles:
 //!
 //! ```text
@@ -24,7 +24,7 @@ use super::dd::{Dd, sin_pi};
 use super::sums::Modes;
 use crate::chain::{Chain, Scene};
 
-/// Equal live masses and equal stiffnesses, to the last bit: their common values.
+/// The common mass and stiffness of a chain whose live masses and stiffnesses are equal to the last bit.
 pub fn equal(chain: &Chain) -> Option<(f64, f64)> {
     let last = chain.mass.len() - 1;
     let from = usize::from(chain.held_head);
@@ -53,7 +53,7 @@ struct Shape {
     modes: usize,
     /// pi is this many of the small angle.
     circle: usize,
-    /// Mode j's beta / 2 is `2 j + first` (held and free) or `j + 1` times `step` small angles.
+    /// Mode j's beta / 2 is `2 j + 1` small angles (one end held); otherwise `j + 1`.
     odd: bool,
     held_head: bool,
     held_tail: bool,

@@ -5,10 +5,10 @@
 //! D_j(t) = e^(-z w t) [ cos(d t) + z / sqrt(1 - z^2) sin(d t) ]      w = omega_j,  d = w sqrt(1 - z^2)
 //! ```
 //!
-//! with z the damping ratio, and a_ij, s_i as without damping ([`super::sums`]). Damping of this kind is no dashpot anywhere: it
-//! belongs to the modes, so the couplers' forces are those of their springs. After a pulse every mode swings on from where it is.
-//! Within a cell of time a mode's Taylor series follows from its equation `q'' = -w^2 q - 2 z w q'`; on cells of half width r with
-//! `w r <= 1` the 25 terms are exact to rounding, and the springs' series are a matrix product.
+//! with z the damping ratio, and a_ij, s_i as without damping ([`super::sums`]). This damping acts on modes,
+//! not as dashpots: the couplers' forces are those of their springs. After a pulse every mode swings on from where it
+//! is. Within a cell of time a mode's Taylor series follows from its equation `q'' = -w^2 q - 2 z w q'`; on cells of
+//! half width r with `w r <= 1` the 25 terms are exact to rounding, and the springs' series are a matrix product.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -16,7 +16,7 @@ use super::dd::Dd;
 use super::local::{COEFFICIENTS, Local};
 use super::statics;
 use super::sums::Modes;
-use super::watch::{SpringPeaks, Watch, searched};
+use super::watch::{SpringPeaks, Watch, bound_of_extremes};
 use super::{Work, closed_form, modal};
 use crate::chain::Scene;
 
@@ -45,7 +45,7 @@ struct Stretch {
 }
 
 impl Stretch {
-    /// Time since its beginning: in one number it would be off by half a unit of t's last place, which a fast mode feels.
+    /// Time since its beginning: one `f64` would be off by half a unit of t's last place, too much for fast modes.
     fn since(&self, t: f64) -> Dd {
         Dd::from(t) - Dd::from(self.from)
     }
@@ -67,15 +67,15 @@ impl<'a> Damped<'a> {
 
     /// Bound on the error of every extreme up to the horizon.
     pub fn error_bound(&self) -> f64 {
-        searched(self.bound_of_values())
+        bound_of_extremes(self.bound_of_values())
     }
 
     /// Bound on the error of every force up to the horizon.
     ///
     /// A mode's coordinate is at most `1 / sqrt(1 - z^2)` and is wrong by 16 roundings of an exponential, a cosine and what they
-    /// are multiplied with; a sum over m modes by m roundings of its terms. What numerical modes leave of the equations of motion
-    /// acts as without damping, which makes nothing larger. Times since the beginning of a stretch are
-    /// differences in two numbers and cost nothing.
+    /// are multiplied with; a sum over m modes by m roundings of its terms. Residuals of numerical modes act as
+    /// without damping, which makes nothing larger. Times since the beginning of a stretch are sums of two numbers,
+    /// without error.
     fn bound_of_values(&self) -> f64 {
         let m = self.modes.omega.len() as f64;
         let swing = 1.0 / (1.0 - self.ratio * self.ratio);
@@ -99,8 +99,8 @@ impl<'a> Damped<'a> {
         [decay * (q * cos + (p + z * q) * sine), decay * (p * cos - (q + z * p) * sine)]
     }
 
-    /// `1 - D` and `-D' / w` after a step has acted for a time, small where the time is.
-    fn risen(&self, omega: Dd, time: f64) -> [f64; 2] {
+    /// `1 - D` and `-D' / w` after a step has acted for a time, accurate for short ones.
+    fn step_response(&self, omega: Dd, time: f64) -> [f64; 2] {
         let z = self.ratio;
         let root = (Dd::ONE - Dd::product(z, z)).sqrt();
         let phase = (omega * root).phase_of(Dd::from(time));
@@ -119,8 +119,8 @@ impl<'a> Damped<'a> {
         if duration >= horizon {
             return vec![step];
         }
-        let risen = |w: &Dd| self.risen(*w, duration).map(|x| force * x);
-        let start = self.modes.omega.iter().map(risen).collect();
+        let step_response = |w: &Dd| self.step_response(*w, duration).map(|x| force * x);
+        let start = self.modes.omega.iter().map(step_response).collect();
         vec![step, Stretch { from: duration, to: horizon, start, mean: self.scene.initial.clone() }]
     }
 
@@ -156,11 +156,11 @@ impl<'a> Damped<'a> {
                 }
             }
         }
-        let settled = |mut watch: Watch| {
-            watch.settle_all();
+        let decided = |mut watch: Watch| {
+            watch.decide_all_at_rating();
             watch.peaks
         };
-        ([settled(watch), to_mark.map_or_else(Vec::new, settled)], work)
+        ([decided(watch), to_mark.map_or_else(Vec::new, decided)], work)
     }
 
     /// Every mode's Taylor coefficients about an instant: modes x coefficients.
@@ -214,7 +214,7 @@ fn show(watch: &mut Watch, spring: usize, local: &Local, end: f64, work: &mut Wo
             work.refinements += 1;
             watch.note(spring, negative, local, end, |t| local.value_at(t));
         } else if watch.at_rating(spring, negative) {
-            watch.departs(spring, negative, sign * local.value_and_slope(end).0);
+            watch.note_left_rating(spring, negative, sign * local.value_and_slope(end).0);
         }
     }
 }

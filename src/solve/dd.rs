@@ -11,7 +11,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 pub struct Dd {
     /// The nearest `f64`.
     pub hi: f64,
-    /// What `hi` leaves.
+    /// The remainder.
     pub lo: f64,
 }
 

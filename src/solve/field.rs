@@ -4,21 +4,21 @@ use super::{closed_form, damped_modes::Damped, modal, propagator, sums, taylor};
 use crate::chain::Scene;
 use crate::play::Play;
 
-/// Springs times steps, or products, that a picture may cost: under a second.
+/// Most springs times steps, or products, for a picture: under a second.
 const MOST: f64 = 2e8;
-/// A step of fewer springs takes as long as one of so many.
+/// A step of fewer springs takes as long as one of this many.
 const FEWEST: f64 = 32.0;
 /// Seconds that a march by Taylor series may take.
 const MOST_SECONDS: f64 = 2.0;
 /// Steps are so many times finer than the method needs, as far as they are affordable: the cubic between their ends is then
-/// right to 5 / 384 (1.5 / 3)^4 = 8e-4 of what the fastest mode swings.
+/// right to 5 / 384 (1.5 / 3)^4 = 8e-4 of the fastest mode's amplitude.
 const FINER: [f64; 3] = [3.0, 2.0, 1.0];
 
-/// What is shown: an instant's index, a spring, and the force in it.
-pub type See<'a> = &'a mut dyn FnMut(usize, usize, f64);
+/// Receives an instant's index, a spring and its force.
+pub type Sink<'a> = &'a mut dyn FnMut(usize, usize, f64);
 
-/// Forces in all springs of a scene at times that ascend from 0 to its horizon; whether it is affordable.
-pub fn of_scene(scene: &Scene, damping_ratio: f64, times: &[f64], see: See) -> bool {
+/// Forces in all springs of a scene at times that ascend from 0 to its horizon; false if that takes too long.
+pub fn of_scene(scene: &Scene, damping_ratio: f64, times: &[f64], see: Sink) -> bool {
     let springs = scene.initial.len() as f64;
     let by_modes = springs * springs * times.len() as f64 <= MOST;
     if damping_ratio > 0.0 {
@@ -44,8 +44,8 @@ pub fn of_scene(scene: &Scene, damping_ratio: f64, times: &[f64], see: See) -> b
     by_modes
 }
 
-/// The same of a play; a broken spring's force is no number.
-pub fn of_play(play: &Play, times: &[f64], see: See) -> bool {
+/// The same of a play; a broken spring's force is NaN.
+pub fn of_play(play: &Play, times: &[f64], see: Sink) -> bool {
     let affordable = taylor::estimate_s(play) <= MOST_SECONDS;
     if affordable {
         taylor::field(play, times, see);

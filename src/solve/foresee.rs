@@ -1,10 +1,11 @@
-//! What a step of force will make of every spring, guessed in single precision: levels from which a search along a march may start.
+//! Every spring's peaks after a step of force, guessed in single precision: levels from which a search along a march
+//! may start.
 //!
 //! The steps are those of [`super::propagator`], longer, without compensation, and only the largest values at their ends are kept.
-//! Nothing is proven of a guess, and nothing need be: a search that ends below what it was told to expect is made again without.
+//! A guess need not be proven: a search that ends below the expected levels is repeated without them.
 //!
-//! The chain stands in [`LANES`] pieces side by side, one in each lane of a vector, so that a neighbour is the row before or behind;
-//! at the ends of the rows it is in the lane beside.
+//! The chain is cut into [`LANES`] pieces, one in each lane of a vector: a neighbour is in the row before or after,
+//! and for the first and the last row in the next lane.
 
 use std::sync::OnceLock;
 
@@ -20,7 +21,7 @@ const PHASE: f64 = 2.5;
 const TERMS: usize = 5;
 /// A guess is lower than the largest value by this share of the force, far more than what single precision loses.
 const MARGIN: f64 = 1e-4;
-/// Under this, per unit force, motion ahead of the front is none: numbers near the smallest are slow.
+/// Under this, per unit force, motion ahead of the front is set to zero: denormal numbers are slow.
 const TINY: f32 = 1e-20;
 
 type Row = [f32; LANES];
@@ -64,7 +65,7 @@ impl WithSimd for Steps<'_> {
     }
 }
 
-/// The state for a unit force. Row 0 and the last are what the neighbours of the others need.
+/// The state for a unit force. Row 0 and the last hold copies of neighbours.
 struct Guess {
     /// `h^2 k / m` ahead and behind, `h / m`, `h k`, and where the force acts.
     ahead: Vec<Row>,
@@ -118,7 +119,7 @@ impl Guess {
         (0..scene.initial.len()).map(|s| [level(s, false), level(s, true)]).collect()
     }
 
-    /// Steps, during which the force acts up to the one that `ends` counts. Where it begins and ends, half of it acts.
+    /// Makes steps; the force acts up to step `ends`, and half of it in its first and its last step.
     #[inline(always)]
     fn march<S: Simd>(&mut self, simd: S, steps: std::ops::Range<u64>, ends: u64) {
         static SERIES: OnceLock<Vec<f64>> = OnceLock::new();
@@ -197,14 +198,14 @@ fn map(a: Row, b: Row, f: impl Fn(f32, f32) -> f32) -> Row {
     out
 }
 
-/// What lies before the first row and behind the last: the last and the first, each lane's number in the next lane.
+/// Before the first row: the last, moved up by one lane. After the last row: the first, moved down by one.
 #[inline(always)]
 fn wrap<S: Simd>(simd: S, rows: &mut [Row]) {
     const NUMBERS: Row = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
     let numbers = S::as_simd_f32s(&NUMBERS).0[0];
     let end = rows.len() - 1;
     let (last, first) = (rows[end - 1], rows[1]);
-    // From vector to vector of the unit at hand a number is carried over.
+    // If a row is several vectors, one number is carried to the next.
     let is_first = simd.less_than_f32s(numbers, simd.splat_f32s(0.5));
     let mut carried = simd.splat_f32s(0.0);
     for (out, x) in S::as_mut_simd_f32s(&mut rows[0]).0.iter_mut().zip(S::as_simd_f32s(&last).0) {

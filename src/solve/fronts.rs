@@ -14,16 +14,16 @@
 //!
 //! The work grows with the springs, not with springs times instants:
 //!
-//! 1. Every front lies between two steps (`stairs`); their sums say in which few windows a spring's force can be largest or
-//!    pass its rating first.
+//! 1. Every front lies between two step functions (`stairs`); their sums say in which few windows a spring's force can
+//!    be largest or pass its rating first.
 //! 2. There the fronts are sampled by forms that are right to a few digits (`forms`); cubics between samples, with a bound on
 //!    their fourth derivative, leave one or two cells a side.
 //! 3. In those the force is a polynomial made of Bessel functions of all orders (`rows`). Every value and time that is
 //!    reported comes from there, within [`error_bound`].
 //!
-//! What steps 1 and 2 exclude rests on two numbers that are not proved but met with a margin: the error of the forms (at least twice the
-//! largest that was met) and their bound on fourth derivatives (5 % over it). What is known of the fronts' swings is proved. Extremes of
-//! a side that the forms cannot tell apart are all looked into.
+//! What steps 1 and 2 exclude relies on two numbers that are measured with a margin, not proved: the error of the
+//! forms (twice the largest found or more) and their bound on fourth derivatives (5 % over it). Bounds on the fronts'
+//! swings are proved. Extremes of a side that the forms cannot distinguish are all looked into.
 
 mod forms;
 mod rows;
@@ -44,7 +44,7 @@ const TOGETHER: usize = 32;
 
 /// The fronts of a scene: images of a unit force on a free end, times in units of sqrt(mass / stiffness).
 struct Images {
-    /// The mass before which an image and its coinciding one stand astride a free end, and their sign.
+    /// Of each pair of images that coincide, at a and a + 1 across a free end: a, and their sign.
     list: Vec<(i64, f64)>,
 }
 
@@ -195,7 +195,7 @@ fn look(scene: &Scene, images: &Images, watch: &mut Watch, mut looks: Vec<Look>,
             leave(watch, spring, negative);
         }
         if watch.at_rating(spring, negative) {
-            watch.settle(spring, negative, lowest[spring][usize::from(negative)]);
+            watch.decide_at_rating(spring, negative, lowest[spring][usize::from(negative)]);
         }
     }
 }
@@ -203,5 +203,5 @@ fn look(scene: &Scene, images: &Images, watch: &mut Watch, mut looks: Vec<Look>,
 /// Takes note that a side is well under its rating.
 fn leave(watch: &mut Watch, spring: usize, negative: bool) {
     let low = f64::NEG_INFINITY;
-    watch.departs(spring, negative, low);
+    watch.note_left_rating(spring, negative, low);
 }

@@ -3,11 +3,11 @@
 //! Branch and bound: on every piece the cubic through both ends' values and slopes (Hermite) is off by at most
 //! `h^4 / 384 * max |f''''|`, and the fourth derivative is bounded by the sum of its coefficients' sizes. Pieces whose
 //! bound cannot matter are dropped; none is dropped on a guess. A piece that is certainly concave is not split any more:
-//! Newton's steps lead to its only top, and their last slope says how far from it they ended.
+//! Newton's steps lead to its only maximum, and the last slope bounds their error.
 
 use super::dd::Dd;
 
-/// Number of coefficients: degree 24 carries `cos` over two radians to 1e-17.
+/// Number of coefficients: degree 24 gives `cos` over two radians to 1e-17.
 pub const COEFFICIENTS: usize = 25;
 
 /// `f(t) = sum_q coefficient[q] x^q`, x = (t - center) / radius in [-1, 1].
@@ -87,9 +87,9 @@ impl Local {
     pub fn upper_bounds(&self, pieces: usize) -> impl Iterator<Item = f64> {
         let [_, fourth] = self.third_and_fourth();
         let h = 2.0 / pieces as f64;
-        let slack = h.powi(4) / 384.0 * fourth;
+        let margin = h.powi(4) / 384.0 * fourth;
         let end = move |k: usize| -1.0 + h * k as f64;
-        (0..pieces).map(move |k| self.piece(end(k), end(k + 1)).hermite_top().value + slack)
+        (0..pieces).map(move |k| self.piece(end(k), end(k + 1)).hermite_top().value + margin)
     }
 
     fn piece(&self, a: f64, b: f64) -> Piece {
@@ -110,13 +110,13 @@ impl Local {
         if first.fb > best.value {
             best = Point { at: b, value: first.fb };
         }
-        // The stack is only allocated if the first piece does not settle it.
+        // The stack is only allocated if the first piece is not enough.
         let (mut next, mut open) = (Some(first), Vec::new());
         while let Some(p) = next.take().or_else(|| open.pop()) {
             let h = p.b - p.a;
             let top = p.hermite_top();
-            let slack = h.powi(4) / 384.0 * fourth;
-            let bound = top.value + slack;
+            let margin = h.powi(4) / 384.0 * fourth;
+            let bound = top.value + margin;
             if bound <= floor || bound <= best.value + 1e-16 * best.value.abs() || h < 1e-9 {
                 continue;
             }
@@ -188,7 +188,7 @@ impl Local {
                 return Some(p.a);
             }
             let h = p.b - p.a;
-            // The slope is nowhere further than this from between its ends': the piece rises all along.
+            // The slope leaves the range of its values at the ends by no more than this: it is positive.
             if p.fb > level && p.da.min(p.db) > 0.125 * h * h * third {
                 return Some(self.root(&p, level));
             }
@@ -208,8 +208,8 @@ impl Local {
         None
     }
 
-    /// The crossing in a piece whose ends lie on both sides of the level, by Newton's steps; where one leads out of what is left of
-    /// the piece, by bisection.
+    /// The crossing in a piece whose ends lie on both sides of the level: by Newton's steps, or by bisection where one
+    /// leaves the bracket.
     fn root(&self, p: &Piece, level: f64) -> f64 {
         let (mut a, mut b) = (p.a, p.b);
         let mut x = p.a + (p.b - p.a) * ((level - p.fa) / (p.fb - p.fa));

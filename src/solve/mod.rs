@@ -72,11 +72,11 @@ pub struct Work {
     pub mode_sums: u64,
     /// Spring values computed while marching through time.
     pub marched: u64,
-    /// Cells looked into again.
+    /// Pieces of time examined closely.
     pub refinements: u64,
 }
 
-/// Which of a scene's springs are to be known.
+/// Which results must be exact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Wanted {
     /// All.
@@ -112,7 +112,7 @@ pub struct Ask {
 pub struct Solution {
     /// How they were found.
     pub method: Method,
-    /// Why so.
+    /// Why that method.
     pub reason: String,
     /// No extreme is further than this from the exact one, in the scene's unit of force.
     pub error_bound: f64,
@@ -120,11 +120,11 @@ pub struct Solution {
     pub springs: Vec<Option<SpringPeaks>>,
     /// The same up to the mark; empty without one.
     pub to_mark: Vec<Option<SpringPeaks>>,
-    /// Only what [`Wanted::Worst`] promises is exact: of the worst spring the sense of its largest utilisation.
+    /// Only what [`Wanted::Worst`] promises is exact; of the worst spring only the sense of its largest utilisation.
     pub only_worst: bool,
     /// Bound on |F| over all time, in the scene's unit of force, where asked for or used to leave springs out.
     pub all_time_bounds: Option<Vec<f64>>,
-    /// What it took.
+    /// The work done.
     pub work: Work,
 }
 
@@ -139,7 +139,7 @@ pub enum SolveError {
         "the method {0} is for breaks and rectangular pulses of linear couplers, without dashpots and brakes: leave the choice to the program"
     )]
     StepsOnly(&'static str),
-    /// Fronts cannot end a pulse so short.
+    /// The pulse is too short for fronts.
     #[error("fronts need a pulse of a fifth of sqrt(mass / stiffness) or longer: use modal or propagator")]
     TooShort,
     /// Fronts start at a free end.
@@ -148,7 +148,7 @@ pub enum SolveError {
     /// The method would take too long or too much memory.
     #[error("the method {method} would take about {seconds:.0} s and {gigabytes:.1} GB here: {advice}")]
     TooMuch {
-        /// Which.
+        /// Its name.
         method: &'static str,
         /// Estimated time.
         seconds: f64,
@@ -159,7 +159,7 @@ pub enum SolveError {
     },
 }
 
-/// Extremes of every spring of a scene, by the asked method or the cheapest that reaches the tolerance.
+/// Extremes of every spring of a scene, by the requested method or the cheapest that reaches the tolerance.
 ///
 /// # Errors
 /// [`SolveError::NotEqual`] when a method for equal chains is asked for on another; [`SolveError::TooMuch`] when even the

@@ -7,9 +7,9 @@
 //! with u_j and v_j the left and right singular vectors of the bidiagonal B ([`Path`]). All of it is in double-double
 //! until the a_ij are rounded once, so that what limits the result is the sum over modes, not the eigenproblem.
 //!
-//! What the computed modes leave of the equations of motion is measured, not assumed: the residual of each mode, and how
-//! far the modes together are from the force they stand for. Both drive the error's own energy, which grows no faster
-//! than their norm times the time.
+//! The error of the computed modes is measured, not assumed: the residual of each in the equations of motion, and the
+//! part of the force that all together miss. The energy norm of the error grows no faster than the norm of both times
+//! the time.
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -19,7 +19,7 @@ use super::path::{Mode, Path};
 use super::sums::Modes;
 use crate::chain::{Chain, Scene};
 
-/// Frequencies closer than this, relatively, share their vectors' errors and are made orthogonal to each other.
+/// Frequencies relatively closer than this have vectors that are made orthogonal to each other.
 const CLUSTER: f64 = 1e-12;
 
 /// All modes of a scene's chain, with their shares of a unit force on its source.
@@ -66,11 +66,11 @@ fn vectors(path: &Path, omega: &[Dd]) -> Vec<Mode> {
     for j in 0..modes.len() {
         let (done, rest) = modes.split_at_mut(j);
         let others = &done[cluster[j]..];
-        // Modes of one frequency live in separate places of the train; each try begins at another place, until one is found
-        // that is not a mix of those before it.
+        // Modes of one frequency belong to separate places of the train; each try begins at another place, until a
+        // mode is found that is no mix of those before it.
         let tries = (0..=4 * others.len()).map(|place| match place {
-            0 => apart(rest[0].clone(), others),
-            _ => apart(path.mode(omega[j], place), others),
+            0 => orthogonalized(rest[0].clone(), others),
+            _ => orthogonalized(path.mode(omega[j], place), others),
         });
         let (mut best, mut most) = (None, 0.0);
         for (mode, left) in tries {
@@ -88,8 +88,8 @@ fn vectors(path: &Path, omega: &[Dd]) -> Vec<Mode> {
     modes
 }
 
-/// A mode without its parts along others, twice over, and the share of it that was left.
-fn apart(mut mode: Mode, others: &[Mode]) -> (Mode, f64) {
+/// A mode made orthogonal to others, in two rounds, and the share of it that was left.
+fn orthogonalized(mut mode: Mode, others: &[Mode]) -> (Mode, f64) {
     let left: f64 = others.iter().map(|other| remove(&other.node, &mut mode.node)).product();
     others.iter().for_each(|other| {
         remove(&other.node, &mut mode.node);

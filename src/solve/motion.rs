@@ -74,13 +74,12 @@ fn row_norm(ahead: &[f64], behind: &[f64], stiffness: &[f64], i: usize) -> f64 {
 
 /// Springs whose norms are taken together.
 pub const BLOCK: usize = 8;
-/// Blocks on either side beyond which a step brings little of a motion to two springs beside a block: what comes from there is 7 springs
-/// or more away.
+/// Blocks on either side that count in full: others are 7 springs or more from a block and two springs beside it.
 const NEAR: usize = 1;
-/// Blocks beyond which it brings next to nothing: 15 springs or more, at most so much.
+/// Blocks on either side beyond which, 15 springs or more, a step brings at most this much of a motion.
 pub const FAR: usize = 2;
 const FROM_AFAR: f64 = 4.41e-18;
-/// What a step at the largest phase brings from so many springs away or more.
+/// Entry n: what a step at the largest phase brings of a motion from n springs away or more.
 ///
 /// Motion between two instants is a mix f(X) of that at both, and polynomials in X of degrees under n bring nothing across n springs.
 /// So what comes from there is at most what such a polynomial leaves of f over `0 <= x <= theta^2`: the rest of f's Chebyshev series from
@@ -91,7 +90,7 @@ const FROM_SPRINGS: [f64; SHELLS + 2] =
     [1.367, 0.196, 1.29e-2, 8.35e-4, 5.4e-5, 3.49e-6, 2.26e-7, 1.46e-8, 9.39e-10, 6.07e-11, 3.92e-12, 2.54e-13];
 /// Springs beyond the next two whose motion is taken one by one.
 const SHELLS: usize = 10;
-/// Zeros before a row of springs' sizes, and behind it at least.
+/// Zeros before a row of springs' sizes; at least as many follow it.
 pub const MARGIN: usize = SHELLS + 2;
 
 /// Bounds on the norm of `h^2 G''` over blocks and two springs beside them during a step, `L` side by side, and on what comes over the next
@@ -151,10 +150,11 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// How far a quick bound of a spring's force over a step passes what matters in either sign; negative if it does not.
 ///
 /// `f` is G and `q` is `-h^2 G''` at both ends, `remainder` the first one. A force that certainly rises (or falls) through the
-/// step leaves its largest value to the next (or previous) one, unless it may pass its rating. The remainder's slope is at most
-/// half the largest second derivative of the remainder, which is an eighth of that of the force: 4.8 remainders.
+/// step has its largest value in the next (or previous) one, unless it may pass its rating. The remainder's slope is
+/// at most half the largest second derivative of the remainder, which is an eighth of that of the force: 4.8
+/// remainders.
 #[inline(always)]
-pub fn opening(f: [f64; 2], q: [f64; 2], remainder: f64, level: [f64; 2], crossing: [f64; 2], last: bool) -> f64 {
+pub fn excess(f: [f64; 2], q: [f64; 2], remainder: f64, level: [f64; 2], crossing: [f64; 2], last: bool) -> f64 {
     let more = |a: f64, b: f64| if a > b { a } else { b };
     let less = |a: f64, b: f64| if a < b { a } else { b };
     let up = more(f[0], f[1]) + 0.125 * more(more(q[0], q[1]), 0.0) - level[0];
@@ -169,9 +169,9 @@ pub fn opening(f: [f64; 2], q: [f64; 2], remainder: f64, level: [f64; 2], crossi
     more(up, down)
 }
 
-/// Whether some of these passes what matters.
+/// Whether any of these is positive.
 #[inline(always)]
-pub fn any_opens<const L: usize>(open: [f64; L]) -> bool {
+pub fn any_positive<const L: usize>(open: [f64; L]) -> bool {
     let mut any = false;
     for passed in open {
         any |= passed > 0.0;
@@ -242,18 +242,18 @@ mod tests {
     fn bracket_holds() {
         for n in 0..200 {
             let (theta, phase) = (PHASE * f64::from(n % 10 + 1) / 10.0, 0.11 * f64::from(n));
-            let jet = |x: f64| {
+            let even_derivatives = |x: f64| {
                 let g = (theta * x + phase).sin();
                 [g, -theta.powi(2) * g, theta.powi(4) * g]
             };
             let remainder = 61.0 / 46_080.0 * theta.powi(6);
-            let [lower, upper] = bracket([jet(0.0), jet(1.0)], remainder);
-            let top = (0..=1000).map(|k| jet(f64::from(k) / 1000.0)[0]).fold(-1.0, f64::max);
+            let [lower, upper] = bracket([even_derivatives(0.0), even_derivatives(1.0)], remainder);
+            let top = (0..=1000).map(|k| even_derivatives(f64::from(k) / 1000.0)[0]).fold(-1.0, f64::max);
             assert!(lower <= top + 1e-15 && top <= upper, "{lower} {top} {upper}");
             assert!(upper - lower <= 2.0 * remainder + 2.0 * SECOND * theta.powi(4));
             let slope = |k: i32| theta * (theta * f64::from(k) / 1000.0 + phase).cos();
             let least = (0..=1000).map(slope).fold(9.0, f64::min);
-            let bound = least_slope([jet(0.0), jet(1.0)], remainder);
+            let bound = least_slope([even_derivatives(0.0), even_derivatives(1.0)], remainder);
             assert!(bound <= least && least - bound < 0.1 * theta.powi(4), "{bound} {least}");
         }
     }

@@ -61,7 +61,7 @@ impl Path {
         self.weight.len() + 1
     }
 
-    /// Node of mass `v`, if it is live.
+    /// Node of mass `v`, a live one.
     pub fn mass_node(&self, v: usize) -> usize {
         if self.begins_with_mass { 2 * v } else { 2 * v - 1 }
     }
@@ -101,7 +101,7 @@ impl Path {
                 let width = 1e-5 * hi;
                 let alone = (j == 0 || lo - brackets[j - 1][1] > width)
                     && (j + 1 == brackets.len() || brackets[j + 1][0] - hi > width);
-                pulp::Arch::new().dispatch(|| self.sharpen(j, lo, hi, alone))
+                pulp::Arch::new().dispatch(|| self.refine(j, lo, hi, alone))
             })
             .collect()
     }
@@ -136,7 +136,7 @@ impl Path {
                 for (s, [lo, hi]) in shift.iter_mut().zip(group.iter()) {
                     let wide = *hi > 2.0 * lo;
                     *s = if wide { (lo * hi).sqrt() } else { 0.5 * (lo + hi) };
-                    // From so near one Rayleigh quotient is enough.
+                    // From this near, one Rayleigh quotient is enough.
                     open |= hi - lo > 1e-12 * lo;
                 }
                 if !open {
@@ -157,7 +157,7 @@ impl Path {
     /// With no other frequency near: Rayleigh quotient iteration, whose error is cubed each time. With others near, or when that
     /// iteration leaves the bracket: bisection in double-double, which always converges.
     #[inline(always)]
-    fn sharpen(&self, index: usize, lo: f64, hi: f64, alone: bool) -> Dd {
+    fn refine(&self, index: usize, lo: f64, hi: f64, alone: bool) -> Dd {
         if alone {
             let mut omega = Dd::from(0.5 * (lo + hi));
             for _ in 0..4 {
@@ -172,11 +172,11 @@ impl Path {
                 }
             }
         }
-        self.bisect_slowly(index, Dd::from(lo * (1.0 - 1e-14)), Dd::from(hi * (1.0 + 1e-14)))
+        self.bisect_in_dd(index, Dd::from(lo * (1.0 - 1e-14)), Dd::from(hi * (1.0 + 1e-14)))
     }
 
     #[inline(always)]
-    fn bisect_slowly(&self, index: usize, mut lo: Dd, mut hi: Dd) -> Dd {
+    fn bisect_in_dd(&self, index: usize, mut lo: Dd, mut hi: Dd) -> Dd {
         let target = self.nodes() - self.nodes() / 2 + index;
         while (hi - lo).hi > 1e-31 * hi.hi {
             let middle = (lo + hi) * Dd::from(0.5);
@@ -195,8 +195,8 @@ impl Path {
     ///
     /// Twisted factorisation (K. V. Fernando, *SIAM J. Matrix Anal. Appl.* 18 (1997) 1013-1034; B. N. Parlett, I. S. Dhillon,
     /// *Linear Algebra Appl.* 267 (1997) 247-279): no component is a difference, so small ones are as accurate as large
-    /// ones. Modes of one frequency that live in separate places of the train are told apart by taking, for the copy-th
-    /// of them, the copy-th least of the local minima of |gamma|.
+    /// ones. Modes of one frequency in separate places of the train are distinguished: for the copy-th of them, r is
+    /// the copy-th least local minimum of |gamma|.
     #[inline(always)]
     fn twisted(&self, omega: Dd, copy: usize) -> (Dd, Vec<Dd>) {
         let n = self.nodes();
@@ -219,7 +219,7 @@ impl Path {
     }
 }
 
-/// A pivot, or in its place something too small to matter.
+/// The pivot, or a tiny number in place of 0.
 #[inline(always)]
 fn nonzero(pivot: Dd, omega: Dd) -> Dd {
     if pivot.hi == 0.0 { omega * Dd::from(-1e-60) } else { pivot }

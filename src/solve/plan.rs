@@ -3,7 +3,7 @@
 //! Every method's work is counted before it is done; a price per unit of work, measured once on one machine and the same
 //! for everyone, makes the counts comparable. The choice therefore depends on the scene alone, not on the machine or on what else runs on it.
 
-use super::watch::{SpringPeaks, hazy, searched};
+use super::watch::{SpringPeaks, bound_of_extremes, bound_of_pieces};
 use super::{Ask, Method, Solution, SolveError, Wanted, Work, closed_form, fronts, modal, propagator, search, sums};
 use crate::chain::Scene;
 
@@ -19,13 +19,13 @@ const EQUAL_ENTRY: f64 = 20.0;
 const MODE_ENTRY: f64 = 600.0;
 /// Nanoseconds to look into one spring's forces between instants.
 const LOOK: f64 = 3000.0;
-/// What a better bound may cost, as a multiple of the cheapest method whose bound is within 10 times the tolerance, or of 1e-8 of the
-/// force where less is asked for.
-const MOST_TIMES: f64 = 10.0;
-const NEARLY: f64 = 10.0;
-const FINE: f64 = 1e-9;
-/// The share of a coarser tolerance that is not searched for.
-const COARSE: f64 = 0.1;
+/// A better bound may cost this many times the cheapest method whose bound is within 10 times the tolerance, or within
+/// 1e-8 of the force if that is more.
+const MAX_WORK_RATIO: f64 = 10.0;
+const NEAR_FACTOR: f64 = 10.0;
+const FINE_SHARE: f64 = 1e-9;
+/// Of a coarser tolerance, the share that is ignored.
+const IGNORED_SHARE: f64 = 0.1;
 /// The longest that a scene may take, and the memory that its modes may fill.
 const MOST_SECONDS: f64 = 3600.0;
 const MOST_GIGABYTES: f64 = 4.0;
@@ -37,7 +37,7 @@ pub struct Plan {
     pub method: Method,
     /// Why.
     pub reason: String,
-    /// Estimated time, s; of a sum over modes if all that are beyond a gap matter.
+    /// Estimated time, s; for a sum over modes, if all those beyond a gap matter.
     pub seconds: f64,
     /// Largest frequency, for the propagator.
     omega_max: f64,
@@ -74,12 +74,13 @@ fn offers(scene: &Scene, mark: Option<f64>, omega_max: f64) -> Vec<Offer> {
     let cells = (scene.horizon * summed_frequency(scene, omega_max) / 1.5).ceil() + 1.0;
     let sums = search::MODE_SUM * springs * springs * cells + look;
     let swing = scene.force.abs() * (omega_max * scene.duration).min(2.0);
-    let bound_of_sums = searched(hazy(0.5 * f64::EPSILON * swing * (20.0 + springs.log2()) * (2.0 + springs.ln())));
+    let bound_of_sums =
+        bound_of_extremes(bound_of_pieces(0.5 * f64::EPSILON * swing * (20.0 + springs.log2()) * (2.0 + springs.ln())));
     let memory_of_modes = |bytes: f64| bytes * springs * springs / 1e9;
     let mut offers = vec![Offer {
         method: Method::Propagator,
         nanoseconds: STEP * springs * propagator::steps(scene, omega_max) + look,
-        bound: searched(propagator::error_bound(scene, omega_max)),
+        bound: bound_of_extremes(propagator::error_bound(scene, omega_max)),
         gigabytes: 0.0,
     }];
     if fronts::fits(scene) {
@@ -90,7 +91,7 @@ fn offers(scene: &Scene, mark: Option<f64>, omega_max: f64) -> Vec<Offer> {
         offers.push(Offer {
             method: Method::Fronts,
             nanoseconds: price(scene) + mark.map_or(0.0, |mark| price(&until(scene, mark))),
-            bound: searched(fronts::error_bound(scene)),
+            bound: bound_of_extremes(fronts::error_bound(scene)),
             gigabytes: 0.0,
         });
     }
@@ -131,10 +132,11 @@ pub fn choose(scene: &Scene, ask: &Ask) -> Result<Plan, SolveError> {
     let cheapest =
         |of: &mut dyn Iterator<Item = &Offer>| of.min_by(|a, b| a.nanoseconds.total_cmp(&b.nanoseconds)).copied();
     let fitting = || offers.iter().filter(|o| o.gigabytes <= MOST_GIGABYTES);
-    // A bound of nearly the tolerance, or of a billionth of the force, is not improved at more than so many times its price.
-    let nearly = ask.tolerance.max(FINE * scene.force.abs()) * NEARLY;
-    let usual = cheapest(&mut fitting().filter(|o| o.bound <= nearly));
-    let most = usual.map_or(f64::INFINITY, |o| MOST_TIMES * o.nanoseconds);
+    // A bound near the tolerance, or a billionth of the force, is improved for at most [`MAX_WORK_RATIO`] times its
+    // work.
+    let near_bound = ask.tolerance.max(FINE_SHARE * scene.force.abs()) * NEAR_FACTOR;
+    let usual = cheapest(&mut fitting().filter(|o| o.bound <= near_bound));
+    let most = usual.map_or(f64::INFINITY, |o| MAX_WORK_RATIO * o.nanoseconds);
     let affordable_offers = || fitting().filter(|o| o.nanoseconds <= most);
     let within = cheapest(&mut affordable_offers().filter(|o| o.bound <= ask.tolerance));
     let best = within.or_else(|| affordable_offers().min_by(|a, b| a.bound.total_cmp(&b.bound)).copied());
@@ -210,7 +212,7 @@ pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
     let bounds = modes.as_ref().filter(|_| ask.all_time_bound || bounds_pay).map(|m| sums::all_time_bounds(scene, m));
     let safe = |i: usize| {
         let bound = bounds.as_ref().filter(|_| ask.verdict_only).map(|b| b[i]);
-        // With room for what the units of a canonical scene round.
+        // With room for the rounding of scaled units.
         bound.is_some_and(|b| (1.0 + 16.0 * f64::EPSILON) * b <= scene.rated_draft[i].min(scene.rated_buff[i]))
     };
     let springs = 0..scene.initial.len();
@@ -226,7 +228,7 @@ pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
             let found = search::peaks(scene, modes, [bound, ask.tolerance], ask.mark);
             if found.given_up {
                 reason += "; its search among millions of fast swings was given up: the bound is widened, and first exceedances \
-                           may come earlier than they are told";
+                           may be earlier than reported";
             }
             (found.peaks, found.work, bound + found.missed)
         }
@@ -236,13 +238,13 @@ pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
             work.marched += to_mark.as_ref().map_or(0, |(_, more)| more.marched);
             work.refinements += to_mark.as_ref().map_or(0, |(_, more)| more.refinements);
             let peaks = [peaks, to_mark.map_or_else(Vec::new, |(peaks, _)| peaks)];
-            (peaks, work, searched(fronts::error_bound(scene)))
+            (peaks, work, bound_of_extremes(fronts::error_bound(scene)))
         }
         _ => {
             let bound = propagator::error_bound(scene, plan.omega_max);
-            let grain = coarse_grain(scene, ask).min(ask.tolerance - bound);
-            let (peaks, work) = propagator::peaks(scene, plan.omega_max, grain, ask.wanted, ask.mark);
-            (peaks, work, searched(bound).max(bound + grain))
+            let min_rise = coarse_min_rise(scene, ask).min(ask.tolerance - bound);
+            let (peaks, work) = propagator::peaks(scene, plan.omega_max, min_rise, ask.wanted, ask.mark);
+            (peaks, work, bound_of_extremes(bound).max(bound + min_rise))
         }
     };
     let kept = |peaks: &[SpringPeaks]| springs.clone().map(|i| peaks.get(i).copied().filter(|_| !safe(i))).collect();
@@ -258,11 +260,11 @@ pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
     }
 }
 
-/// A difference in force that is not worth any work, beyond what the error bound leaves: none unless far more than usual is allowed.
-fn coarse_grain(scene: &Scene, ask: &Ask) -> f64 {
+/// A difference in force that is ignored besides the error bound: none unless the tolerance is far larger than usual.
+fn coarse_min_rise(scene: &Scene, ask: &Ask) -> f64 {
     let ratings = scene.rated_draft.iter().chain(&scene.rated_buff);
     let largest = ratings.fold(scene.force.abs(), |largest, &rating| largest.max(rating));
-    if ask.tolerance > NEARLY * FINE * largest { COARSE * ask.tolerance } else { 0.0 }
+    if ask.tolerance > NEAR_FACTOR * FINE_SHARE * largest { IGNORED_SHARE * ask.tolerance } else { 0.0 }
 }
 
 /// Whether a spring stands at its rating before the event, or within a millionth under it, where the error bound may not decide.

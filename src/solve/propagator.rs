@@ -22,21 +22,21 @@ use std::sync::OnceLock;
 use super::between::{PHASE, Search, Step};
 use super::dd::Dd;
 use super::foresee::{self, Levels};
-use super::motion::{BLOCK, FAR, MARGIN, Motion, any_opens, local_norms, norms_around, opening};
+use super::motion::{BLOCK, FAR, MARGIN, Motion, any_positive, excess, local_norms, norms_around};
 use super::path::Path;
 use super::series::{polynomial, sine_over_root};
 use super::watch::SpringPeaks;
 use super::{Wanted, Work};
 use crate::chain::Scene;
 
-/// Terms of the series for P, for 1e-17 over the largest phase, and of those that bring velocities across a change of step.
+/// Terms of the series for P, for 1e-17 over the largest phase, and for velocities at a change of step.
 const KICK_TERMS: usize = 7;
 const SWITCH_TERMS: usize = 14;
-/// Below this share of the force, motion ahead of the front is taken for none.
-const SILENCE: f64 = 1e-22;
-/// Springs that a step at the largest phase cannot carry more than 1e-16 of a motion across: 1.5^24 / 24!.
+/// Below this share of the force, motion ahead of the front is set to zero.
+const ZERO_BELOW: f64 = 1e-22;
+/// A step at the largest phase carries under 1e-16 of a motion across this many springs: 1.5^24 / 24!.
 const CARRY: usize = 12;
-/// Springs that a step can move.
+/// Springs by which a step can extend the motion.
 const REACH: usize = KICK_TERMS + 3;
 
 /// Steps within the horizon at the largest phase.
@@ -61,47 +61,47 @@ pub fn error_bound(scene: &Scene, omega: f64) -> f64 {
     let pulses = if scene.duration < scene.horizon { 2.0 } else { 1.0 };
     let stiffest = scene.chain.stiffness.iter().fold(0.0f64, |a, &k| a.max(k)).sqrt();
     // The norm of accelerations and rates of extension that the force starts and keeps up; the source is never held.
-    let jolt = (1.0 / scene.chain.mass[scene.source]).sqrt() * force * pulses;
+    let acceleration_norm = (1.0 / scene.chain.mass[scene.source]).sqrt() * force * pulses;
     let width = (PHASE / omega).min(scene.horizon);
-    let marching = 40.0 * (scene.horizon + 20.0 * width) * jolt * stiffest * roundoff;
+    let marching = 40.0 * (scene.horizon + 20.0 * width) * acceleration_norm * stiffest * roundoff;
     // Rounding of the state's and the polynomial's own numbers, and the series' last terms.
     let size = scene.initial.iter().fold(0.0f64, |a, f| a.max(f.abs())) + 4.0 * pulses * force;
-    let dropped = steps(scene, omega) * SILENCE * force * 100.0;
+    let dropped = steps(scene, omega) * ZERO_BELOW * force * 100.0;
     marching + 8.0 * size * roundoff + dropped
 }
 
 /// Extremes of every spring's force in a scene, up to the horizon and up to a mark before it; one that is larger than another by less
-/// than `grain` need not be found.
+/// than `min_rise` need not be found.
 pub fn peaks(
     scene: &Scene,
     omega: f64,
-    grain: f64,
+    min_rise: f64,
     wanted: Wanted,
     mark: Option<f64>,
 ) -> ([Vec<SpringPeaks>; 2], Work) {
     let expected = foresee::levels(scene, omega, mark.unwrap_or(scene.horizon));
-    let from = |expected| peaks_from(scene, [omega, grain], wanted, mark, expected);
+    let from = |expected| peaks_from(scene, [omega, min_rise], wanted, mark, expected);
     from(Some(expected)).or_else(|| from(None)).unwrap_or_default()
 }
 
-/// The same, given what forces are expected to pass up to the mark and up to the horizon; `None` if they do not.
+/// The same, given what forces are expected to pass up to the mark and up to the horizon; `None` if some do not.
 fn peaks_from(
     scene: &Scene,
-    [omega, grain]: [f64; 2],
+    [omega, min_rise]: [f64; 2],
     wanted: Wanted,
     mark: Option<f64>,
     expected: Option<[Levels; 2]>,
 ) -> Option<([Vec<SpringPeaks>; 2], Work)> {
     let motion = Motion::new(scene);
-    let mut search = Search::new(scene, &motion, [error_bound(scene, omega), grain]);
+    let mut search = Search::new(scene, &motion, [error_bound(scene, omega), min_rise]);
     let later = expected.map(|[first, later]| {
         search.expect(&first, wanted);
         later
     });
-    let quiet = search.quiet();
-    let mut sieve = Sieve { search, wanted, mark, later, to_mark: Some(Vec::new()), work: Work::default() };
-    march(scene, &motion, omega, quiet, &mut sieve);
-    let Sieve { search, mark, to_mark, mut work, .. } = sieve;
+    let negligible = search.negligible();
+    let mut observer = PeaksObserver { search, wanted, mark, later, to_mark: Some(Vec::new()), work: Work::default() };
+    march(scene, &motion, omega, negligible, &mut observer);
+    let PeaksObserver { search, mark, to_mark, mut work, .. } = observer;
     let (peaks, looked) = search.finish();
     work.refinements += looked;
     // The last step may round to end just before a mark.
@@ -114,7 +114,7 @@ pub fn history(scene: &Scene, omega: f64, spring: usize, times: &[f64]) -> Vec<f
     let motion = Motion::new(scene);
     let search = Search::new(scene, &motion, [0.0; 2]);
     let values = vec![scene.initial[spring]; times.len()];
-    let mut record = Record { search, spring, times, values, next: 0, horizon: scene.horizon };
+    let mut record = HistoryObserver { search, spring, times, values, next: 0, horizon: scene.horizon };
     march(scene, &motion, omega, 0.0, &mut record);
     record.values
 }
@@ -123,27 +123,27 @@ pub fn history(scene: &Scene, omega: f64, spring: usize, times: &[f64]) -> Vec<f
 /// of a step.
 pub fn field(scene: &Scene, omega: f64, times: &[f64], see: &mut dyn FnMut(usize, usize, f64)) {
     let motion = Motion::new(scene);
-    march(scene, &motion, omega, 0.0, &mut Every { scene, times, next: 0, see });
+    march(scene, &motion, omega, 0.0, &mut FieldObserver { scene, times, next: 0, see });
 }
 
-/// What is done with the steps of a march, compiled together with it.
-pub(super) trait See {
+/// What to do with each step of a march; compiled into it.
+pub(super) trait StepObserver {
     fn see(&mut self, view: &View);
 }
 
-/// Passes on to the search what may matter.
-struct Sieve<'a> {
+/// Shows the search what may matter.
+struct PeaksObserver<'a> {
     search: Search<'a>,
     wanted: Wanted,
-    /// An instant that is still to come, up to which extremes are wanted as well; and those, once it is past.
+    /// The mark, until it is passed; then, the extremes up to it.
     mark: Option<f64>,
     to_mark: Option<Vec<SpringPeaks>>,
-    /// What forces are expected to pass behind it.
+    /// What forces are expected to pass after it.
     later: Option<Levels>,
     work: Work,
 }
 
-impl See for Sieve<'_> {
+impl StepObserver for PeaksObserver<'_> {
     #[inline(always)]
     fn see(&mut self, view: &View) {
         self.work.marched += view.range.len() as u64;
@@ -154,8 +154,8 @@ impl See for Sieve<'_> {
     }
 }
 
-impl Sieve<'_> {
-    /// Extremes up to the mark, which lies within the step: all that is open by then is looked into, and the step up to the mark.
+impl PeaksObserver<'_> {
+    /// Extremes up to the mark, which lies within the step: looks into all that is open, and the step up to the mark.
     #[cold]
     fn pass_mark(&mut self, view: &View) {
         let Some(mark) = self.mark.take() else { return };
@@ -178,21 +178,22 @@ impl View<'_> {
         let last = search.is_last(&self.step);
         let at = |end: usize, s: usize| self.force[end][s + 1];
         for block in self.range.start / BLOCK..self.range.end.div_ceil(BLOCK) {
-            let Some((open, remainders)) = sift(self, [&search.levels, &search.crossings], block, last) else {
+            let Some((open, remainders)) = open_springs(self, [&search.levels, &search.crossings], block, last) else {
                 continue;
             };
             for l in (0..BLOCK).filter(|&l| open[l] > 0.0) {
                 search.consider(&self.step, block * BLOCK + l, remainders[l], [self.force, self.bend]);
             }
         }
-        search.departures(&self.step, at);
+        search.note_all_left_rating(&self.step, at);
     }
 }
 
-/// How far the quick bounds of a block's springs over the step pass what matters, if one does, and their second remainders: per sign and
-/// spring `levels` is what G, or -G, has to pass, and `crossings` what it has to pass where it rises through the whole step.
+/// By how much the quick bounds of a block's springs over the step pass their levels, and their second remainders;
+/// `None` if no bound does. Per sign and spring, G, or -G, must pass `levels`, and `crossings` if it rises through the
+/// whole step.
 #[inline(always)]
-pub(super) fn sift(
+pub(super) fn open_springs(
     view: &View,
     levels: [&[Vec<f64>; 2]; 2],
     number: usize,
@@ -200,7 +201,7 @@ pub(super) fn sift(
 ) -> Option<([f64; BLOCK], [f64; BLOCK])> {
     let norms = view.norms.map(|row| row[number]);
     let open = passing(view, levels, number, [norms[0]; BLOCK], last);
-    if any_opens(open) { pulp::Arch::new().dispatch(Closer { view, levels, number, norms, last }) } else { None }
+    if any_positive(open) { pulp::Arch::new().dispatch(Closer { view, levels, number, norms, last }) } else { None }
 }
 
 /// How far the quick bounds of a block's springs pass what matters, given bounds on the norms around them.
@@ -221,7 +222,7 @@ fn passing(
     let mut open = [0.0; BLOCK];
     for l in 0..BLOCK {
         let (level, crossing) = ([high[l], low[l]], [over[l], under[l]]);
-        open[l] = opening([f0[l], f1[l]], [q0[l], q1[l]], norms[l] * remainder[l], level, crossing, last);
+        open[l] = excess([f0[l], f1[l]], [q0[l], q1[l]], norms[l] * remainder[l], level, crossing, last);
     }
     open
 }
@@ -245,7 +246,7 @@ impl pulp::WithSimd for Closer<'_> {
         let open = passing(self.view, self.levels, self.number, norms, self.last);
         let mut remainders = block(&self.view.remainders[1], from);
         (0..BLOCK).for_each(|l| remainders[l] *= norms[l]);
-        any_opens(open).then_some((open, remainders))
+        any_positive(open).then_some((open, remainders))
     }
 }
 
@@ -273,7 +274,7 @@ fn put(row: &mut [f64], from: usize, values: [f64; BLOCK], count: usize) {
 }
 
 /// Keeps one spring's force at given times.
-struct Record<'a> {
+struct HistoryObserver<'a> {
     search: Search<'a>,
     spring: usize,
     times: &'a [f64],
@@ -282,7 +283,7 @@ struct Record<'a> {
     horizon: f64,
 }
 
-impl See for Record<'_> {
+impl StepObserver for HistoryObserver<'_> {
     fn see(&mut self, view: &View) {
         let from = self.next;
         let until = view.step.from + view.step.width;
@@ -297,14 +298,14 @@ impl See for Record<'_> {
 }
 
 /// Shows every spring at given times.
-struct Every<'a> {
+struct FieldObserver<'a> {
     scene: &'a Scene,
     times: &'a [f64],
     next: usize,
     see: &'a mut dyn FnMut(usize, usize, f64),
 }
 
-impl See for Every<'_> {
+impl StepObserver for FieldObserver<'_> {
     fn see(&mut self, view: &View) {
         let until = view.step.from + view.step.width;
         let last = until + 0.5 * view.step.width > self.scene.horizon;
@@ -322,7 +323,7 @@ impl See for Every<'_> {
     }
 }
 
-/// What a march shows of a step. Spring i stands at i + 1, with a zero at either end.
+/// What a march shows of a step. Spring i is at index i + 1, with a zero at either end.
 pub(super) struct View<'a> {
     pub step: Step,
     /// G at both ends.
@@ -339,8 +340,8 @@ pub(super) struct View<'a> {
 }
 
 /// Runs through the horizon and shows `see` every step.
-pub(super) fn march(scene: &Scene, motion: &Motion, omega: f64, quiet: f64, see: &mut impl See) {
-    let mut state = State::new(scene, motion, quiet);
+pub(super) fn march(scene: &Scene, motion: &Motion, omega: f64, negligible: f64, see: &mut impl StepObserver) {
+    let mut state = State::new(scene, motion, negligible);
     let stretches = if scene.duration < scene.horizon {
         vec![(0.0, scene.duration, scene.force), (scene.duration, scene.horizon, 0.0)]
     } else {
@@ -363,7 +364,7 @@ struct Stretch<'s, 'a, F> {
     see: &'s mut F,
 }
 
-impl<F: See> pulp::WithSimd for Stretch<'_, '_, F> {
+impl<F: StepObserver> pulp::WithSimd for Stretch<'_, '_, F> {
     type Output = ();
 
     #[inline(always)]
@@ -372,10 +373,10 @@ impl<F: See> pulp::WithSimd for Stretch<'_, '_, F> {
     }
 }
 
-/// The present state. Springs stand at i + 1, masses at v + 1, so that spring i lies between masses i + 1 and i + 2.
+/// The present state. Spring i is at index i + 1, mass v at v + 1; spring i lies between those at i + 1 and i + 2.
 ///
-/// Rows are long enough for a whole block to be read from any of a range's places. Loops run over blocks that are read before
-/// anything is written: so the compiler sees that no row overlaps another, and computes a block side by side.
+/// Rows are long enough to read a whole block from any index in a range. Loops read a block before they write it: so
+/// the compiler sees that rows do not overlap, and vectorises.
 struct State<'a> {
     scene: &'a Scene,
     motion: &'a Motion,
@@ -383,10 +384,10 @@ struct State<'a> {
     /// `1 / sqrt(k)`
     root: Vec<f64>,
     inverse_mass: Vec<f64>,
-    /// G at the beginning and the end of a step, and what its rounding left.
+    /// G at the beginning and the end of a step, and its rounding error.
     force: [Vec<f64>; 2],
     force_rest: Vec<f64>,
-    /// Velocities, half a step ahead (at rest between stretches), and what their rounding left.
+    /// Velocities, half a step ahead (between stretches: at the whole step), and their rounding errors.
     velocity: Vec<f64>,
     velocity_rest: Vec<f64>,
     /// `(h / m) (G_{v-1} - G_v + p_v)`
@@ -398,13 +399,13 @@ struct State<'a> {
     energy: [Vec<f64>; 2],
     norms: [Vec<f64>; 2],
     scratch: [Vec<f64>; 2],
-    /// A change of force too small to look at.
-    quiet: f64,
+    /// A change of force too small to matter.
+    negligible: f64,
     /// Springs that may differ from their initial force.
     reached: std::ops::Range<usize>,
 }
 
-/// What a stretch's width makes of the chain.
+/// The chain's coefficients for a step width.
 struct Coefficients {
     ahead: Vec<f64>,
     behind: Vec<f64>,
@@ -414,7 +415,7 @@ struct Coefficients {
 }
 
 impl<'a> State<'a> {
-    fn new(scene: &'a Scene, motion: &'a Motion, quiet: f64) -> State<'a> {
+    fn new(scene: &'a Scene, motion: &'a Motion, negligible: f64) -> State<'a> {
         let springs = scene.initial.len();
         let zero = vec![0.0; springs.next_multiple_of(BLOCK) + BLOCK + 3];
         let mut stiffness = zero.clone();
@@ -441,7 +442,7 @@ impl<'a> State<'a> {
             energy: [0, 1].map(|_| vec![0.0; springs.div_ceil(BLOCK).next_multiple_of(BLOCK) + 2 * FAR]),
             norms: [0, 1].map(|_| vec![0.0; springs.div_ceil(BLOCK).next_multiple_of(BLOCK)]),
             scratch: two(),
-            quiet,
+            negligible,
             reached: source.saturating_sub(1)..(source + 1).min(springs),
         }
     }
@@ -461,11 +462,11 @@ impl<'a> State<'a> {
     }
 
     #[inline(always)]
-    fn stretch(&mut self, first: Step, count: u64, see: &mut impl See) {
+    fn stretch(&mut self, first: Step, count: u64, see: &mut impl StepObserver) {
         let Step { width, force, .. } = first;
         let c = self.coefficients(width);
         let remainders = self.motion.remainders(width);
-        self.turn_velocity(&c, sine_over_root);
+        self.convert_velocity(&c, sine_over_root);
         self.find_bend(&c, force);
         let mut share = 0.5;
         for n in 0..count {
@@ -487,19 +488,18 @@ impl<'a> State<'a> {
                 remainders: &remainders,
                 sizes: [&self.sizes[0], &self.sizes[1]],
                 norms: [&self.norms[0], &self.norms[1]],
-                range: self.loud(),
+                range: self.moving(),
             });
         }
         if first.number == 0 && self.scene.duration < self.scene.horizon {
             self.kick(&c, 0.5);
-            self.turn_velocity(&c, |x| Dd::ONE / sine_over_root(x));
+            self.convert_velocity(&c, |x| Dd::ONE / sine_over_root(x));
         }
     }
 
-    /// Between the velocity at a whole step and the mean of those half a step before and after: `sin(theta) / theta`.
-    ///
-    /// On springs' rates of extension rather than on masses, where X is at hand; masses follow as their sums.
-    fn turn_velocity(&mut self, c: &Coefficients, factor: impl Fn(Dd) -> Dd) {
+    /// Converts velocities at a whole step to the mean of those half a step before and after, or back: `factor` is
+    /// `sin(theta) / theta`, or its inverse, as a function of X.
+    fn convert_velocity(&mut self, c: &Coefficients, factor: impl Fn(Dd) -> Dd) {
         if self.velocity.iter().all(|v| *v == 0.0) {
             return;
         }
@@ -508,12 +508,12 @@ impl<'a> State<'a> {
             polynomial(SWITCH_TERMS, PHASE, |x| if x.hi == 0.0 { Dd::ZERO } else { (factor(x) - Dd::ONE) / x });
         // Y = X applied to masses: (h / m) (h k (v_{i-1} - v_i) ...), from velocities to velocities.
         let times = |v: &[f64]| {
-            let stretch: Vec<f64> = (0..=springs + 1)
+            let extension: Vec<f64> = (0..=springs + 1)
                 .map(|i| if i == 0 || i > springs { 0.0 } else { c.drift[i] * (v[i] - v[i + 1]) })
                 .collect();
             let mut out = vec![0.0; v.len()];
             for v in 1..=springs + 1 {
-                out[v] = c.kick[v] * (stretch[v] - stretch[v - 1]);
+                out[v] = c.kick[v] * (extension[v] - extension[v - 1]);
             }
             out
         };
@@ -643,27 +643,27 @@ impl<'a> State<'a> {
         self.reached = range;
     }
 
-    /// Springs whose force may have changed during the step by more than `quiet`.
-    fn loud(&self) -> std::ops::Range<usize> {
-        let loud = |i: &usize| {
+    /// Springs whose force may have changed during the step by more than `negligible`.
+    fn moving(&self) -> std::ops::Range<usize> {
+        let moving = |i: &usize| {
             let rows = self.force.iter().zip(&self.bend);
-            rows.into_iter().any(|(f, q)| f[i + 1].abs() > self.quiet || q[i + 1].abs() > self.quiet)
+            rows.into_iter().any(|(f, q)| f[i + 1].abs() > self.negligible || q[i + 1].abs() > self.negligible)
         };
-        let first = self.reached.clone().find(loud).unwrap_or(self.reached.end);
-        let last = self.reached.clone().rev().find(loud).map_or(first, |l| l + 1);
+        let first = self.reached.clone().find(moving).unwrap_or(self.reached.end);
+        let last = self.reached.clone().rev().find(moving).map_or(first, |l| l + 1);
         first.saturating_sub(CARRY)..(last + CARRY).min(self.scene.initial.len())
     }
 
-    /// Takes back what lies ahead of the front and is nothing.
+    /// Sets to zero what is negligible ahead of the front.
     fn trim(&mut self) {
-        let silence = SILENCE * self.scene.force.abs();
+        let zero_below = ZERO_BELOW * self.scene.force.abs();
         let (force, bend) = (&self.force[1], &self.bend[1]);
-        let silent = |i: usize| force[i + 1].abs() <= silence && bend[i + 1].abs() <= silence;
+        let is_zero = |i: usize| force[i + 1].abs() <= zero_below && bend[i + 1].abs() <= zero_below;
         let mut range = self.reached.clone();
-        while range.end > self.scene.source + 1 && silent(range.end - 1) {
+        while range.end > self.scene.source + 1 && is_zero(range.end - 1) {
             range.end -= 1;
         }
-        while range.start + 1 < self.scene.source && silent(range.start) {
+        while range.start + 1 < self.scene.source && is_zero(range.start) {
             range.start += 1;
         }
         let wide = self.reach();
@@ -682,7 +682,7 @@ fn g_at(g: &[f64], v: usize) -> f64 {
     g[v - 1] - g[v]
 }
 
-/// The sum and what its rounding leaves (Knuth).
+/// The sum and its rounding error (Knuth).
 #[inline(always)]
 fn add(a: f64, b: f64) -> (f64, f64) {
     let s = a + b;
@@ -772,8 +772,8 @@ mod tests {
         Scene { chain, source: 39, force: -0.5, duration, initial, rated_draft, rated_buff, horizon: 150.0 }
     }
 
-    /// Levels that are foreseen are just under what a search without them finds, and lead to the same; a search that is told to
-    /// expect more than there is says so.
+    /// Foreseen levels are just under the peaks of a search without them, and do not change these; a search that
+    /// expects more than the peaks gives `None`.
     #[test]
     fn foreseen_levels_change_nothing() {
         for duration in [f64::INFINITY, 20.0] {

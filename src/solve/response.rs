@@ -2,24 +2,24 @@
 //!
 //! `F_i(t) = F_i(0) + f R_i(t)`, and R depends on the chain, the source of the force and its duration alone. Of R and of -R the records are
 //! kept: each step of a march in which it rises above all that came before, with its largest value there. The largest force is that at the
-//! last record; it first passes its rating in the first record over the level `(rating - F_i(0)) / |f|`, and at which instant the forces at
-//! both ends of that step say, as along a march ([`super::between`]).
+//! last record; it first passes its rating in the first record over the level `(rating - F_i(0)) / |f|`, and the
+//! instant follows from the forces at both ends of that step, as along a march ([`super::between`]).
 //!
 //! Bound: |f| times that of R, and the rounding of the product and of the sum.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::between::{Step, jet, piece};
+use super::between::{Step, even_derivatives, piece};
 use super::local::{Local, Point};
 use super::motion::{BLOCK, Motion, bracket, least_slope};
-use super::propagator::{self, See, View, march, sift};
-use super::watch::{Side, SpringPeaks, searched};
+use super::propagator::{self, StepObserver, View, march, open_springs};
+use super::watch::{Side, SpringPeaks, bound_of_extremes};
 use super::{Ask, Method, Solution, Wanted, Work};
 use crate::chain::Scene;
 
 /// A rise under this share of the error bound is no record.
-const GRAIN: f64 = 0.125;
-/// Error bounds under its rating within which a spring stands at it: what it then does is judged by a march of its own.
+const MIN_RISE: f64 = 0.125;
+/// A spring this many error bounds or less under its rating counts as standing at it: it needs a march of its own.
 const AT_RATING: f64 = 8.0;
 
 /// The response of a scene's springs to a unit forward force.
@@ -67,9 +67,9 @@ struct Record {
     top: Point,
 }
 
-/// How a scene comes from a response: counted from the other end, and in other units of time.
+/// How a scene's forces follow from a response: counted from the other end, in other units of time.
 #[derive(Clone, Copy, Debug)]
-pub struct Way {
+pub struct Mapping {
     /// The response is of the scene counted from the other end, where forward is backward.
     pub mirrored: bool,
     /// The response's unit of time, where it is not the scene's.
@@ -89,22 +89,23 @@ impl UnitResponse {
         let springs = scene.initial.len();
         let motion = Motion::new(scene);
         let bound = propagator::error_bound(scene, omega_max);
-        let grain = GRAIN * bound;
-        let padded = |s: usize| if s < springs { grain } else { f64::INFINITY };
+        let min_rise = MIN_RISE * bound;
+        let padded = |s: usize| if s < springs { min_rise } else { f64::INFINITY };
         let levels = [0, 1].map(|_| (0..springs.next_multiple_of(BLOCK)).map(padded).collect());
         let (steps, rows, records) = (Vec::new(), Vec::new(), vec![Default::default(); springs]);
         let horizon = scene.horizon;
-        let mut recorder = Recorder { horizon, motion: &motion, levels, grain, last: u64::MAX, steps, rows, records };
-        march(scene, &motion, omega_max, 0.01 * grain, &mut recorder);
+        let mut recorder =
+            Recorder { horizon, motion: &motion, levels, min_rise, last: u64::MAX, steps, rows, records };
+        march(scene, &motion, omega_max, 0.01 * min_rise, &mut recorder);
         let Recorder { steps, rows, mut records, .. } = recorder;
         records.iter_mut().flatten().for_each(Vec::shrink_to_fit);
         let tops = records.iter().flatten().filter_map(|of_side| Some(of_side.last()?.top.value));
         let largest = tops.fold(0.0, f64::max);
         let latest = Mutex::default();
-        UnitResponse { horizon, bound: searched(bound), largest, steps, rows, records, latest, motion }
+        UnitResponse { horizon, bound: bound_of_extremes(bound), largest, steps, rows, records, latest, motion }
     }
 
-    /// What it takes in memory, about, bytes.
+    /// Approximate memory, bytes.
     pub fn bytes(&self) -> usize {
         let records: usize = self.records.iter().flatten().map(|of_side| size_of_val(of_side.as_slice())).sum();
         let rows: usize = self.rows.iter().map(|row| size_of::<Row>() + size_of_val(&*row.forces)).sum();
@@ -114,17 +115,17 @@ impl UnitResponse {
 
     /// Extremes of every spring of a scene whose response this is; `None` where its bound is over the tolerance, or a spring's force
     /// before the event is its rating, or less by no more than a few bounds.
-    pub fn solution(&self, scene: &Scene, ask: &Ask, way: Way) -> Option<Solution> {
+    pub fn solution(&self, scene: &Scene, ask: &Ask, mapping: Mapping) -> Option<Solution> {
         let size = scene.force.abs();
-        let bound = self.bound_of(scene, way);
+        let bound = self.bound_of(scene, mapping);
         if bound > ask.tolerance {
             return None;
         }
         let springs = scene.initial.len();
-        let turned = (scene.force < 0.0) != way.mirrored;
-        let place = |i: usize| if way.mirrored { springs - 1 - i } else { i };
-        let (unit, mark) = (way.time.unwrap_or(1.0), ask.mark.unwrap_or(scene.horizon));
-        let tops = self.tops([scene.horizon, mark].map(|until| way.in_its_unit(until)));
+        let turned = (scene.force < 0.0) != mapping.mirrored;
+        let place = |i: usize| if mapping.mirrored { springs - 1 - i } else { i };
+        let (unit, mark) = (mapping.time.unwrap_or(1.0), ask.mark.unwrap_or(scene.horizon));
+        let tops = self.tops([scene.horizon, mark].map(|until| mapping.in_its_unit(until)));
         let mut peaks = Vec::with_capacity(springs);
         let mut to_mark = Vec::with_capacity(if ask.mark.is_some() { springs } else { 0 });
         let mut passing: Vec<Passing> = Vec::new();
@@ -156,7 +157,7 @@ impl UnitResponse {
                 to_mark.push(SpringPeaks { draft: draft[1], buff: buff[1] });
             }
         }
-        // Of the worst alone the earliest exceedance of all is to be exact.
+        // For the worst only the earliest exceedance of all must be exact.
         let over_at_once =
             peaks.iter().any(|p: &SpringPeaks| p.draft.first_over.is_some() || p.buff.first_over.is_some());
         let earliest = if over_at_once { None } else { passing.iter().map(|p| p.record.step).min() };
@@ -196,10 +197,10 @@ impl UnitResponse {
     /// In other units of time the response is that of a horizon which is moved by six roundings of it, for each of the two steps of a pulse,
     /// and of a duration moved by as much; R changes by at most 1 per unit of time: a unit impulse gives a unit mass the energy 1/2,
     /// and a spring of stiffness 1 never stores more.
-    fn bound_of(&self, scene: &Scene, way: Way) -> f64 {
+    fn bound_of(&self, scene: &Scene, mapping: Mapping) -> f64 {
         let size = scene.force.abs();
         let initial = scene.initial.iter().fold(0.0f64, |a, f| a.max(f.abs()));
-        let units = way.time.map_or(0.0, |_| f64::EPSILON * (2.0 * self.largest + 12.0 * self.horizon));
+        let units = mapping.time.map_or(0.0, |_| f64::EPSILON * (2.0 * self.largest + 12.0 * self.horizon));
         size * (self.bound + units) + f64::EPSILON * (initial + 2.0 * size * self.largest)
     }
 
@@ -222,7 +223,7 @@ impl UnitResponse {
         tops
     }
 
-    /// The largest value of a side up to an instant, by which so many of the kept steps have ended.
+    /// The largest value of a side up to an instant by which `ended` kept steps have ended.
     fn top(&self, spring: usize, negative: bool, ended: usize, until: f64) -> Point {
         let records = &self.records[spring][usize::from(negative)];
         let before = records.partition_point(|record| (record.step as usize) < ended);
@@ -251,7 +252,7 @@ impl UnitResponse {
     }
 }
 
-impl Way {
+impl Mapping {
     /// A time in the response's unit. Whole transits are whole numbers but for roundoff.
     pub fn in_its_unit(self, time: f64) -> f64 {
         let Some(unit) = self.time else { return time };
@@ -287,7 +288,7 @@ struct Recorder<'a> {
     motion: &'a Motion,
     /// Per sign and spring: what R, or -R, has to pass for a record; whole blocks of springs.
     levels: [Vec<f64>; 2],
-    grain: f64,
+    min_rise: f64,
     /// The step whose end is the last row.
     last: u64,
     steps: Vec<Kept>,
@@ -295,12 +296,12 @@ struct Recorder<'a> {
     records: Vec<[Vec<Record>; 2]>,
 }
 
-impl See for Recorder<'_> {
+impl StepObserver for Recorder<'_> {
     #[inline(always)]
     fn see(&mut self, view: &View) {
         let mut any = false;
         for number in view.range.start / BLOCK..view.range.end.div_ceil(BLOCK) {
-            let Some((open, remainders)) = sift(view, [&self.levels; 2], number, false) else { continue };
+            let Some((open, remainders)) = open_springs(view, [&self.levels; 2], number, false) else { continue };
             for l in (0..BLOCK).filter(|&l| open[l] > 0.0) {
                 any |= self.record(view, number * BLOCK + l, remainders[l]);
             }
@@ -317,11 +318,11 @@ impl Recorder<'_> {
     fn record(&mut self, view: &View, spring: usize, remainder: f64) -> bool {
         let step = &view.step;
         let at = |end: usize, s: usize| view.force[end][s + 1];
-        let ends = [0, 1].map(|end| jet(self.motion, step, spring, view.force[end], view.bend[end]));
+        let ends = [0, 1].map(|end| even_derivatives(self.motion, step, spring, view.force[end], view.bend[end]));
         let mut any = false;
         for negative in [false, true] {
             let sign = if negative { -1.0 } else { 1.0 };
-            let ends = ends.map(|jet| jet.map(|x| sign * x));
+            let ends = ends.map(|even_derivatives| even_derivatives.map(|x| sign * x));
             let level = self.levels[usize::from(negative)][spring];
             if bracket(ends, remainder)[1] <= level {
                 continue;
@@ -337,7 +338,7 @@ impl Recorder<'_> {
             let Some(top) = top else { continue };
             let record = Record { step: self.steps.len() as u32, top };
             self.records[spring][usize::from(negative)].push(record);
-            self.levels[usize::from(negative)][spring] = top.value + self.grain;
+            self.levels[usize::from(negative)][spring] = top.value + self.min_rise;
             any = true;
         }
         any

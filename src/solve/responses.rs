@@ -13,17 +13,17 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::closed_form::equal;
-use super::response::{UnitResponse, Way};
+use super::response::{Mapping, UnitResponse};
 use super::{Ask, Method, Solution, SolveError, plan, propagator, solve};
 use crate::chain::{Chain, Scene};
 
-/// Springs of the longest equal chain whose response is kept: that of a longer one takes longer than to solve some scenes of it.
+/// Springs of the longest equal chain whose response is kept: a longer one's takes longer than some scenes.
 const LONGEST: usize = 256;
 /// Forces along a march, bytes, over which a response is not kept.
 const MOST_BYTES: f64 = (64 << 20) as f64;
 
-/// A response may take so many times as long as a scene by the fastest method.
-const MOST_TIMES: f64 = 10.0;
+/// A response may take this many times as long as a scene by the fastest method.
+const MAX_TIME_RATIO: f64 = 10.0;
 
 /// Which scenes are solved from responses.
 #[derive(Clone, Copy, Debug)]
@@ -50,9 +50,9 @@ impl Shared<'_> {
         let by_march =
             matches!(ask.method, None | Some(Method::Propagator)) && !ask.verdict_only && !ask.all_time_bound;
         if is_shared && by_march && scene.force != 0.0 {
-            let (question, way) = Question::of(scene);
-            let (entry, is_new) = responses.entry(&question);
-            let solution = entry.response().and_then(|response| response.solution(scene, ask, way));
+            let (key, mapping) = ResponseKey::of(scene);
+            let (entry, is_new) = responses.entry(&key);
+            let solution = entry.response().and_then(|response| response.solution(scene, ask, mapping));
             responses.count(!is_new && solution.is_some());
             if let Some(solution) = solution {
                 return Ok(solution);
@@ -64,34 +64,34 @@ impl Shared<'_> {
     }
 }
 
-/// Responses by what they answer, of bounded size; shared by threads.
+/// Responses by their keys, of bounded size; shared by threads.
 #[derive(Debug)]
 pub struct Responses {
     /// Bytes that the younger half may have.
     half: usize,
-    shelves: Mutex<Shelves>,
+    generations: Mutex<Generations>,
     hits: AtomicU64,
     solved: AtomicU64,
 }
 
 /// Two generations: when the young one is full it becomes the old one, and the old one is forgotten.
 #[derive(Debug, Default)]
-struct Shelves {
+struct Generations {
     young: HashMap<u64, Arc<Entry>>,
     old: HashMap<u64, Arc<Entry>>,
     bytes: usize,
 }
 
-/// A question, and the response once it is found; `None` where a march is not worth its time.
+/// A key, and the response once it is found; `None` where a march takes too long.
 #[derive(Debug)]
 struct Entry {
-    question: Question<'static>,
+    key: ResponseKey<'static>,
     response: OnceLock<Option<UnitResponse>>,
 }
 
 /// All that a response depends on. Times are in its own unit, as are mass and stiffness.
 #[derive(Clone, Debug, PartialEq)]
-struct Question<'a> {
+struct ResponseKey<'a> {
     chain: Cow<'a, Chain>,
     source: usize,
     duration: f64,
@@ -99,10 +99,10 @@ struct Question<'a> {
 }
 
 impl Responses {
-    /// Responses of at most about so many bytes; with none nothing is remembered, and every result is the same.
+    /// Responses of at most about this many bytes; with 0 none is kept, and every result is the same.
     pub fn new(bytes: usize) -> Responses {
         let (hits, solved) = (AtomicU64::new(0), AtomicU64::new(0));
-        Responses { half: bytes / 2, shelves: Mutex::default(), hits, solved }
+        Responses { half: bytes / 2, generations: Mutex::default(), hits, solved }
     }
 
     /// Scenes whose response was known, and responses and scenes that were marched or solved.
@@ -114,53 +114,53 @@ impl Responses {
         if is_hit { &self.hits } else { &self.solved }.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// The entry of a question with its response, and whether it was found just now.
-    fn entry(&self, question: &Question) -> (Arc<Entry>, bool) {
-        let hash = question.hash();
-        let (entry, is_kept) = self.shelved(hash, question);
+    /// The entry of a key with its response, and whether that was found just now.
+    fn entry(&self, key: &ResponseKey) -> (Arc<Entry>, bool) {
+        let hash = key.hash();
+        let (entry, is_kept) = self.find_or_insert(hash, key);
         let mut is_new = false;
         // Other threads that ask the same wait for the first.
         entry.response.get_or_init(|| {
             is_new = true;
-            entry.question.response()
+            entry.key.response()
         });
         if is_new && is_kept {
-            self.weigh(hash, &entry);
+            self.count_size(hash, &entry);
         }
         (entry, is_new)
     }
 
-    /// The entry of a question, made if need be, and whether it is kept.
-    fn shelved(&self, hash: u64, question: &Question) -> (Arc<Entry>, bool) {
-        let mut shelves = self.shelves.lock().unwrap_or_else(PoisonError::into_inner);
-        let shelves = &mut *shelves;
-        let known = shelves.young.get(&hash).or_else(|| shelves.old.get(&hash)).cloned();
-        let is_other = |entry: &Arc<Entry>| entry.question != *question;
+    /// The entry of a key, made if needed, and whether it is kept.
+    fn find_or_insert(&self, hash: u64, key: &ResponseKey) -> (Arc<Entry>, bool) {
+        let mut generations = self.generations.lock().unwrap_or_else(PoisonError::into_inner);
+        let generations = &mut *generations;
+        let known = generations.young.get(&hash).or_else(|| generations.old.get(&hash)).cloned();
+        let is_other = |entry: &Arc<Entry>| entry.key != *key;
         if let Some(entry) = known.filter(|entry| !is_other(entry)) {
-            if shelves.old.remove(&hash).is_some() {
-                shelves.put(hash, entry.clone(), self.half);
+            if generations.old.remove(&hash).is_some() {
+                generations.put(hash, entry.clone(), self.half);
             }
             return (entry, true);
         }
-        let entry = Arc::new(Entry { question: question.own(), response: OnceLock::new() });
-        // Two questions of one hash are as good as never met: then the first stays.
-        let is_kept = self.half > 0 && !shelves.young.contains_key(&hash) && !shelves.old.contains_key(&hash);
+        let entry = Arc::new(Entry { key: key.own(), response: OnceLock::new() });
+        // Two keys hardly ever have one hash: then the first stays.
+        let is_kept = self.half > 0 && !generations.young.contains_key(&hash) && !generations.old.contains_key(&hash);
         if is_kept {
-            shelves.young.insert(hash, entry.clone());
+            generations.young.insert(hash, entry.clone());
         }
         (entry, is_kept)
     }
 
     /// Takes account of the size of an entry whose response was just found.
-    fn weigh(&self, hash: u64, entry: &Arc<Entry>) {
-        let mut shelves = self.shelves.lock().unwrap_or_else(PoisonError::into_inner);
-        shelves.young.remove(&hash);
-        shelves.old.remove(&hash);
-        shelves.put(hash, entry.clone(), self.half);
+    fn count_size(&self, hash: u64, entry: &Arc<Entry>) {
+        let mut generations = self.generations.lock().unwrap_or_else(PoisonError::into_inner);
+        generations.young.remove(&hash);
+        generations.old.remove(&hash);
+        generations.put(hash, entry.clone(), self.half);
     }
 }
 
-impl Shelves {
+impl Generations {
     fn put(&mut self, hash: u64, entry: Arc<Entry>, half: usize) {
         let bytes = entry.bytes();
         if bytes > half {
@@ -181,38 +181,38 @@ impl Entry {
     }
 
     fn bytes(&self) -> usize {
-        200 + 16 * self.question.chain.mass.len() + self.response().map_or(0, UnitResponse::bytes)
+        200 + 16 * self.key.chain.mass.len() + self.response().map_or(0, UnitResponse::bytes)
     }
 }
 
-impl<'a> Question<'a> {
-    /// What a scene asks, and how its solution comes from the response.
-    fn of(scene: &'a Scene) -> (Question<'a>, Way) {
+impl<'a> ResponseKey<'a> {
+    /// A scene's key, and how its solution follows from the response.
+    fn of(scene: &'a Scene) -> (ResponseKey<'a>, Mapping) {
         let Scene { chain, source, duration, horizon, .. } = scene;
-        let own = Question { chain: Cow::Borrowed(chain), source: *source, duration: *duration, horizon: *horizon };
+        let own = ResponseKey { chain: Cow::Borrowed(chain), source: *source, duration: *duration, horizon: *horizon };
         let Some((mass, stiffness)) = equal(chain) else {
-            return (own, Way { mirrored: false, time: None });
+            return (own, Mapping { mirrored: false, time: None });
         };
         let time = (mass / stiffness).sqrt();
         let last = chain.stiffness.len();
         let from_tail = (last - source, chain.held_tail);
         let mirrored = (*source, chain.held_head) < from_tail;
-        let way = Way { mirrored, time: Some(time) };
-        let own_horizon = way.in_its_unit(*horizon);
+        let mapping = Mapping { mirrored, time: Some(time) };
+        let own_horizon = mapping.in_its_unit(*horizon);
         let [held_head, held_tail] =
             if mirrored { [chain.held_tail, chain.held_head] } else { [chain.held_head, chain.held_tail] };
         let chain = Chain { mass: vec![1.0; last + 1], stiffness: vec![1.0; last], held_head, held_tail };
-        let question = Question {
+        let key = ResponseKey {
             chain: Cow::Owned(chain),
             source: if mirrored { last - source } else { *source },
             duration: duration / time,
-            horizon: if *duration < *horizon { own_horizon } else { passages(last as f64, own_horizon) },
+            horizon: if *duration < *horizon { own_horizon } else { shared_horizon(last as f64, own_horizon) },
         };
-        (question, way)
+        (key, mapping)
     }
 
-    fn own(&self) -> Question<'static> {
-        Question { chain: Cow::Owned(self.chain.clone().into_owned()), ..*self }
+    fn own(&self) -> ResponseKey<'static> {
+        ResponseKey { chain: Cow::Owned(self.chain.clone().into_owned()), ..*self }
     }
 
     /// The response, where a march is not much longer than other methods, and not too long for its forces to be kept.
@@ -239,7 +239,7 @@ impl<'a> Question<'a> {
             let ask = Ask { tolerance: f64::INFINITY, method, ..Ask::default() };
             plan::choose(&scene, &ask).ok().map(|plan| plan.seconds)
         };
-        let is_fast = seconds(Some(Method::Propagator))? <= MOST_TIMES * seconds(None)?;
+        let is_fast = seconds(Some(Method::Propagator))? <= MAX_TIME_RATIO * seconds(None)?;
         is_fast.then(|| UnitResponse::new(&scene, omega_max))
     }
 
@@ -256,9 +256,9 @@ impl<'a> Question<'a> {
     }
 }
 
-/// The horizon of a response after a break that lasts as long as another one at least: four passages of a wave, or twice as many, or twice
-/// these and so on. Trains break into few long parts and many short ones, which then share their responses.
-fn passages(springs: f64, horizon: f64) -> f64 {
+/// The horizon of a response after a break: four transits, doubled until it covers another horizon. Trains break
+/// into few long parts and many short ones, which then share their responses.
+fn shared_horizon(springs: f64, horizon: f64) -> f64 {
     let doublings = (horizon / (4.0 * springs)).log2().ceil();
     let longer = 4.0 * springs * doublings.exp2();
     if longer >= horizon { longer } else { 2.0 * longer }

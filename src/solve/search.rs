@@ -3,9 +3,9 @@
 //! A grid of cells is laid over time and every force and its slope are found on it by matrix products. On a cell the cubic
 //! through them is off by at most `h^4 / 384 sum_j |a_ij| omega_j^4`. Modes too fast for the grid are not summed there: they
 //! count with their whole amplitude. Only cells whose bound passes the best value found anywhere, or the rating, are
-//! looked at again, with as many modes as the cell's size can resolve. Where modes too fast even for that matter, cells are
-//! split, the one with the highest bound first: a fast swing on a slow one reaches its bound near the slow one's top, and all
-//! other cells are done with.
+//! looked at again, with as many modes as the cell's size can resolve. Where faster modes matter, cells are split,
+//! the one with the highest bound first: fast modes on slow ones reach their bound near a maximum of the slow ones,
+//! which excludes the other cells.
 
 mod interval;
 
@@ -17,7 +17,7 @@ use super::Work;
 use super::dd::Dd;
 use super::local::{Local, hermite_top};
 use super::sums::{Coordinates, Field, Modes, RESOLVED, ROUNDOFF, Stretch};
-use super::watch::{SpringPeaks, Watch, hazy};
+use super::watch::{SpringPeaks, Watch, bound_of_pieces};
 use crate::chain::Scene;
 use interval::Interval;
 
@@ -25,11 +25,11 @@ use interval::Interval;
 const BLOCK: usize = 128;
 /// Cells times springs that are surveyed at once: where peaks recur, most of them are kept until they are looked into.
 const MOST_CELLS: f64 = 200_000.0;
-/// Looks into cells, times modes, after which a search is content with a share of the tolerance.
+/// Looks into cells, times modes, after which differences under a share of the tolerance are ignored.
 const MOST_FINE_LOOKS: u64 = 1_000_000;
 /// That share.
-const EASED: f64 = 0.1;
-/// A look at fewer modes counts, and takes, as much as one at so many: what is kept of looks has to fit into memory as well.
+const COARSE_SHARE: f64 = 0.1;
+/// A look at fewer modes counts as one at this many: it takes as long, and its results need memory.
 const FEWEST_MODES: usize = 16;
 /// Looks into cells, times modes, after which a search gives up: those that are always affordable, and the most.
 const LEAST_LOOKS: u64 = 100_000;
@@ -38,9 +38,9 @@ const MOST_LOOKS: u64 = 40_000_000;
 const LOOK: f64 = 100.0;
 /// Nanoseconds for one product in a sum over modes, value and slope together, as matrix products do it.
 pub const MODE_SUM: f64 = 0.12;
-/// Nanoseconds to see what a cell can hold, both sides of a spring.
+/// Nanoseconds to bound a spring's force in a cell, in both senses.
 const SURVEY: f64 = 6.0;
-/// The most of them for a grid that resolves all modes.
+/// The longest that a grid which resolves all modes may take.
 const MOST_NANOSECONDS: f64 = 60e9;
 
 /// Where a spring's force might be largest, or over its rating: cell number and sign.
@@ -59,7 +59,7 @@ pub struct Found {
     pub work: Work,
     /// How much further than its bound an extreme can be because of what the search does not examine: an eighth of the bound that
     /// the watch was given, and the difference between that bound and `bound`; a tenth of the tolerance more where the search was
-    /// eased, and more where it was given up.
+    /// coarsened, and more where it was given up.
     pub missed: f64,
     /// The search for an extreme or for a first exceedance was given up: that time is then an upper limit.
     pub given_up: bool,
@@ -68,7 +68,8 @@ pub struct Found {
 /// Extremes of every spring's force in a scene, up to the horizon and up to a mark before it, from values that are within `bound` of
 /// the truth.
 ///
-/// The watch is given a bound larger by a quarter ([`hazy`]), because cells leave out modes, or round, by up to the fineness.
+/// The watch is given a bound larger by a quarter ([`bound_of_pieces`]): cells omit modes, or round, by up to the
+/// piece tolerance.
 ///
 /// Modes beyond a wide gap are at first computed only in cells that are examined. Where so many cells have to be examined that a
 /// grid which resolves all modes would need less work, that grid is used.
@@ -107,7 +108,7 @@ fn survey_price(modes: usize, springs: usize, cells: f64) -> f64 {
     (MODE_SUM * modes as f64 + SURVEY) * springs as f64 * cells
 }
 
-/// Nanoseconds that a search takes if every mode matters, whose largest frequencies, on a first grid and of all, are given.
+/// Nanoseconds of a search in which every mode matters, from the largest frequency on the first grid and of all modes.
 pub fn most_nanoseconds(scene: &Scene, [slow, all]: [f64; 2]) -> f64 {
     let springs = scene.initial.len();
     let [slow, fine] = [slow, all].map(|omega| survey_price(springs, springs, cells(scene.horizon, &[omega])));
@@ -115,20 +116,20 @@ pub fn most_nanoseconds(scene: &Scene, [slow, all]: [f64; 2]) -> f64 {
     if fine == slow { slow } else { slow + looks.min(fine) + if fine > MOST_NANOSECONDS { 0.0 } else { fine } }
 }
 
-/// A search through time for what matters.
+/// A search through time for extremes and first exceedances.
 struct Scan<'a> {
     field: &'a Field<'a>,
     /// How many modes are summed on the grid.
     resolved: usize,
     watch: Watch,
     work: Work,
-    /// The lowest that each side was seen at.
+    /// The lowest value seen of each side.
     lowest: Vec<[f64; 2]>,
     /// Looks times modes so far, and how many there may be.
     looks: u64,
     most_looks: u64,
-    /// The grain of an eased search.
-    eased: f64,
+    /// The least rise that counts once the search is coarsened.
+    coarse_min_rise: f64,
     /// How far an extreme may lie over what was found, because the search for it was given up.
     missed: f64,
     given_up: bool,
@@ -136,15 +137,25 @@ struct Scan<'a> {
 
 impl Scan<'_> {
     fn run(field: &Field, resolved: usize, [bound, tolerance]: [f64; 2], mark: Option<f64>, most_looks: u64) -> Found {
-        let watch = Watch::new(field.scene, hazy(bound));
+        let watch = Watch::new(field.scene, bound_of_pieces(bound));
         let lowest = watch.peaks.iter().map(|p| [p.draft.best.value, p.buff.best.value]).collect();
-        let (work, eased) = (Work::default(), EASED * tolerance);
-        let mut scan =
-            Scan { field, resolved, watch, work, lowest, looks: 0, most_looks, eased, missed: 0.0, given_up: false };
+        let (work, coarse_min_rise) = (Work::default(), COARSE_SHARE * tolerance);
+        let mut scan = Scan {
+            field,
+            resolved,
+            watch,
+            work,
+            lowest,
+            looks: 0,
+            most_looks,
+            coarse_min_rise,
+            missed: 0.0,
+            given_up: false,
+        };
         let mut to_mark = Vec::new();
         for stretch in cut(field.stretches(), mark) {
             if mark == Some(stretch.from) {
-                to_mark = scan.settled().peaks;
+                to_mark = scan.decided().peaks;
             }
             let cells = cells(stretch.to - stretch.from, &field.omega[..resolved]);
             let parts = (cells * field.scene.initial.len() as f64 / MOST_CELLS) as usize + 1;
@@ -154,16 +165,16 @@ impl Scan<'_> {
                 scan.stretch(&stretch.part(at(part), to));
             }
         }
-        let missed = scan.watch.bound() - bound + scan.missed.max(scan.watch.grain());
-        Found { peaks: [scan.settled().peaks, to_mark], work: scan.work, missed, given_up: scan.given_up }
+        let missed = scan.watch.bound() - bound + scan.missed.max(scan.watch.min_rise());
+        Found { peaks: [scan.decided().peaks, to_mark], work: scan.work, missed, given_up: scan.given_up }
     }
 
-    /// What has been seen, sides that stand at their rating settled.
-    fn settled(&self) -> Watch {
+    /// The watch, with sides decided that still stand at their rating.
+    fn decided(&self) -> Watch {
         let mut watch = self.watch.clone();
         for (spring, negative) in self.watch.sides() {
             if watch.at_rating(spring, negative) {
-                watch.settle(spring, negative, self.lowest[spring][usize::from(negative)]);
+                watch.decide_at_rating(spring, negative, self.lowest[spring][usize::from(negative)]);
             }
         }
         watch
@@ -174,7 +185,7 @@ impl Scan<'_> {
             return;
         }
         for (spring, negative) in self.watch.sides() {
-            self.departs(spring, negative);
+            self.note_left_rating(spring, negative);
         }
         let sides = self.open_sides(stretch);
         if sides.is_empty() {
@@ -187,13 +198,13 @@ impl Scan<'_> {
         let mut centre = (usize::MAX, Vec::new());
         let mut with_fast_modes: Vec<Candidate> = Vec::new();
         for c in candidates {
-            if grid.unresolved[c.spring] > self.watch.fineness() {
+            if grid.unresolved[c.spring] > self.watch.piece_tolerance() {
                 with_fast_modes.push(c);
                 continue;
             }
             let (a, b) = grid.cell(c.cell);
             if low_in(&c) < c.cell {
-                self.departs(c.spring, c.negative);
+                self.note_left_rating(c.spring, c.negative);
             }
             if c.bound <= self.watch.level(c.spring, c.negative) {
                 continue;
@@ -207,12 +218,12 @@ impl Scan<'_> {
         }
         with_fast_modes.sort_by_key(|c| (c.spring, c.negative, c.cell));
         for side in with_fast_modes.chunk_by(|a, b| (a.spring, a.negative) == (b.spring, b.negative)) {
-            // Until a force that stood at its rating has left it, another level matters.
+            // Before a force has left its rating, another level applies.
             let early = side.partition_point(|c| c.cell <= low_in(c));
             for (part, departed) in [(&side[..early], false), (&side[early..], true)] {
                 if let Some(c) = part.first() {
                     if departed {
-                        self.departs(c.spring, c.negative);
+                        self.note_left_rating(c.spring, c.negative);
                     }
                     let cells: Vec<Interval> = part.iter().map(|c| Interval::new(c.bound, grid.cell(c.cell))).collect();
                     self.best_first(stretch, (c.spring, c.negative), cells.clone());
@@ -223,8 +234,8 @@ impl Scan<'_> {
     }
 
     /// Takes note of a side that was seen well under its rating.
-    fn departs(&mut self, spring: usize, negative: bool) {
-        self.watch.departs(spring, negative, self.lowest[spring][usize::from(negative)]);
+    fn note_left_rating(&mut self, spring: usize, negative: bool) {
+        self.watch.note_left_rating(spring, negative, self.lowest[spring][usize::from(negative)]);
     }
 
     /// The sides that may still change the result: where all modes together, whatever their phases, pass what matters.
@@ -269,7 +280,7 @@ impl Scan<'_> {
                 }
             }
             start += columns - 1;
-            // A look at all of them for every block would be their square where most stay, as with peaks that recur.
+            // Checking all of them at every block would take quadratic time where most stay, as with recurring peaks.
             if start >= grid.cells || candidates.len() > 2 * kept + BLOCK {
                 candidates.retain(|c| certain[c.spring][usize::from(c.negative)].leaves_open(&self.watch, c));
                 kept = candidates.len();
@@ -290,7 +301,7 @@ impl Scan<'_> {
         self.work.refinements += 1;
         self.looks += self.field.omega.len().max(FEWEST_MODES) as u64;
         if self.looks > MOST_FINE_LOOKS {
-            self.watch.ease(self.eased);
+            self.watch.coarsen(self.coarse_min_rise);
         }
         self.field.local(stretch, spring, at, resolved, center, radius)
     }
@@ -299,13 +310,13 @@ impl Scan<'_> {
     fn split(&mut self, stretch: &Stretch, (spring, negative): (usize, bool), of: &Interval) -> Vec<Interval> {
         let (a, b) = (of.from, of.to);
         let at = self.field.coordinates(stretch, Dd::from(0.5 * (a + b)));
-        let (local, slack) = self.look(stretch, spring, &at, a, b);
-        if slack <= self.watch.fineness() {
+        let (local, margin) = self.look(stretch, spring, &at, a, b);
+        if margin <= self.watch.piece_tolerance() {
             let exact = |t: Dd| self.field.value(stretch, spring, t);
             self.watch.note_peak(spring, negative, &local, 1.0, exact);
             return Vec::new();
         }
-        of.quarters(&if negative { local.negated() } else { local }, slack)
+        of.quarters(&if negative { local.negated() } else { local }, margin)
     }
 
     /// The largest value of a side over intervals, the most promising first.
@@ -314,7 +325,7 @@ impl Scan<'_> {
         while let Some(interval) = heap.pop() {
             let best = self.watch.peaks[side.0].side(side.1).best.value;
             let over = self.watch.certainly_over(side.0, side.1, best);
-            let goal = if over { best + self.watch.grain() } else { self.watch.level(side.0, side.1) };
+            let goal = if over { best + self.watch.min_rise() } else { self.watch.level(side.0, side.1) };
             if interval.upper <= goal {
                 return;
             }
@@ -326,7 +337,7 @@ impl Scan<'_> {
         }
     }
 
-    /// Where a side that certainly passes its rating first does, among intervals in the order of time.
+    /// When a side that certainly passes its rating first does so; intervals are in the order of time.
     fn first_crossing(&mut self, stretch: &Stretch, (spring, negative): (usize, bool), cells: Vec<Interval>) {
         let peaks = *self.watch.peaks[spring].side(negative);
         if peaks.first_over.is_some() || !self.watch.certainly_over(spring, negative, peaks.best.value) {
@@ -342,26 +353,26 @@ impl Scan<'_> {
             }
             let (a, b) = (interval.from, interval.to);
             let at = self.field.coordinates(stretch, Dd::from(0.5 * (a + b)));
-            let (local, slack) = self.look(stretch, spring, &at, a, b);
-            if slack > self.watch.fineness() {
+            let (local, margin) = self.look(stretch, spring, &at, a, b);
+            if margin > self.watch.piece_tolerance() {
                 let turned = if negative { local.negated() } else { local };
-                open.extend(interval.quarters(&turned, slack).into_iter().rev());
+                open.extend(interval.quarters(&turned, margin).into_iter().rev());
             } else if self.watch.note_crossing(spring, negative, &local) {
                 return;
             }
         }
         // Given up: the latest that it can be.
         self.given_up = true;
-        self.watch.take(spring, negative, peaks.best.at, peaks.best.value);
+        self.watch.note_value(spring, negative, peaks.best.at, peaks.best.value);
     }
 
-    /// Takes what the force is at one instant, and how much larger it may be, for an interval that is not looked into.
+    /// For an interval that is not examined: notes the force at one instant, and how much larger it may be.
     fn give_up(&mut self, stretch: &Stretch, (spring, negative): (usize, bool), interval: &Interval) {
         self.given_up = true;
         let t = 0.5 * (interval.from + interval.to);
         let value = self.field.value(stretch, spring, Dd::from(t));
-        self.watch.take(spring, negative, t, if negative { -value } else { value });
-        self.watch.leave_open(spring, negative, interval.upper);
+        self.watch.note_value(spring, negative, t, if negative { -value } else { value });
+        self.watch.note_upper_bound(spring, negative, interval.upper);
         let best = self.watch.peaks[spring].side(negative).best.value;
         self.missed = self.missed.max(interval.upper - best);
     }
@@ -402,7 +413,7 @@ struct Grid {
     /// Modes slow enough to be summed on the grid.
     resolved: usize,
     /// Per spring: how far the force can pass the cubic, and how far a grid value can be from the truth.
-    slack: Vec<[f64; 2]>,
+    margin: Vec<[f64; 2]>,
     /// Per spring: the joint amplitude of the modes that a cell does not resolve.
     unresolved: Vec<f64>,
 }
@@ -414,21 +425,21 @@ impl Grid {
         let span = stretch.to - stretch.from;
         let cells = cells(span, &field.omega[..resolved]) as usize;
         let width = span / cells as f64;
-        let slack = |i: usize| {
+        let margin = |i: usize| {
             let cubic: f64 = (0..resolved).map(|j| amplitude(i, j) * (field.omega[j] * width).powi(4)).sum();
             let fast: f64 = (resolved..field.omega.len()).map(|j| amplitude(i, j)).sum();
             let swinging: f64 = (0..resolved).map(|j| amplitude(i, j)).sum();
             let rate: f64 = (0..resolved).map(|j| amplitude(i, j) * field.omega[j]).sum();
-            // Rotation loses a few units over a block; and a sample is not where the cell ends, but up to four units of the time's
-            // last place beside it, during which the force changes.
+            // Rotation loses a few units over a block; and a sample is up to four units of the time's last place from
+            // the cell's end: the force changes in between.
             let beside = 4.0 * f64::EPSILON * stretch.to * rate;
             let rounding = 1e-12 * swinging + beside + 8.0 * ROUNDOFF * stretch.mean[i].abs();
             [cubic / 384.0 + fast + rounding, fast + rounding]
         };
         let slow = field.omega.partition_point(|w| 0.5 * w * width <= RESOLVED);
         let unresolved = (0..springs).map(|i| (slow..field.omega.len()).map(|j| amplitude(i, j)).sum()).collect();
-        let slack = (0..springs).map(slack).collect();
-        Grid { from: stretch.from, to: stretch.to, cells, width, resolved, slack, unresolved }
+        let margin = (0..springs).map(margin).collect();
+        Grid { from: stretch.from, to: stretch.to, cells, width, resolved, margin, unresolved }
     }
 
     fn cell(&self, n: usize) -> (f64, f64) {
@@ -464,13 +475,13 @@ impl Grid {
     /// Bound on a force within a cell; raises what is certainly reached.
     #[inline]
     fn bound(&self, watch: &Watch, c: &Candidate, ends: [[f64; 2]; 2], certain: &mut Certain) -> f64 {
-        let [over, off] = self.slack[c.spring];
+        let [over, off] = self.margin[c.spring];
         let sign = if c.negative { -1.0 } else { 1.0 };
         let [left, right] = ends.map(|[f, d]| [sign * f, sign * d]);
         let reached = left[0].max(right[0]);
         certain.value = certain.value.max(reached - off);
         certain.lowest = certain.lowest.min(left[0] + off);
-        if certain.low_in == usize::MAX && watch.is_low(c.spring, c.negative, left[0] + off) {
+        if certain.low_in == usize::MAX && watch.is_well_below_rating(c.spring, c.negative, left[0] + off) {
             certain.low_in = c.cell;
         }
         if certain.over_in == usize::MAX && watch.certainly_over(c.spring, c.negative, certain.value) {

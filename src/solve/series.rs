@@ -5,9 +5,9 @@ use std::sync::OnceLock;
 use super::between::PHASE;
 use super::dd::Dd;
 
-/// Powers of X, from the zeroth, that carry [`table`]'s functions over the largest phase to 1e-16.
+/// Powers of X that [`table`]'s functions need for 1e-16 up to the largest phase.
 pub const POWERS: usize = 14;
-/// Coefficients of z, even and odd, that do.
+/// Coefficients of z, even and odd each, for the same.
 pub const DEGREE: usize = 10;
 
 /// Coefficients of z in the two functions of [`super::between`], for each power of X.

@@ -1,4 +1,4 @@
-//! Where a constant force leaves the chain: the spring forces around which it swings.
+//! Mean spring forces under a constant force, about which the chain swings.
 
 use crate::chain::Chain;
 

@@ -29,8 +29,8 @@ pub struct Modes {
     pub omega: Vec<Dd>,
     /// `a_ij`: springs x modes.
     pub share: DMatrix<f64>,
-    /// Bound on each spring's force error, per unit force, from what the modes leave of the equations of motion, at time t:
-    /// `defect[i] * t`.
+    /// Per unit of force and time, a bound on each spring's force error from the residuals of the modes in the
+    /// equations of motion.
     pub defect: Vec<f64>,
 }
 
@@ -57,7 +57,7 @@ impl Stretch {
 /// A mode at an instant: what it has added to the forces since the event, and q and q' / omega of its swing.
 pub(super) type Coordinates = [f64; 3];
 
-/// Takes out the modes that together cannot move any force by more than `share`; by how much they can.
+/// Removes modes that together change no force by more than `share`; returns by how much they can.
 pub fn leave_out(scene: &Scene, modes: &mut Modes, share: f64) -> f64 {
     let size = |j: usize| swing(scene, modes.omega[j]) * modes.share.column(j).amax();
     let mut by_size: Vec<(f64, usize)> = (0..modes.omega.len()).map(|j| (size(j), j)).collect();
@@ -86,8 +86,8 @@ fn swing(scene: &Scene, omega: Dd) -> f64 {
 /// Bound on |F_i| over all time, rounded up.
 ///
 /// The sizes are sums in `f64`: of shares (5 roundings each), their swings (3), masses or compliances (m + 2) and of m + 2 terms. That
-/// is less than `(16 + 2 m) eps / 2` of all of them together. What numerical modes leave of the equations of motion counts as it
-/// does up to the horizon.
+/// is less than `(16 + 2 m) eps / 2` of all of them together. Residuals of numerical modes count as they
+/// do up to the horizon.
 pub fn all_time_bounds(scene: &Scene, modes: &Modes) -> Vec<f64> {
     let mean = statics::unit_force(&scene.chain, scene.source);
     let bound = |i: usize| {
@@ -139,12 +139,12 @@ pub fn error_bound(scene: &Scene, modes: &Modes) -> f64 {
         let swing = size * (11.0 + m.min(PAIRWISE as f64) + (m / PAIRWISE as f64).max(1.0).log2() + 1.0);
         (swing + 2.0 * scene.initial[i].abs()) * ROUNDOFF + missed(scene, modes, i)
     };
-    // What is no number is no bound.
+    // NaN is no bound.
     let largest = |a: f64, b: f64| if b.is_nan() { f64::INFINITY } else { a.max(b) };
     (0..scene.initial.len()).map(spring).fold(0.0, largest)
 }
 
-/// What the modes miss of the force drives an error while it acts, their residuals as long as they swing.
+/// Error from the part of the force that the modes miss, while it acts, and from their residuals at all times.
 fn missed(scene: &Scene, modes: &Modes, spring: usize) -> f64 {
     let fastest = modes.omega.last().map_or(0.0, |&w| swing(scene, w));
     let acting = scene.force.abs() * scene.duration.min(scene.horizon);
@@ -161,7 +161,7 @@ pub(super) struct Field<'a> {
 
 impl<'a> Field<'a> {
     pub(super) fn new(scene: &'a Scene, modes: &'a Modes) -> Field<'a> {
-        // Of the modes that are summed, not of the chain: some may have been left out.
+        // From the modes that are summed: some of the chain's may be left out.
         let row = |i: usize| pairwise(&|j| modes.share[(i, j)], 0, modes.omega.len());
         let mean = (0..scene.initial.len()).map(row).collect();
         let omega = modes.omega.iter().map(|w| w.hi).collect();
@@ -192,7 +192,7 @@ impl<'a> Field<'a> {
 
     /// Every mode at an instant.
     ///
-    /// During the force `1 - cos = 2 sin^2` of half the phase: a short and hard pulse loses no digits to its mean.
+    /// While the force acts, `1 - cos` is computed as `2 sin^2` of half the phase: short pulses lose no digits.
     pub(super) fn coordinates(&self, stretch: &Stretch, t: Dd) -> Vec<Coordinates> {
         let tau = t - Dd::from(stretch.reference);
         let at = |(w, &a): (&Dd, &f64)| {
@@ -214,7 +214,7 @@ impl<'a> Field<'a> {
         self.scene.initial[spring] + pairwise(&|j| row[j] * coordinates[j][0], 0, coordinates.len())
     }
 
-    /// Taylor polynomial of a spring's force about a cell's centre, and the joint amplitude of the modes left out.
+    /// Taylor polynomial of a spring's force about a cell's centre, and the joint amplitude of the unresolved modes.
     pub(super) fn local(
         &self,
         stretch: &Stretch,
@@ -236,12 +236,12 @@ impl<'a> Field<'a> {
                 *sum += power * cycle[q % 4] * INVERSE_FACTORIAL[q];
             }
         }
-        // Modes left out stand at what they have added on average.
+        // Unresolved modes count with their average.
         let fast = resolved..self.omega.len();
         let average = |j: usize| if stretch.sine { 0.0 } else { -stretch.amplitude[j] * self.modes.share[(spring, j)] };
         coefficient[0] += self.scene.initial[spring] + fast.clone().map(average).sum::<f64>();
-        let slack = fast.map(|j| (self.modes.share[(spring, j)] * stretch.amplitude[j]).abs()).sum();
-        (Local { coefficient, terms: COEFFICIENTS, center, radius }, slack)
+        let margin = fast.map(|j| (self.modes.share[(spring, j)] * stretch.amplitude[j]).abs()).sum();
+        (Local { coefficient, terms: COEFFICIENTS, center, radius }, margin)
     }
 }
 

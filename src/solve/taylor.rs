@@ -30,7 +30,7 @@
 //! force is within the bound of the rating; over that time the computed and the true train differ by that coupler's force T on both
 //! its masses, so that the error's norm grows by at most `delta T sqrt(1 / m + 1 / m')`. This supposes that it breaks in the true
 //! train too, whatever else may break there before it: `certain.rs` proves that, or leaves the sequence undecided. D grows by
-//! `T sqrt(1 / m + 1 / m')` at each break. What is parted never touches again: `gaps.rs` tells when it would.
+//! `T sqrt(1 / m + 1 / m')` at each break. Parts never touch again in this model: `gaps.rs` tells when they would.
 
 mod certain;
 mod gaps;
@@ -39,7 +39,7 @@ mod series;
 
 use super::dd::Dd;
 use super::path::Path;
-use super::watch::{SpringPeaks, Watch, searched};
+use super::watch::{SpringPeaks, Watch, bound_of_extremes};
 use super::{SolveError, Work};
 use crate::play::{Play, Rule, Stretch};
 use series::{Series, State, centred, reach};
@@ -60,7 +60,7 @@ const MOST_SECONDS: f64 = 3600.0;
 /// `u`, half a unit in the last place.
 const U: f64 = f64::EPSILON / 2.0;
 
-/// What a play comes to.
+/// The result of a play.
 #[derive(Clone, Debug)]
 pub struct TaylorOutcome {
     /// Extremes of every spring's force, until it breaks.
@@ -77,11 +77,11 @@ pub struct TaylorOutcome {
     pub gap_closes: Option<(usize, f64)>,
     /// No force is further than this from the exact one.
     pub error_bound: f64,
-    /// What it took.
+    /// The work done.
     pub work: Work,
 }
 
-/// A step as it is shown: valid from `from` to `from + end * width`.
+/// A step, or its first part: valid from `from` to `from + end * width`.
 struct Piece<'a> {
     from: f64,
     width: f64,
@@ -100,7 +100,7 @@ struct Rates {
     /// A coupler's force per unit of norm.
     force: f64,
     /// `1 / sqrt(m)` of the source.
-    jolt: f64,
+    root_inverse_mass: f64,
 }
 
 impl Rates {
@@ -118,7 +118,7 @@ impl Rates {
             damping[i + 1] += 2.0 * c * behind;
         }
         let largest = Path::new(chain).omega_max() + damping.into_iter().fold(0.0, f64::max);
-        Rates { largest, drag, force, jolt: inverse(play.scene.source).sqrt() }
+        Rates { largest, drag, force, root_inverse_mass: inverse(play.scene.source).sqrt() }
     }
 
     /// Steps of a stretch.
@@ -168,15 +168,15 @@ pub fn solve_to_mark(play: &Play, mark: Option<f64>) -> Result<TaylorOutcome, So
         }
         look(play, &mut watch, piece, &mut work);
     });
-    let settled = |mut watch: Watch| {
-        watch.settle_all();
+    let decided = |mut watch: Watch| {
+        watch.decide_all_at_rating();
         watch.peaks
     };
     let March { breakages, open, gap_closes, bound } = first;
-    let error_bound = searched(bound);
+    let error_bound = bound_of_extremes(bound);
     // The last step may round to end just before a mark.
-    let to_mark = mark.map_or_else(Vec::new, |_| settled(to_mark.unwrap_or_else(|| watch.clone())));
-    Ok(TaylorOutcome { springs: settled(watch), to_mark, breakages, open, gap_closes, error_bound, work })
+    let to_mark = mark.map_or_else(Vec::new, |_| decided(to_mark.unwrap_or_else(|| watch.clone())));
+    Ok(TaylorOutcome { springs: decided(watch), to_mark, breakages, open, gap_closes, error_bound, work })
 }
 
 /// Force of one coupler at given times, ascending; zero once it is broken.
@@ -198,7 +198,7 @@ pub fn history(play: &Play, spring: usize, times: &[f64]) -> Vec<f64> {
     values
 }
 
-/// Forces of every coupler at given times, ascending; no number once it is broken.
+/// Forces of every coupler at given times, ascending; NaN once it is broken.
 pub fn field(play: &Play, times: &[f64], see: &mut dyn FnMut(usize, usize, f64)) {
     let mut next = 0;
     march(play, &mut |piece| {
@@ -229,7 +229,7 @@ fn look(play: &Play, watch: &mut Watch, piece: &Piece, work: &mut Work) {
             let sign = if negative { -1.0 } else { 1.0 };
             if watch.at_rating(i, negative) {
                 let force = at(piece.end);
-                watch.mind_push(i, negative, sign * (force - play.scene.initial[i]), sign * force);
+                watch.note_push(i, negative, sign * (force - play.scene.initial[i]), sign * force);
             }
             if reach(&coefficient, sign) > watch.level(i, negative) {
                 work.refinements += 1;
@@ -237,13 +237,13 @@ fn look(play: &Play, watch: &mut Watch, piece: &Piece, work: &mut Work) {
                 let exact = |t: Dd| at((t - Dd::from(piece.from)).to_f64() / piece.width);
                 watch.note(i, negative, &local, 2.0 * piece.end - 1.0, exact);
             } else if watch.at_rating(i, negative) {
-                watch.departs(i, negative, sign * at(piece.end));
+                watch.note_left_rating(i, negative, sign * at(piece.end));
             }
         }
     }
 }
 
-/// What a march has learnt.
+/// The result of a march.
 struct March {
     breakages: Vec<Breakage>,
     open: Option<(usize, f64)>,
@@ -268,7 +268,7 @@ fn march(play: &Play, see: &mut dyn FnMut(&Piece)) -> March {
     for stretch in play.drive.stretches(play.scene.horizon) {
         let mut from = stretch.from;
         while from < stretch.to {
-            // Anew after each break; one that comes at the very end leaves nothing of the stretch.
+            // Again after each break; after one at the very end nothing is left of the stretch.
             let count = rates.steps(&stretch, from);
             let width = (stretch.to - from) / count;
             let start = from;

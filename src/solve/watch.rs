@@ -8,26 +8,26 @@ use super::local::{Local, Point};
 use crate::chain::Scene;
 
 /// Differences in force under this share of the error bound are not resolved.
-const GRAIN: f64 = 0.125;
+const MIN_RISE: f64 = 0.125;
 /// How far a piece that is passed may be from the force, as a share of the same bound.
-const FINENESS: f64 = 0.1;
-/// A push from the rating, in bounds, that counts: ahead of the front rounding is far smaller than the bound.
+const PIECE_TOLERANCE: f64 = 0.1;
+/// The least push over the rating that counts, in bounds: ahead of the front rounding is far smaller.
 const PUSH: f64 = 1e-8;
 
-/// Bound on the error of an extreme that is found among forces which are themselves within `bound` of the truth: one that is
-/// larger than the best by less than the grain is not taken.
-pub fn searched(bound: f64) -> f64 {
-    (1.0 + GRAIN) * bound
+/// Bound on the error of an extreme of forces that are within `bound` of the truth: a value that is larger than the
+/// best by less than `MIN_RISE` of the bound is not taken.
+pub fn bound_of_extremes(bound: f64) -> f64 {
+    (1.0 + MIN_RISE) * bound
 }
 
-/// What the forces that are shown are within, where pieces leave out motion of up to the fineness (modes too fast for them) and
-/// `bound` is that of the values at single instants.
+/// Error bound of a watch whose pieces omit modes that are too fast for them; `bound` is that of values at single
+/// instants.
 ///
-/// With s the fineness: a piece is within `bound + s` of the truth. Where its largest value is, the force is at most s less, and
-/// nowhere is it more than s over it: a value there is at most `2 s` under the largest one. `bound + 2 s` covers both, and
-/// s is a tenth of that sum.
-pub fn hazy(bound: f64) -> f64 {
-    bound / (1.0 - 2.0 * FINENESS)
+/// With s the most that a piece omits: it is within `bound + s` of the truth. Where its largest value is, the force is
+/// at most s less, and nowhere is it more than s over it: a value there is at most `2 s` under the largest one.
+/// `bound + 2 s` covers both, and s is a tenth of that sum.
+pub fn bound_of_pieces(bound: f64) -> f64 {
+    bound / (1.0 - 2.0 * PIECE_TOLERANCE)
 }
 
 /// One sign of one spring's force: of F (draft), or of -F (buff).
@@ -35,32 +35,33 @@ pub fn hazy(bound: f64) -> f64 {
 pub struct Side {
     /// Largest value and its time; at t = 0 if nothing later is larger by more than an eighth of the error bound.
     pub best: Point,
-    /// The first time over the rating, if the force is ever certainly (by more than the error bound) over it: of the first rise
-    /// that is certain, be there earlier ones within the error bound or not.
+    /// The first time over the rating, if the force is ever over it by more than the error bound: that of the first
+    /// such rise, even if earlier ones are within the error bound.
     pub first_over: Option<f64>,
-    /// The true force may be over the rating: it comes within the error bound of it, or stood there and was pushed on.
+    /// The true force may be over the rating: it comes within the error bound of it, or stood there and was pushed
+    /// further.
     pub near: bool,
-    departed: bool,
+    left_rating: bool,
 }
 
 impl Side {
-    /// Before the event. A force that stands at its rating and is first pushed on may exceed it by as little as one likes.
+    /// Before the event. A force that stands at its rating and is pushed further may exceed it by any small amount.
     fn at_rest(value: f64, rating: f64, bound: f64, pushed_on: bool) -> Side {
         let first_over = (value > rating).then_some(0.0);
-        let departed = value < rating - 4.0 * bound;
+        let left_rating = value < rating - 4.0 * bound;
         let near = pushed_on && bound > 0.0 && value > rating - bound;
-        Side { best: Point { at: 0.0, value }, first_over, near, departed }
+        Side { best: Point { at: 0.0, value }, first_over, near, left_rating }
     }
 
     /// Of a force that did not stand at its rating before the event.
     pub fn known(best: Point, first_over: Option<f64>, near: bool) -> Side {
-        Side { best, first_over, near, departed: true }
+        Side { best, first_over, near, left_rating: true }
     }
 
     /// Over its rating, not over it, or not decided (`None`): the rating lies within the error bound of the peak.
     ///
-    /// The force before the event is known exactly, so a coupler that stands just at its rating and is relieved, until it comes
-    /// back if ever, does not exceed it.
+    /// The force before the event is known exactly, so a coupler that stands just at its rating and is relieved does
+    /// not exceed it, unless its force returns.
     pub fn exceeds(&self) -> Option<bool> {
         match (self.first_over, self.near) {
             (Some(_), _) => Some(true),
@@ -106,7 +107,7 @@ pub struct Watch {
     horizon: f64,
     /// No force shown is further than this from the truth.
     bound: f64,
-    grain: f64,
+    min_rise: f64,
 }
 
 impl Watch {
@@ -114,8 +115,8 @@ impl Watch {
     pub fn new(scene: &Scene, bound: f64) -> Watch {
         let ratings: Vec<[f64; 2]> =
             (0..scene.initial.len()).map(|i| [scene.rated_draft[i], scene.rated_buff[i]]).collect();
-        // A forward force pushes what is before it together and pulls at what is behind it, before anything comes back. Without a
-        // force nothing is known of the first push: who shows the forces minds it ([`Watch::mind_push`]).
+        // A forward force first pushes what is before it together and pulls at what is behind it. Without a force the
+        // first push is not known here: the caller notes it ([`Watch::note_push`]).
         let pushes =
             |i: usize, negative: bool| scene.force != 0.0 && ((i >= scene.source) == (scene.force > 0.0)) != negative;
         let at_rest = |(i, r): (usize, &[f64; 2])| SpringPeaks {
@@ -123,10 +124,10 @@ impl Watch {
             buff: Side::at_rest(-scene.initial[i], r[1], bound, pushes(i, true)),
         };
         let peaks = ratings.iter().enumerate().map(at_rest).collect();
-        Watch { peaks, ratings, horizon: scene.horizon, bound, grain: GRAIN * bound }
+        Watch { peaks, ratings, horizon: scene.horizon, bound, min_rise: MIN_RISE * bound }
     }
 
-    /// What has been seen so far, to be watched up to an earlier instant than the horizon.
+    /// A copy that ends at an instant before the horizon.
     pub fn until(&self, mark: f64) -> Watch {
         Watch { horizon: mark, ..self.clone() }
     }
@@ -154,20 +155,20 @@ impl Watch {
         self.bound
     }
 
-    /// Whether a side stood at its rating before the event, as near as can be told, and has not left it.
+    /// Whether a side stood at its rating before the event, within the bound, and has not left it.
     #[inline]
     pub fn at_rating(&self, spring: usize, negative: bool) -> bool {
-        !self.peaks[spring].side(negative).departed
+        !self.peaks[spring].side(negative).left_rating
     }
 
-    /// Whether a value is so far under the rating that a force which takes it has left it.
+    /// Whether a value is so far under the rating that its force has left the rating.
     #[inline]
-    pub fn is_low(&self, spring: usize, negative: bool, value: f64) -> bool {
+    pub fn is_well_below_rating(&self, spring: usize, negative: bool, value: f64) -> bool {
         value < self.rating(spring, negative) - 4.0 * self.bound
     }
 
     /// Takes note of one value of a force, at time t.
-    pub fn take(&mut self, spring: usize, negative: bool, t: f64, value: f64) {
+    pub fn note_value(&mut self, spring: usize, negative: bool, t: f64, value: f64) {
         let (over, cautious) = (self.certainly_over(spring, negative, value), self.cautious_rating(spring, negative));
         let side = self.side_mut(spring, negative);
         if over && side.first_over.is_none() {
@@ -180,48 +181,48 @@ impl Watch {
     }
 
     /// Notes a force that is certainly under the rating; returns whether it is.
-    pub fn departs(&mut self, spring: usize, negative: bool, value: f64) -> bool {
-        let departed = self.is_low(spring, negative, value);
-        if departed {
-            self.side_mut(spring, negative).departed = true;
+    pub fn note_left_rating(&mut self, spring: usize, negative: bool, value: f64) -> bool {
+        let left_rating = self.is_well_below_rating(spring, negative, value);
+        if left_rating {
+            self.side_mut(spring, negative).left_rating = true;
         }
-        departed
+        left_rating
     }
 
-    /// At the end: a side that stood at its rating, and the lowest it was seen at. If it was never certainly
-    /// below, it is not decided whether it passed the rating.
-    pub fn settle(&mut self, spring: usize, negative: bool, lowest: f64) {
-        let undecided = self.bound > 0.0 && !self.departs(spring, negative, lowest);
-        let largest = self.peaks[spring].side(negative).best.value + self.grain();
+    /// At the end: decides on a side that stood at its rating, by the lowest value seen. If that is not certainly
+    /// below, it is undecided whether it passed the rating.
+    pub fn decide_at_rating(&mut self, spring: usize, negative: bool, lowest: f64) {
+        let undecided = self.bound > 0.0 && !self.note_left_rating(spring, negative, lowest);
+        let largest = self.peaks[spring].side(negative).best.value + self.min_rise();
         let near = largest > self.cautious_rating(spring, negative);
         self.side_mut(spring, negative).near |= undecided && near;
     }
 
-    /// A side that stood at its rating and is pushed on by `push` to a value before it has left it: it may pass the rating by less
-    /// than can be told, if the value comes within the bound of it.
-    pub fn mind_push(&mut self, spring: usize, negative: bool, push: f64, value: f64) {
+    /// A side that still stands at its rating is pushed by `push` to a value: it may pass the rating by less than can
+    /// be computed, if the value is within the bound of it.
+    pub fn note_push(&mut self, spring: usize, negative: bool, push: f64, value: f64) {
         if push > PUSH * self.bound {
-            self.leave_open(spring, negative, value);
+            self.note_upper_bound(spring, negative, value);
         }
     }
 
-    /// At the end, where every instant at which a side was certainly under its rating has been noted ([`Watch::departs`]).
-    pub fn settle_all(&mut self) {
+    /// At the end, when every instant with a side certainly under its rating is noted ([`Watch::note_left_rating`]).
+    pub fn decide_all_at_rating(&mut self) {
         for (spring, negative) in self.sides() {
             if self.at_rating(spring, negative) {
-                self.settle(spring, negative, self.rating(spring, negative));
+                self.decide_at_rating(spring, negative, self.rating(spring, negative));
             }
         }
     }
 
-    /// What could not be looked into leaves it open whether a side passes its rating.
-    pub fn leave_open(&mut self, spring: usize, negative: bool, upper: f64) {
+    /// Notes a bound on what was not examined: whether a side passes its rating may stay open.
+    pub fn note_upper_bound(&mut self, spring: usize, negative: bool, upper: f64) {
         let near = upper > self.cautious_rating(spring, negative);
         self.side_mut(spring, negative).near |= near;
     }
 
-    /// A side that has certainly passed its rating by a time, be the first such instant known or not.
-    pub fn mark_over(&mut self, spring: usize, negative: bool, until: f64) {
+    /// A side that has certainly passed its rating by a time, even if the first such instant is not known.
+    pub fn note_over_by(&mut self, spring: usize, negative: bool, until: f64) {
         let until = until.min(self.horizon);
         self.side_mut(spring, negative).first_over.get_or_insert(until);
     }
@@ -245,19 +246,19 @@ impl Watch {
 
     /// How far a piece that is passed may be from the force without changing a verdict.
     #[inline]
-    pub fn fineness(&self) -> f64 {
-        FINENESS * self.bound
+    pub fn piece_tolerance(&self) -> f64 {
+        PIECE_TOLERANCE * self.bound
     }
 
-    /// A difference in force that is not worth more work: an eighth of the bound, unless [`Watch::ease`] said otherwise.
+    /// Smaller differences in force are ignored: an eighth of the bound, or more after [`Watch::coarsen`].
     #[inline]
-    pub fn grain(&self) -> f64 {
-        self.grain
+    pub fn min_rise(&self) -> f64 {
+        self.min_rise
     }
 
-    /// From here on a difference of `grain` is not worth more work. Verdicts do not depend on it.
-    pub fn ease(&mut self, grain: f64) {
-        self.grain = self.grain.max(grain);
+    /// From here on differences under `min_rise` are ignored. Verdicts do not depend on it.
+    pub fn coarsen(&mut self, min_rise: f64) {
+        self.min_rise = self.min_rise.max(min_rise);
     }
 
     /// A piece of this force matters only if it can pass this level.
@@ -265,10 +266,10 @@ impl Watch {
     pub fn level(&self, spring: usize, negative: bool) -> f64 {
         let side = self.peaks[spring].side(negative);
         let rating = self.rating(spring, negative);
-        let best = side.best.value + self.grain();
+        let best = side.best.value + self.min_rise();
         if side.first_over.is_some() {
             best
-        } else if side.near || !side.departed {
+        } else if side.near || !side.left_rating {
             best.min(rating + self.bound)
         } else {
             best.min(rating - self.bound)
@@ -279,16 +280,16 @@ impl Watch {
     /// `exact` gives the force at one instant, a sum of two numbers, as well as the method can.
     pub fn note(&mut self, spring: usize, negative: bool, local: &Local, end: f64, exact: impl Fn(Dd) -> f64) {
         let level = self.level(spring, negative);
-        let over = self.see(spring, negative, local, [end, level], exact);
+        let over = self.note_largest(spring, negative, local, [end, level], exact);
         if over && self.peaks[spring].side(negative).first_over.is_none() {
             self.note_crossing(spring, negative, local);
         }
     }
 
-    /// The same where pieces do not come in the order of time: nothing is said of the first exceedance.
+    /// The same for pieces that are not in the order of time: first exceedances are not noted.
     pub fn note_peak(&mut self, spring: usize, negative: bool, local: &Local, end: f64, exact: impl Fn(Dd) -> f64) {
         let level = self.peaks[spring].side(negative).best.value.min(self.cautious_rating(spring, negative));
-        self.see(spring, negative, local, [end, level], exact);
+        self.note_largest(spring, negative, local, [end, level], exact);
     }
 
     /// Takes note of where the force passes its rating, if no earlier instant is known and it certainly does so here.
@@ -310,7 +311,7 @@ impl Watch {
     }
 
     /// Takes note of the largest value of a piece, if it passes the level; whether it is certainly over the rating.
-    fn see(
+    fn note_largest(
         &mut self,
         spring: usize,
         negative: bool,
@@ -325,20 +326,21 @@ impl Watch {
         } else {
             (local, 1.0)
         };
-        let (rating, bound, grain, horizon) = (self.rating(spring, negative), self.bound, self.grain(), self.horizon);
+        let (rating, bound, min_rise, horizon) =
+            (self.rating(spring, negative), self.bound, self.min_rise(), self.horizon);
         let side = self.side_mut(spring, negative);
-        let was_departed = side.departed;
-        side.departed |= local.value_and_slope(end).0 < rating - 4.0 * bound;
+        let was_departed = side.left_rating;
+        side.left_rating |= local.value_and_slope(end).0 < rating - 4.0 * bound;
         let Some(top) = local.largest(-1.0, end, level) else { return false };
-        // A piece that ends at the horizon ends there to the last bit, whatever its own times round to. Anywhere else the force is
-        // taken at the instant itself, which for fast modes is not that of the nearest number.
+        // A piece that ends at the horizon ends there to the last bit, however its own times round. Elsewhere the
+        // force is taken at the exact instant: with fast modes it differs at the nearest `f64`.
         let at = Dd::from(local.center) + Dd::product(local.radius, top.at);
         let ends = top.at >= end && at.hi > horizon * (1.0 - 8.0 * f64::EPSILON);
         let at = if ends || at > Dd::from(horizon) { Dd::from(horizon) } else { at };
         let (t, value) = (at.hi.max(0.0), sign * exact(at));
-        // However small the step past a limit of the verdict, it counts.
+        // A value past a limit of the verdict counts, by however little.
         let passes = |limit: f64| value > limit && side.best.value <= limit;
-        if value > side.best.value + grain || passes(rating - bound) || passes(rating + bound) {
+        if value > side.best.value + min_rise || passes(rating - bound) || passes(rating + bound) {
             side.best = Point { at: t, value };
             side.near |= value > rating - bound;
         }

@@ -9,7 +9,7 @@
 //! | where | form |
 //! | --- | --- |
 //! | x < 64 | a table of exact values, cubic between them |
-//! | x < nu - 6.5 nu^(1/3) | nothing has come |
+//! | x < nu - 6.5 nu^(1/3) | zero |
 //! | up to nu + 9 nu^(1/3) | uniform: `∫_xi^∞ Ai + nu^(-2/3) a_0 Ai'(xi) + nu^(-4/3) b_0 Ai(xi)`, xi = nu^(2/3) zeta(x / nu) |
 //! | behind | Debye's form, two corrections |
 //!
@@ -18,20 +18,21 @@
 //! `a_0 = (1 - phi^3 / 2) / zeta`, `b_0 = -(phi^3 / 2) B_0 - d a_0 / d zeta`. All are polynomials in y = (x - nu) / (x + nu) here,
 //! fitted on |y| <= 0.3 (`tests/reference/front_forms.py`).
 //!
-//! These forms locate extremes; no force that is reported comes from them. What their errors are taken to be ([`Shape::doubt`]) is
-//! no proved bound: it is twice the largest that was met or more (the test below measures them again).
+//! These forms locate extremes; no force that is reported comes from them. Their assumed errors
+//! ([`Shape::error_estimate`]) are not proved: they are twice the largest found or more (the test below measures them
+//! again).
 
 use std::sync::OnceLock;
 
 use super::rows;
 
-/// How far the table is taken to be from the truth at most.
-const DOUBT: f64 = 1e-5;
-/// The same of the uniform form: this over nu^2; of Debye's form: this over psi^3; and what fits and sines are off by.
-const UNIFORM_DOUBT: f64 = 0.02;
-const DEBYE_DOUBT: f64 = 0.4;
-const LEAST_DOUBT: f64 = 5e-7;
-/// A front counts as nothing as long as x is this many nu^(1/3) or more before nu: it is under [`UNSEEN`] there.
+/// Assumed largest error of the table.
+const TABLE_ERROR: f64 = 1e-5;
+/// The same of the uniform form: this over nu^2; of Debye's form: this over psi^3; and of fits and sines.
+const UNIFORM_ERROR: f64 = 0.02;
+const DEBYE_ERROR: f64 = 0.4;
+const LEAST_ERROR: f64 = 5e-7;
+/// A front counts as zero while x is this many nu^(1/3) or more before nu: it is under [`UNSEEN`] there.
 pub const AHEAD: f64 = 6.5;
 pub const UNSEEN: f64 = 2e-8;
 /// The uniform form is used up to this many nu^(1/3) behind nu, and to this y.
@@ -106,9 +107,9 @@ pub struct Shape {
     /// dP/dt.
     pub slope: f64,
     /// Bound on the fourth derivative in time over the next unit of it.
-    pub rough: f64,
-    /// How far value and slope are taken to be from the truth at most.
-    pub doubt: f64,
+    pub fourth: f64,
+    /// Assumed largest error of value and slope.
+    pub error_estimate: f64,
 }
 
 /// Fronts at instants: asked for with [`Points::push`], answered by [`Points::evaluate`].
@@ -123,7 +124,7 @@ pub struct Points {
 }
 
 impl Points {
-    /// Forgets all.
+    /// Removes all.
     pub fn clear(&mut self) {
         self.asked.clear();
     }
@@ -147,7 +148,7 @@ impl Points {
         for (point, (&[order, root, x], shape)) in self.asked.iter().zip(&mut self.shape).enumerate() {
             if x < EARLY {
                 let [value, slope] = early(order, x);
-                *shape = Shape { value, slope, rough: roughness(order, root, x), doubt: DOUBT };
+                *shape = Shape { value, slope, fourth: fourth_derivative(order, root, x), error_estimate: TABLE_ERROR };
             } else if x - order < BEHIND * root && x - order <= LARGEST_Y * (x + order) {
                 if x - order > -AHEAD * root {
                     uniform.push(point as u32);
@@ -164,10 +165,10 @@ impl Points {
 }
 
 /// Bound on a front's fourth derivative in time from x to x + 2: sqrt(2 / pi) 16 nu w^(5/2) / x^4, w^2 = x^2 - nu^2, is its size far
-/// behind the front. With 4 nu^(4/3) more in w^2, no less than nu for x, and 5 % it is more than was met anywhere
-/// (`tests/reference/front_forms.py`): not proved, as [`DOUBT`].
+/// behind the front. With 4 nu^(4/3) more in w^2, x at least nu, and 5 % more, it is over all values found
+/// (`tests/reference/front_forms.py`): not proved.
 #[inline(always)]
-pub fn roughness(order: f64, root: f64, x: f64) -> f64 {
+pub fn fourth_derivative(order: f64, root: f64, x: f64) -> f64 {
     let x = x.max(order);
     let square = (x - order) * (x + order) + 4.0 * order * root;
     13.4 * order * square * square.sqrt().sqrt() / (x * x * x * x)
@@ -200,10 +201,11 @@ fn each(points: &mut Points, list: &[u32], form: impl Fn(&Lanes, &Lanes, &Lanes)
         for (l, &p) in group.iter().enumerate() {
             [order[l], root[l], x[l]] = points.asked[p as usize];
         }
-        let [value, slope, doubt] = form(&order, &root, &x);
-        let rough = lanes(|l| roughness(order[l], root[l], x[l]));
+        let [value, slope, error_estimate] = form(&order, &root, &x);
+        let fourth = lanes(|l| fourth_derivative(order[l], root[l], x[l]));
         for (l, &p) in group.iter().enumerate() {
-            points.shape[p as usize] = Shape { value: value[l], slope: slope[l], rough: rough[l], doubt: doubt[l] };
+            points.shape[p as usize] =
+                Shape { value: value[l], slope: slope[l], fourth: fourth[l], error_estimate: error_estimate[l] };
         }
         rest = after;
     }
@@ -261,7 +263,7 @@ fn uniform(order: &Lanes, root: &Lanes, x: &Lanes, airy: &[[f64; 3]]) -> [Lanes;
         value[l] = behind + inverse * (a0[l] * prime + inverse * b0[l] * here);
         rate[l] = 2.0 * phi[l] * root[l] * inverse * (here + inverse * inverse * j1[l] * prime);
     }
-    [value, rate, lanes(|l| LEAST_DOUBT + UNIFORM_DOUBT / (order[l] * order[l]))]
+    [value, rate, lanes(|l| LEAST_ERROR + UNIFORM_ERROR / (order[l] * order[l]))]
 }
 
 /// Value and slope far behind the front, where it swings about 1: with w = sqrt(x^2 - nu^2), c = nu / w and
@@ -295,7 +297,7 @@ fn debye(order: &Lanes, x: &Lanes) -> [Lanes; 3] {
         value[l] = 1.0 + size * c * (sin[l] * (1.0 + q2) + cos[l] * q1);
         rate[l] = 2.0 * order[l] / x[l] * size * (cos[l] * (1.0 + e2) + sin[l] * e1);
     }
-    [value, rate, lanes(|l| LEAST_DOUBT + DEBYE_DOUBT / (psi[l] * psi[l] * psi[l]))]
+    [value, rate, lanes(|l| LEAST_ERROR + DEBYE_ERROR / (psi[l] * psi[l] * psi[l]))]
 }
 
 /// arctan u for 0 <= u <= 1, by one halving of the angle and Taylor's series: to 1e-12.
@@ -405,13 +407,18 @@ mod tests {
         points.shape.iter().copied().zip(exact[1..].iter().copied()).collect()
     }
 
-    /// The errors of all forms are half of what they are taken to be, or less.
+    /// The errors of all forms are half of the assumed ones, or less.
     #[test]
-    fn forms_are_within_their_doubts() {
+    fn forms_are_within_their_assumed_errors() {
         for t in TIMES {
             for (k, (shape, [value, slope])) in forms_and_values(t).into_iter().enumerate() {
                 let off = (shape.value - value).abs().max((shape.slope - slope).abs());
-                assert!(off <= 0.5 * (shape.doubt + UNSEEN), "t {t} distance {}: {off:e} of {:e}", k + 1, shape.doubt);
+                assert!(
+                    off <= 0.5 * (shape.error_estimate + UNSEEN),
+                    "t {t} distance {}: {off:e} of {:e}",
+                    k + 1,
+                    shape.error_estimate
+                );
             }
         }
     }
@@ -430,7 +437,7 @@ mod tests {
             let forms = forms_and_values(t);
             for d in (2..forms.len()).step_by(1 + forms.len() / 300) {
                 let fourth = (third(t + step, d) - third(t - step, d)).abs() / (2.0 * step);
-                let bound = roughness(2.0 * d as f64, (2.0 * d as f64).cbrt(), 2.0 * t);
+                let bound = fourth_derivative(2.0 * d as f64, (2.0 * d as f64).cbrt(), 2.0 * t);
                 let ahead = (d as f64) - t > 4.0 * t.cbrt();
                 assert!(fourth <= bound || ahead && fourth < 1e-6, "t {t} distance {d}: {fourth:e}, bound {bound:e}");
             }

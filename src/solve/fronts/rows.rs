@@ -1,4 +1,4 @@
-//! Bessel functions of all orders at one instant, and what a spring's fronts make of them: its force as a polynomial in time.
+//! Bessel functions of all orders at one instant, and from them a spring's force as a polynomial in time.
 //!
 //! One backward recurrence `J_{n-1} = (2 n / x) J_n - J_{n+1}`, x = 2t, from an order at which `J_n` is under 1e-17 (J. C. P.
 //! Miller; F. W. J. Olver, *Math. Comp.* 18 (1964) 65-74), normalised by `J_0 + 2 sum J_2k = 1`, gives every front's value
@@ -16,7 +16,7 @@ const SIDE: usize = TERMS - 1;
 /// The same in pairs of orders: from `m - BELOW` to `m + ABOVE`.
 const BELOW: usize = SIDE / 2;
 const ABOVE: usize = SIDE / 2 + 1;
-/// Before this time orders differ so much in size that the recurrence is rescaled as it goes.
+/// Before this time their values differ so much that the recurrence is rescaled as it goes.
 const EARLY: f64 = 16.0;
 
 /// A front that a spring feels: its distance m, and its size.
@@ -87,7 +87,7 @@ pub fn pairs(t: f64) -> usize {
     (t + 6.0 * (2.0 * t).cbrt() + 14.0) as usize
 }
 
-/// Adds what the tasks ask for to their sums. Tasks are quickest in the order of time.
+/// Adds what the tasks ask for to their sums. Fastest in the order of time.
 pub fn collect(tasks: &[Task], waves: &[Wave], sums: &mut [Sums]) {
     let mut later = tasks;
     while let Some(task) = later.first().filter(|t| t.time < EARLY) {
@@ -161,7 +161,7 @@ impl pulp::WithSimd for Later<'_> {
         for tasks in self.tasks.chunks(LANES) {
             rows.plan(tasks, self.waves);
             rows.fill(tasks);
-            rows.give(tasks, self.waves, self.sums);
+            rows.add_to_sums(tasks, self.waves, self.sums);
         }
     }
 }
@@ -261,7 +261,7 @@ impl Rows {
     }
 
     #[inline(always)]
-    fn give(&self, tasks: &[Task], waves: &[Wave], sums: &mut [Sums]) {
+    fn add_to_sums(&self, tasks: &[Task], waves: &[Wave], sums: &mut [Sums]) {
         for (lane, task) in tasks.iter().enumerate() {
             let sums = &mut sums[task.sums];
             for wave in &waves[task.waves[0]..task.waves[1]] {
@@ -314,7 +314,7 @@ impl Recurrence {
 mod tests {
     use super::*;
 
-    /// A polynomial's value and slope at its ends are those of the rows there, before and after the recurrence changes its ways, and
+    /// A polynomial's value and slope at its ends are those of the rows there, before and after [`EARLY`], and
     /// with lanes that begin at different orders.
     #[test]
     fn polynomials_agree_with_rows() {

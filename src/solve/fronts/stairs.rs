@@ -1,4 +1,4 @@
-//! Between which two steps a front lies, from one breakpoint to the next, and where a spring's force can therefore be.
+//! Lower and upper step functions of a front, and from their sums bounds on a spring's force.
 //!
 //! A front P of distance d rises to its top at the first zero of J_nu, nu = 2d, and then swings about 1 with falling extremes, at the
 //! zeros j_k of J_nu. Three facts bound it from both sides; the first two are proved:
@@ -14,7 +14,7 @@
 //!   `w - nu acos(nu / x)`, w = sqrt(x^2 - nu^2), grows by less than pi. With q = 2 pi x^2 / w^3 <= 0.31 the last zero
 //!   therefore lies where w^2 has at least 1 - 1.3 q of its value at x, and the envelope is larger there by that to the power -3/4.
 //!
-//! On the flank the steps' heights are values of [`super::forms`], and with them not proved but met with a margin.
+//! On the flank the steps' heights are values of [`super::forms`], with a margin over the errors found, not proved.
 
 use super::forms::{Points, Shape, UNSEEN};
 
@@ -39,7 +39,7 @@ pub const STEPS: usize = 1 + FAR_AHEAD.len() + AROUND.len() + BEHIND.len();
 /// Values of the forms that the steps of a front need, the top among them.
 pub const ASKED: usize = AROUND.len() + 1;
 
-/// A front between steps: from each breakpoint on, no less than `low` and no more than `high`.
+/// Bounds on a front: from each breakpoint to the next it is between `low` and `high`.
 #[derive(Clone, Copy)]
 pub struct Stairs {
     /// Times since the front set out.
@@ -82,27 +82,27 @@ impl Stairs {
     pub fn new(order: f64, root: f64, shapes: &[Shape], horizon: f64) -> Stairs {
         let (top, unit) = (top(order, root), root * UNIT);
         let value = |k: usize| shapes[k].value;
-        let doubt = shapes.iter().fold(0.0f64, |a, s| a.max(s.doubt)).max(UNSEEN);
+        let error_estimate = shapes.iter().fold(0.0f64, |a, s| a.max(s.error_estimate)).max(UNSEEN);
         let mut stairs = Stairs::default();
         stairs.high[0] = PRECURSOR[0];
         let around = 1 + FAR_AHEAD.len();
         let behind = around + AROUND.len();
         for (k, c) in FAR_AHEAD.into_iter().enumerate() {
             stairs.from[1 + k] = top + c * unit;
-            stairs.high[1 + k] = PRECURSOR.get(k + 1).copied().unwrap_or(value(0) + doubt);
+            stairs.high[1 + k] = PRECURSOR.get(k + 1).copied().unwrap_or(value(0) + error_estimate);
         }
         for (k, c) in AROUND.into_iter().enumerate() {
             let here = value(k);
             let (low, high) = if k < TOP {
                 (here, value(k + 1))
             } else if k == TOP {
-                (here.min(value(k + 1)), value(AROUND.len()) + doubt)
+                (here.min(value(k + 1)), value(AROUND.len()) + error_estimate)
             } else {
                 (AFTER[0], here.max(AFTER[1]))
             };
             stairs.from[around + k] = top + c * unit;
-            stairs.low[around + k] = (low - doubt).max(0.0);
-            stairs.high[around + k] = high + doubt;
+            stairs.low[around + k] = (low - error_estimate).max(0.0);
+            stairs.high[around + k] = high + error_estimate;
         }
         for (k, c) in BEHIND.into_iter().enumerate() {
             let t = top + c * unit;
@@ -133,7 +133,7 @@ fn envelope(order: f64, x: f64) -> f64 {
     std::f64::consts::FRAC_2_PI.sqrt() * order / (root * root.sqrt())
 }
 
-/// From an instant to the next, between what a spring's force is.
+/// Bounds on a spring's force from one instant to the next.
 #[derive(Clone, Copy, Debug)]
 pub struct Segment {
     pub from: f64,
@@ -143,7 +143,7 @@ pub struct Segment {
 }
 
 /// A front on its way to a spring: its steps begin `delay` later, and count `size` times.
-pub struct Climb<'a> {
+pub struct DelayedFront<'a> {
     stairs: &'a Stairs,
     delay: f64,
     size: f64,
@@ -153,15 +153,15 @@ pub struct Climb<'a> {
     ends: [f64; 2],
 }
 
-impl<'a> Climb<'a> {
+impl<'a> DelayedFront<'a> {
     /// At time 0.
-    pub fn new(stairs: &'a Stairs, delay: f64, size: f64) -> Climb<'a> {
-        let mut climb = Climb { stairs, delay, size, step: 0, next: 0.0, ends: [0.0; 2] };
-        climb.stand(0);
-        climb
+    pub fn new(stairs: &'a Stairs, delay: f64, size: f64) -> DelayedFront<'a> {
+        let mut delayed = DelayedFront { stairs, delay, size, step: 0, next: 0.0, ends: [0.0; 2] };
+        delayed.set_step(0);
+        delayed
     }
 
-    fn stand(&mut self, step: usize) {
+    fn set_step(&mut self, step: usize) {
         let (low, high) = (self.size * self.stairs.low[step], self.size * self.stairs.high[step]);
         self.step = step;
         self.ends = if self.size > 0.0 { [low, high] } else { [high, low] };
@@ -169,20 +169,20 @@ impl<'a> Climb<'a> {
     }
 }
 
-/// Sums the steps of a spring's fronts: where its force is between 0 and the horizon. `also` is one more breakpoint.
-pub fn climb(climbs: &mut [Climb], initial: f64, also: f64, horizon: f64, out: &mut Vec<Segment>) {
+/// Bounds on a spring's force up to the horizon: sums of its fronts' steps. `also` is one more breakpoint.
+pub fn bound_force(delayed_fronts: &mut [DelayedFront], initial: f64, also: f64, horizon: f64, out: &mut Vec<Segment>) {
     out.clear();
     let mut from = 0.0;
     loop {
         let mut to = if also > from { also.min(horizon) } else { horizon };
         let (mut low, mut high) = (initial, initial);
-        for climb in climbs.iter_mut() {
-            while climb.next <= from {
-                climb.stand(climb.step + 1);
+        for delayed in delayed_fronts.iter_mut() {
+            while delayed.next <= from {
+                delayed.set_step(delayed.step + 1);
             }
-            low += climb.ends[0];
-            high += climb.ends[1];
-            to = to.min(climb.next);
+            low += delayed.ends[0];
+            high += delayed.ends[1];
+            to = to.min(delayed.next);
         }
         out.push(Segment { from, to, low, high });
         if to >= horizon {

@@ -4,13 +4,13 @@ use std::ops::Range;
 
 use super::forms::{self, AHEAD, Points, UNSEEN};
 use super::rows::Wave;
-use super::stairs::{self, ASKED, Climb, Segment, Stairs};
+use super::stairs::{self, ASKED, DelayedFront, Segment, Stairs};
 use super::{Images, Scene, Watch};
 use crate::solve::local::hermite_top;
 
-/// What cubics between samples may be off by, in units of the force and times nu^(2/3) of the nearest front, as a top is bent by
-/// 0.7 nu^(-2/3): less would hardly narrow what is to be looked into.
-const FINENESS: f64 = 0.012;
+/// Allowed error of cubics between samples, in units of the force, times nu^(2/3) of the nearest front: the curvature
+/// of a top is 0.7 nu^(-2/3), and less would hardly narrow the looks.
+const CUBIC_ERROR: f64 = 0.012;
 const NARROWEST: f64 = 0.4;
 const WIDEST: f64 = 2.0;
 /// The parts of a cell in which its cubic is looked at, and the widest look.
@@ -23,7 +23,7 @@ pub struct Look {
     pub spring: usize,
     pub from: f64,
     pub to: f64,
-    /// Minus infinity for a side that has no reason to look.
+    /// Minus infinity for a side that needs no look.
     pub upper: [f64; 2],
 }
 
@@ -40,7 +40,7 @@ pub struct Windows<'a> {
     /// Values of fronts that were computed.
     pub samples: u64,
     points: Points,
-    /// What each point counts.
+    /// The factor of each point.
     sizes: Vec<f64>,
     marks: Vec<Mark>,
     waves: Vec<Wave>,
@@ -72,9 +72,9 @@ struct Sample {
     value: f64,
     slope: f64,
     /// Bound on the fourth derivative from here to the next sample.
-    rough: f64,
+    fourth: f64,
     /// Bound on the error.
-    doubt: f64,
+    error_estimate: f64,
 }
 
 /// From one sample to the next.
@@ -83,7 +83,7 @@ struct Cell {
     to: f64,
     /// Force and slope at both ends, and how far the force can be from the cubic between them.
     ends: [[f64; 2]; 2],
-    slack: f64,
+    margin: f64,
 }
 
 /// A spring of the group that is being worked on.
@@ -91,7 +91,7 @@ struct Member {
     spring: usize,
     fronts: Vec<Front>,
     goals: [Goal; 2],
-    /// What all samples begin with.
+    /// The sample that all others start from.
     unknown: Sample,
     marks: Range<usize>,
 }
@@ -118,7 +118,7 @@ impl<'a> Windows<'a> {
     /// Finds the cells of some springs that are worth a look.
     pub fn find(&mut self, watch: &Watch, springs: Range<usize>) {
         let mut members: Vec<Member> = springs.map(|spring| self.member(watch, spring)).collect();
-        self.answer();
+        self.evaluate_points();
         let mut asked = 0;
         for member in &mut members {
             for front in &mut member.fronts {
@@ -132,19 +132,19 @@ impl<'a> Windows<'a> {
                 asked = mark.points.end;
             }
         }
-        self.forget();
+        self.clear_points();
         members.iter_mut().for_each(|member| self.find_windows(watch, member));
-        self.answer();
+        self.evaluate_points();
         members.iter_mut().for_each(|member| self.find_cells(member));
-        self.forget();
+        self.clear_points();
     }
 
-    fn answer(&mut self) {
+    fn evaluate_points(&mut self) {
         self.points.evaluate();
         self.samples += self.points.len() as u64;
     }
 
-    fn forget(&mut self) {
+    fn clear_points(&mut self) {
         self.points.clear();
         self.sizes.clear();
         self.marks.clear();
@@ -156,13 +156,13 @@ impl<'a> Windows<'a> {
         for (size, shape) in self.sizes[mark.points.clone()].iter().zip(&self.points.shape[mark.points.clone()]) {
             sample.value += size * shape.value;
             sample.slope += size * shape.slope;
-            sample.rough += size.abs() * shape.rough;
-            sample.doubt += size.abs() * shape.doubt;
+            sample.fourth += size.abs() * shape.fourth;
+            sample.error_estimate += size.abs() * shape.error_estimate;
         }
         sample
     }
 
-    /// A spring's fronts, with the questions what their steps are and what the force is at their tops.
+    /// A spring's fronts; asks for their steps and for the force at their tops.
     fn member(&mut self, watch: &Watch, spring: usize) -> Member {
         let Scene { force, duration, horizon, .. } = *self.scene;
         self.images.waves(spring, force, &mut self.waves);
@@ -179,8 +179,8 @@ impl<'a> Windows<'a> {
         self.sizes.resize(self.points.len(), 0.0);
         let goals = [false, true].map(|negative| Goal::new(watch, spring, negative));
         let steps = if duration < horizon { 2.0 } else { 1.0 };
-        let doubt = UNSEEN * steps * fronts.iter().map(|f| f.size.abs()).sum::<f64>();
-        let unknown = Sample { doubt, ..Sample::default() };
+        let error_estimate = UNSEEN * steps * fronts.iter().map(|f| f.size.abs()).sum::<f64>();
+        let unknown = Sample { error_estimate, ..Sample::default() };
         let first = self.marks.len();
         for [delay, _] in self.steps {
             for top in fronts.iter().map(|f| stairs::top(f.order, f.root) + delay).take_while(|&t| t <= horizon) {
@@ -193,12 +193,13 @@ impl<'a> Windows<'a> {
     /// Marks where a spring's force is to be sampled.
     fn find_windows(&mut self, watch: &Watch, member: &mut Member) {
         let Scene { duration, horizon, .. } = *self.scene;
-        let mut climbs: Vec<Climb> = member.fronts.iter().map(|f| Climb::new(&f.stairs, 0.0, f.size)).collect();
+        let mut delayed_fronts: Vec<DelayedFront> =
+            member.fronts.iter().map(|f| DelayedFront::new(&f.stairs, 0.0, f.size)).collect();
         if duration < horizon {
-            climbs.extend(member.fronts.iter().map(|f| Climb::new(&f.stairs, duration, -f.size)));
+            delayed_fronts.extend(member.fronts.iter().map(|f| DelayedFront::new(&f.stairs, duration, -f.size)));
         }
         let mut segments = std::mem::take(&mut self.segments);
-        stairs::climb(&mut climbs, self.scene.initial[member.spring], duration, horizon, &mut segments);
+        stairs::bound_force(&mut delayed_fronts, self.scene.initial[member.spring], duration, horizon, &mut segments);
         for (negative, goal) in [false, true].into_iter().zip(&mut member.goals) {
             segments.iter().for_each(|s| goal.reach(signed([s.low, s.high], negative)[0], s.from));
             if watch.at_rating(member.spring, negative) {
@@ -229,7 +230,7 @@ impl<'a> Windows<'a> {
     /// A side that stands at its rating: when it has certainly left it, and from when on it matters.
     ///
     /// If the first front relieves it, the force is less than before until that front's top: at any instant fronts that have
-    /// further to go are smaller, and images further away come in pairs of either sign or of the first one's.
+    /// further to go are smaller, and images further away come in pairs of opposite sign, or have its sign.
     fn find_departure(
         &mut self,
         watch: &Watch,
@@ -238,15 +239,16 @@ impl<'a> Windows<'a> {
         goal: &mut Goal,
         segments: &[Segment],
     ) {
-        let is_low = |s: &&Segment| watch.is_low(spring, negative, signed([s.low, s.high], negative)[1]);
-        let left = segments.iter().find(is_low).map_or(f64::INFINITY, |s| s.from);
+        let is_well_below_rating =
+            |s: &&Segment| watch.is_well_below_rating(spring, negative, signed([s.low, s.high], negative)[1]);
+        let left = segments.iter().find(is_well_below_rating).map_or(f64::INFINITY, |s| s.from);
         self.left[spring][usize::from(negative)] = left;
         let Some(first) = fronts.first() else { return };
         let is_relieved = (first.size > 0.0) == negative;
         if is_relieved && left < 0.5 * first.order {
             goal.from = left;
         } else if is_relieved && left == f64::INFINITY {
-            // How far it is from its rating at the end is told by a look.
+            // A look at the end shows how far it is from its rating.
             let horizon = self.scene.horizon;
             let upper = if negative { [f64::NEG_INFINITY, f64::MAX] } else { [f64::MAX, f64::NEG_INFINITY] };
             let from = (horizon - LOOK).max(if horizon > self.scene.duration { self.scene.duration } else { 0.0 });
@@ -263,18 +265,18 @@ impl<'a> Windows<'a> {
         self.mark(fronts, to, true);
     }
 
-    /// How wide cells may be in a window for cubics to be right to the [`FINENESS`].
+    /// How wide cells may be in a window for cubics to be right to the [`CUBIC_ERROR`].
     fn width(&self, fronts: &[Front], from: f64, to: f64) -> f64 {
-        let rough = |time: f64| -> f64 {
+        let fourth = |time: f64| -> f64 {
             let of_step = |[delay, _]: [f64; 2]| -> f64 {
                 let x = 2.0 * (time - delay);
-                fronts.iter().take_while(|f| x > f.order).map(|f| forms::roughness(f.order, f.root, x)).sum()
+                fronts.iter().take_while(|f| x > f.order).map(|f| forms::fourth_derivative(f.order, f.root, x)).sum()
             };
             self.steps.map(of_step).iter().sum()
         };
         let root = fronts.iter().rev().find(|f| f.order < 2.0 * to).map_or(1.0, |f| f.root);
-        let fineness = FINENESS / (root * root);
-        (384.0 * fineness / rough(from).max(rough(to))).sqrt().sqrt().clamp(NARROWEST, WIDEST)
+        let cubic_error = CUBIC_ERROR / (root * root);
+        (384.0 * cubic_error / fourth(from).max(fourth(to))).sqrt().sqrt().clamp(NARROWEST, WIDEST)
     }
 
     /// Asks for a sample.
@@ -305,7 +307,7 @@ impl<'a> Windows<'a> {
             if k > 0 && !marks[k - 1].last {
                 let cell = Cell::new(&left, &right);
                 for (goal, top) in member.goals.iter_mut().zip(cell.tops()) {
-                    goal.reached = goal.reached.max(top - cell.slack);
+                    goal.reached = goal.reached.max(top - cell.margin);
                 }
                 cells.push(cell);
             }
@@ -314,7 +316,7 @@ impl<'a> Windows<'a> {
         for cell in &cells {
             let open = |tops: [f64; 2]| {
                 std::array::from_fn(|side| {
-                    let upper = tops[side] + cell.slack;
+                    let upper = tops[side] + cell.margin;
                     if member.goals[side].leaves_open(cell.from, upper) { upper } else { f64::NEG_INFINITY }
                 })
             };
@@ -349,19 +351,20 @@ impl Member {
     /// Takes note of a sample.
     fn reach(&mut self, sample: &Sample) {
         let [draft, buff] = &mut self.goals;
-        draft.reach(sample.value - sample.doubt, sample.time);
-        buff.reach(-sample.value - sample.doubt, sample.time);
+        draft.reach(sample.value - sample.error_estimate, sample.time);
+        buff.reach(-sample.value - sample.error_estimate, sample.time);
     }
 }
 
 impl Cell {
     fn new(left: &Sample, right: &Sample) -> Cell {
         let h = right.time - left.time;
-        let rough = left.rough.max(right.rough);
+        let fourth = left.fourth.max(right.fourth);
         // The cubic's two slope terms are at most 4/27 of the slopes each.
-        let slack = left.doubt.max(right.doubt) * (1.0 + h * 8.0 / 27.0) + h.powi(4) / 384.0 * rough;
+        let margin =
+            left.error_estimate.max(right.error_estimate) * (1.0 + h * 8.0 / 27.0) + h.powi(4) / 384.0 * fourth;
         let ends = [[left.value, left.slope], [right.value, right.slope]];
-        Cell { from: left.time, to: right.time, ends, slack }
+        Cell { from: left.time, to: right.time, ends, margin }
     }
 
     /// The cubic's largest value, and that of its negative.
@@ -387,7 +390,7 @@ impl Cell {
         };
         std::array::from_fn(|k| {
             let ((from, left), (to, right)) = (at(k), at(k + 1));
-            Cell { from, to, ends: [left, right], slack: self.slack }
+            Cell { from, to, ends: [left, right], margin: self.margin }
         })
     }
 }
@@ -398,12 +401,12 @@ struct Goal {
     /// What the force certainly reaches.
     reached: f64,
     /// A difference that does not matter.
-    grain: f64,
+    min_rise: f64,
     /// To be passed for a first exceedance; infinite where there is one from the beginning.
     rating: f64,
     /// Over this it has certainly exceeded.
     over: f64,
-    /// By when it has certainly exceeded, and before when nothing can happen.
+    /// When it has certainly exceeded; and the time before which nothing matters.
     over_by: f64,
     from: f64,
 }
@@ -415,8 +418,8 @@ impl Goal {
         let at_rating = watch.at_rating(spring, negative);
         Goal {
             reached: side.best.value,
-            grain: watch.grain(),
-            rating: if at_rating { cautious.max(side.best.value + watch.grain()) } else { cautious },
+            min_rise: watch.min_rise(),
+            rating: if at_rating { cautious.max(side.best.value + watch.min_rise()) } else { cautious },
             over: watch.rating(spring, negative) + watch.bound(),
             over_by: if side.first_over.is_some() { f64::NEG_INFINITY } else { f64::INFINITY },
             from: 0.0,
@@ -431,7 +434,7 @@ impl Goal {
     }
 
     fn leaves_open(&self, from: f64, upper: f64) -> bool {
-        from >= self.from && (upper > self.reached + self.grain || upper > self.rating && from <= self.over_by)
+        from >= self.from && (upper > self.reached + self.min_rise || upper > self.rating && from <= self.over_by)
     }
 }
 

@@ -21,15 +21,15 @@ impl Interval {
         Interval { upper, from, to }
     }
 
-    /// Its quarters, each with its bound: what a side's polynomial cannot pass on it, and how far other modes can move it.
-    pub fn quarters(&self, local: &Local, slack: f64) -> Vec<Interval> {
+    /// Its quarters, each with its bound: that of the side's polynomial, and `margin` for the other modes.
+    pub fn quarters(&self, local: &Local, margin: f64) -> Vec<Interval> {
         let (a, b) = (self.from, self.to);
         let time = |k: usize| if k == 4 { b } else { a + (b - a) * k as f64 / 4.0 };
-        let quarter = |(k, top)| Interval { upper: top + slack, from: time(k), to: time(k + 1) };
+        let quarter = |(k, top)| Interval { upper: top + margin, from: time(k), to: time(k + 1) };
         local.upper_bounds(4).enumerate().map(quarter).collect()
     }
 
-    /// Times cannot be told apart any further.
+    /// Its times can no longer be distinguished.
     pub fn is_too_small(&self) -> bool {
         self.to - self.from <= 2e-13 * self.to
     }

@@ -14,13 +14,14 @@
 //! true train as well; couplers of which that holds and whose times overlap break together. Where it holds of none, the sequence is
 //! not decided from the beginning of that time on.
 
-use super::search::{Breaks, Found, SIGN, jolt};
+use super::search::{Breaks, Found, SIGN, root_inverse_mass};
 use super::series::{Series, State, centred, reach};
 use super::{DEGREE, U};
 
-/// A push away from a rating at which a coupler stood, in bounds, that counts: ahead of the front rounding is far smaller.
+/// The least push over a rating at which a coupler stood that counts, in bounds: ahead of the front rounding is far
+/// smaller.
 const PUSH: f64 = 1e-8;
-/// Attempts to find a drift that covers itself.
+/// Attempts to find a drift that covers its result.
 const ROUNDS: usize = 40;
 
 /// A step of the march.
@@ -31,7 +32,8 @@ pub struct Step<'a> {
     pub width: f64,
 }
 
-/// A side of a coupler within a step: since when it may be over its rating, from when on it certainly is, and its own passing.
+/// A side of a coupler within a step: since when it may be over its rating, from when on it certainly is, and when it
+/// passes it.
 #[derive(Clone)]
 pub struct Passing {
     pub spring: usize,
@@ -43,13 +45,13 @@ pub struct Passing {
 }
 
 impl Step<'_> {
-    /// The breakage of some of what passes.
-    pub fn tear<'p>(&self, torn: impl Iterator<Item = &'p Passing> + Clone) -> Found {
-        let time = torn.clone().map(|p| p.at).fold(f64::INFINITY, f64::min);
+    /// The springs that break, from the sides that pass.
+    pub fn found<'p>(&self, broken_now: impl Iterator<Item = &'p Passing> + Clone) -> Found {
+        let time = broken_now.clone().map(|p| p.at).fold(f64::INFINITY, f64::min);
         let share = ((time - self.from) / self.width).clamp(0.0, 1.0);
         let apart = |p: &Passing| (p.until.unwrap_or(time) - time).max(time - p.from) + 4.0 * U * time;
         let force = |p: &Passing| p.coefficient.iter().rev().fold(0.0, |sum, c| sum * share + c);
-        Found { share, torn: torn.map(|p| (p.spring, force(p), apart(p))).collect() }
+        Found { share, broken_now: broken_now.map(|p| (p.spring, force(p), apart(p))).collect() }
     }
 }
 
@@ -85,7 +87,7 @@ impl Breaks<'_> {
         let over = |level: f64| local.first_over(-1.0, 1.0, level).map(|x| from + 0.5 * (x + 1.0) * width);
         let rating = self.rating(spring, side);
         let mut earliest = over(rating - bound)?;
-        if !self.departed[spring][side] {
+        if !self.left_rating[spring][side] {
             if !self.is_pushed_on(step, spring, side) {
                 return None;
             }
@@ -97,8 +99,8 @@ impl Breaks<'_> {
         Some(Passing { spring, side, from: earliest, until, at, coefficient })
     }
 
-    /// Whether a side that stood at its rating is first, or at an end of the step, pushed on. It is told from the motion alone: beside
-    /// the load a small push would be lost.
+    /// Whether a side that stood at its rating is first, or at an end of the step, pushed on. Only the motion is used:
+    /// added to the load a small push would be lost.
     fn is_pushed_on(&self, step: &Step, spring: usize, side: usize) -> bool {
         let moved = step.series.coupler(spring, -self.play.start[spring]).map(|c| SIGN[side] * c);
         let first = if step.from == 0.0 { moved.iter().find(|c| **c != 0.0) } else { None };
@@ -106,19 +108,19 @@ impl Breaks<'_> {
         first.is_some_and(|c| *c > 0.0) || moved[0] > least || moved.iter().rev().sum::<f64>() > least
     }
 
-    /// What may be over, and which of it certainly breaks first.
+    /// The sides that may be over, and which certainly break first.
     ///
-    /// Where nothing is certain, the first to be over by the bound is taken out, and the sequence is in doubt from then on.
+    /// Where nothing is certain, the first to be over by the bound breaks, and the sequence is undecided from then on.
     pub fn decide(&mut self, step: &Step, plain: Vec<Passing>) -> (Vec<Passing>, Vec<usize>) {
-        if self.doubt.is_none() {
-            let retreated = plain.iter().any(|p| self.was_overlooked(p));
+        if self.undecided.is_none() {
+            let overlooked = plain.iter().any(|p| self.was_overlooked(p));
             let proven = [true, false].into_iter().find_map(|together| self.proven(step, &plain, together));
-            if let Some(proven) = proven.filter(|_| !retreated) {
+            if let Some(proven) = proven.filter(|_| !overlooked) {
                 return proven;
             }
             let before = self.near.iter().enumerate().flat_map(|(i, n)| n.iter().flatten().map(move |t| (i, *t)));
             let now = plain.iter().map(|p| (p.spring, p.from));
-            self.doubt = before.chain(now).min_by(|a, b| a.1.total_cmp(&b.1));
+            self.undecided = before.chain(now).min_by(|a, b| a.1.total_cmp(&b.1));
         }
         let untils = plain.iter().enumerate().filter_map(|(n, p)| Some((n, p.until?)));
         let first = untils.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(n, _)| n);
@@ -132,25 +134,25 @@ impl Breaks<'_> {
     }
 
     /// Couplers that certainly break by the end of a time that begins when the first may have: all whose own times begin before
-    /// the first is certain, or the first alone. `None` where no drift is found that covers itself.
+    /// the first is certain, or the first alone. `None` where no drift is found that covers its result.
     fn proven(&self, step: &Step, plain: &[Passing], together: bool) -> Option<(Vec<Passing>, Vec<usize>)> {
         let was_certain = plain.iter().any(|p| p.until.is_some());
         let mut drift = vec![0.0; self.near.len()];
         let mut passing = plain.to_vec();
         for _ in 0..ROUNDS {
             let first = passing.iter().filter_map(|p| p.until).reduce(f64::min);
-            let torn =
+            let broken_now =
                 |p: &Passing| p.until.is_some_and(|u| if together { Some(p.from) <= first } else { Some(u) == first });
-            let end = passing.iter().filter(|p| torn(p)).filter_map(|p| p.until).reduce(f64::max);
+            let end = passing.iter().filter(|p| broken_now(p)).filter_map(|p| p.until).reduce(f64::max);
             if was_certain && end.is_none() {
                 return None;
             }
             let due = self.drift(step, &passing, end.unwrap_or(step.from + step.width));
             if due.iter().zip(&drift).all(|(due, has)| due <= has) {
-                let torn = (0..passing.len()).filter(|&n| torn(&passing[n])).collect();
-                return Some((passing, torn));
+                let broken_now = (0..passing.len()).filter(|&n| broken_now(&passing[n])).collect();
+                return Some((passing, broken_now));
             }
-            // The time grows with the drift: twice what is due soon covers it.
+            // The time grows with the drift: doubling soon covers it.
             drift.iter_mut().zip(due).for_each(|(has, due)| *has = has.max(2.0 * due));
             passing = self.passing(step, &drift);
         }
@@ -168,13 +170,13 @@ impl Breaks<'_> {
             let coefficient = step.series.coupler(i, self.play.steady(i));
             let force = SIGN.map(|sign| reach(&coefficient, sign)).into_iter().fold(0.0, f64::max);
             let rating = self.sides().iter().map(|&side| self.rating(i, side)).fold(0.0, f64::max);
-            let (size, tau) = (force.max(rating) * jolt(state, i), end - from);
+            let (size, tau) = (force.max(rating) * root_inverse_mass(state, i), end - from);
             push[i] = [push[i][0].max(size * tau), push[i][1].max(size * tau * tau)];
         }
         let all = push.iter().fold([0.0; 2], |sum, p| [sum[0] + p[0], sum[1] + p[1]]);
         let moved = |i: usize| {
             let [once, twice] = [0, 1].map(|q| (all[q] - push[i][q]).max(0.0));
-            jolt(state, i) * (state.dashpot[i + 1] * once + 0.5 * state.stiffness[i + 1] * twice)
+            root_inverse_mass(state, i) * (state.dashpot[i + 1] * once + 0.5 * state.stiffness[i + 1] * twice)
         };
         (0..push.len()).map(moved).collect()
     }

@@ -4,12 +4,12 @@
 //! q = F / k at the break       q' = v_i - v_{i+1}       (q: distance of the vehicles beyond that of the unloaded coupler)
 //! ```
 //!
-//! A gap is closed where q < 0. Then the vehicles would push each other, which no equation here knows: from then on the motion is
-//! not the train's.
+//! A gap is closed where q < 0. Then the vehicles would push each other, which is not in these equations: from then on
+//! the motion is not the train's.
 //!
 //! After the break of one coupler that carries the draft F_b, and nothing more, its gap never closes, whatever the masses,
 //! springs and dampers: against the steady motion the front part is driven by the constant force F_b on its last vehicle, at
-//! displacement x, and by nothing else. That force has done the work F_b x(t), which is what the part has stored and lost,
+//! displacement x, and by nothing else. That force has done the work F_b x(t), which the part has stored or lost,
 //! so that F_b x(t) >= 0 at every instant; likewise for the rear part, whose first vehicle is driven by -F_b. Both vehicles are
 //! therefore never nearer than at the break. So only couplers that break in buff, for which q < 0 from the start, and several
 //! breaks, or breaks under other forces, can close a gap.
@@ -27,7 +27,7 @@ pub struct Gaps {
 }
 
 impl Gaps {
-    /// A spring with this elongation breaks at a time; `error` is how far that may be from the truth.
+    /// A spring with this elongation breaks at a time; `error` bounds the elongation's error.
     pub fn add(&mut self, spring: usize, elongation: f64, time: f64, error: f64) {
         if elongation < -error {
             self.closes.get_or_insert((spring, time));

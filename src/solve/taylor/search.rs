@@ -35,7 +35,7 @@ pub struct Found {
     /// At which share of the step.
     pub share: f64,
     /// Spring, force, and how far its exact instant may be from that.
-    pub(super) torn: Vec<(usize, f64, f64)>,
+    pub(super) broken_now: Vec<(usize, f64, f64)>,
 }
 
 /// The search for couplers that break.
@@ -49,9 +49,9 @@ pub struct Breaks<'a> {
     /// Per coupler and sign: since when it may be over its rating.
     pub(super) near: Vec<[Option<f64>; 2]>,
     /// Per coupler and sign: it has been certainly under its rating.
-    pub(super) departed: Vec<[bool; 2]>,
+    pub(super) left_rating: Vec<[bool; 2]>,
     /// A coupler that may have broken before another one did, and so may have kept it from breaking, and since when.
-    pub(super) doubt: Option<(usize, f64)>,
+    pub(super) undecided: Option<(usize, f64)>,
     /// Norm of the error, of the motion, and bound on that of its derivative, at `since`.
     error: f64,
     motion: f64,
@@ -60,7 +60,7 @@ pub struct Breaks<'a> {
 }
 
 impl<'a> Breaks<'a> {
-    /// At t = 0: takes out what the event breaks, and what the load alone does.
+    /// At t = 0: breaks what the event breaks, and what the load alone does.
     pub fn new(play: &'a Play, rates: Rates, state: &mut State, series: &mut Series) -> Breaks<'a> {
         let springs = play.scene.initial.len();
         let mut breaks = Breaks {
@@ -69,8 +69,8 @@ impl<'a> Breaks<'a> {
             breakages: Vec::new(),
             gaps: Gaps::default(),
             near: vec![[None; 2]; springs],
-            departed: vec![[true; 2]; springs],
-            doubt: None,
+            left_rating: vec![[true; 2]; springs],
+            undecided: None,
             error: start_error(play),
             motion: 0.0,
             derivative: 0.0,
@@ -81,15 +81,15 @@ impl<'a> Breaks<'a> {
             state.break_spring(b, play.steady(b));
         }
         let over = |i: usize| breaks.sides().iter().any(|&side| breaks.signed(i, side) > breaks.rating(i, side));
-        let torn: Vec<_> = (0..springs).filter(|&i| state.whole(i) && over(i)).collect();
-        if !torn.is_empty() {
-            let torn = torn.into_iter().map(|i| (i, play.scene.initial[i], 0.0)).collect();
-            breaks.tear(Found { share: 0.0, torn }, 0.0, state);
+        let broken_now: Vec<_> = (0..springs).filter(|&i| state.whole(i) && over(i)).collect();
+        if !broken_now.is_empty() {
+            let broken_now = broken_now.into_iter().map(|i| (i, play.scene.initial[i], 0.0)).collect();
+            breaks.break_springs(Found { share: 0.0, broken_now }, 0.0, state);
         }
         breaks.measure(state, series);
         let bound = breaks.bound();
         for i in (0..springs).filter(|&i| state.whole(i)) {
-            breaks.departed[i] = [0, 1].map(|side| breaks.signed(i, side) < breaks.rating(i, side) - bound);
+            breaks.left_rating[i] = [0, 1].map(|side| breaks.signed(i, side) < breaks.rating(i, side) - bound);
         }
         breaks
     }
@@ -117,14 +117,14 @@ impl<'a> Breaks<'a> {
         let width = 1.0 / self.rates.largest;
         series.expand(state, width, |out| out.fill(0.0));
         let variation = self.play.drive.measures()[1];
-        self.derivative = series.speed(state, width) + self.rates.jolt * variation;
+        self.derivative = series.speed(state, width) + self.rates.root_inverse_mass * variation;
         self.motion = (2.0 * (kinetic(state) + strain(state, &vec![0.0; self.play.scene.initial.len()]))).sqrt();
     }
 
     /// Growth of the error's norm per unit of time, with the roundings of what is shown.
     fn growth(&self) -> f64 {
         let sup = self.play.drive.measures()[0];
-        let rate = (1.0 + 2.0 * self.rates.drag) * self.derivative + self.rates.jolt * sup;
+        let rate = (1.0 + 2.0 * self.rates.drag) * self.derivative + self.rates.root_inverse_mass * sup;
         (ROUNDINGS + SHOWN) * U * rate
     }
 
@@ -143,7 +143,7 @@ impl<'a> Breaks<'a> {
         let (error, horizon) = (self.norm_error(), self.play.scene.horizon);
         let stiffness = &self.play.scene.chain.stiffness;
         self.gaps.follow(series, from, width, share, |i| {
-            error * (1.0 / stiffness[i].sqrt() + 2.0 * horizon * jolt(state, i))
+            error * (1.0 / stiffness[i].sqrt() + 2.0 * horizon * root_inverse_mass(state, i))
         });
     }
 
@@ -154,10 +154,10 @@ impl<'a> Breaks<'a> {
 
     /// The first coupler that may have passed its rating and was not seen to, and when: at t = 0 if it stood there and never left.
     pub fn open(&self) -> Option<(usize, f64)> {
-        let since = |i: usize, side: usize| if self.departed[i][side] { self.near[i][side] } else { Some(0.0) };
+        let since = |i: usize, side: usize| if self.left_rating[i][side] { self.near[i][side] } else { Some(0.0) };
         let sides = (0..self.near.len()).flat_map(|i| self.sides().iter().map(move |&side| (i, side)));
         let near = sides.filter_map(|(i, side)| Some((i, since(i, side)?)));
-        near.chain(self.doubt).min_by(|a, b| a.1.total_cmp(&b.1))
+        near.chain(self.undecided).min_by(|a, b| a.1.total_cmp(&b.1))
     }
 
     /// The first breakage within a step, if there is one.
@@ -167,10 +167,10 @@ impl<'a> Breaks<'a> {
         }
         let step = Step { state, series, from, width };
         let plain = self.passing(&step, &[]);
-        let waiting = self.doubt.is_none() && self.near.iter().flatten().any(Option::is_some);
-        let (passing, torn) =
+        let waiting = self.undecided.is_none() && self.near.iter().flatten().any(Option::is_some);
+        let (passing, broken_now) =
             if plain.is_empty() && !waiting { (plain, Vec::new()) } else { self.decide(&step, plain) };
-        let found = (!torn.is_empty()).then(|| step.tear(torn.iter().map(|&n| &passing[n])));
+        let found = (!broken_now.is_empty()).then(|| step.found(broken_now.iter().map(|&n| &passing[n])));
         let until = from + found.as_ref().map_or(1.0, |f| f.share) * width;
         for p in passing.iter().filter(|p| p.from <= until) {
             self.near[p.spring][p.side].get_or_insert(p.from);
@@ -180,12 +180,12 @@ impl<'a> Breaks<'a> {
     }
 
     fn note_departures(&mut self, state: &State, series: &Series, share: f64, bound: f64) {
-        for i in 0..self.departed.len() {
+        for i in 0..self.left_rating.len() {
             for &side in self.sides() {
-                if !self.departed[i][side] && state.whole(i) {
+                if !self.left_rating[i][side] && state.whole(i) {
                     let coefficient = series.coupler(i, self.play.steady(i));
                     let value = SIGN[side] * coefficient.iter().rev().fold(0.0, |sum, c| sum * share + c);
-                    self.departed[i][side] = value < self.rating(i, side) - 4.0 * bound;
+                    self.left_rating[i][side] = value < self.rating(i, side) - 4.0 * bound;
                 }
             }
         }
@@ -194,30 +194,31 @@ impl<'a> Breaks<'a> {
     /// Breaks what was found and goes on from there.
     pub fn apply(&mut self, found: Found, time: f64, state: &mut State, series: &mut Series) {
         let late = self.growth() * (time - self.since);
-        let torn: f64 = found.torn.iter().map(|(i, force, apart)| apart * force.abs() * jolt(state, *i)).sum();
-        self.error += late + torn;
+        let broken_now: f64 =
+            found.broken_now.iter().map(|(i, force, apart)| apart * force.abs() * root_inverse_mass(state, *i)).sum();
+        self.error += late + broken_now;
         self.since = time;
-        self.tear(found, time, state);
+        self.break_springs(found, time, state);
         self.measure(state, series);
     }
 
-    fn tear(&mut self, found: Found, time: f64, state: &mut State) {
+    fn break_springs(&mut self, found: Found, time: f64, state: &mut State) {
         let steady: &[f64] = &(0..self.near.len()).map(|i| self.play.steady(i)).collect::<Vec<_>>();
         let before = strain(state, steady);
         let own = |i: usize| 0.5 * (steady[i] + state.force[0][i + 1]).powi(2) / state.stiffness[i + 1];
-        let energy = found.torn.iter().map(|t| own(t.0)).collect();
+        let energy = found.broken_now.iter().map(|t| own(t.0)).collect();
         let error = self.norm_error();
-        for (i, ..) in &found.torn {
+        for (i, ..) in &found.broken_now {
             let k = state.stiffness[i + 1];
             self.gaps.add(*i, (steady[*i] + state.force[0][i + 1]) / k, time, error / k.sqrt());
             state.break_spring(*i, steady[*i]);
-            (self.near[*i], self.departed[*i]) = ([None; 2], [true; 2]);
+            (self.near[*i], self.left_rating[*i]) = ([None; 2], [true; 2]);
         }
         self.breakages.push(Breakage {
             time,
-            springs: found.torn.iter().map(|t| t.0).collect(),
-            force: found.torn.iter().map(|t| t.1).collect(),
-            uncertainty: found.torn.iter().map(|t| t.2).fold(0.0, f64::max),
+            springs: found.broken_now.iter().map(|t| t.0).collect(),
+            force: found.broken_now.iter().map(|t| t.1).collect(),
+            uncertainty: found.broken_now.iter().map(|t| t.2).fold(0.0, f64::max),
             velocity: state.velocity[0].clone(),
             kinetic: kinetic(state),
             strain: [before, strain(state, steady)],
@@ -240,7 +241,7 @@ fn start_error(play: &Play) -> f64 {
 }
 
 /// `sqrt(1 / m + 1 / m')` of the masses at a spring.
-pub(super) fn jolt(state: &State, i: usize) -> f64 {
+pub(super) fn root_inverse_mass(state: &State, i: usize) -> f64 {
     (state.inverse_mass[i] + state.inverse_mass[i + 1]).sqrt()
 }
 

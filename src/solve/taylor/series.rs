@@ -8,15 +8,15 @@ use crate::solve::local::{COEFFICIENTS, Local};
 /// lies between springs `v` and `v + 1`.
 #[derive(Clone, Debug)]
 pub struct State {
-    /// Stiffness and dashpot of each spring; zero once it is broken.
+    /// Of each spring; zero once it is broken.
     pub stiffness: Vec<f64>,
-    /// See there.
+    /// Likewise.
     pub dashpot: Vec<f64>,
     /// 0 for a held mass.
     pub inverse_mass: Vec<f64>,
-    /// Spring forces beyond the steady ones, and what their rounding left.
+    /// Spring forces beyond the steady ones, and their rounding errors.
     pub force: [Vec<f64>; 2],
-    /// Speeds against the steady motion, and what their rounding left.
+    /// Speeds against the steady motion, and their rounding errors.
     pub velocity: [Vec<f64>; 2],
     /// Mass on which the drive acts.
     pub source: usize,
@@ -43,7 +43,7 @@ impl State {
         self.stiffness[i + 1] > 0.0
     }
 
-    /// A spring breaks: from now on it carries nothing, which is minus its steady force beyond that.
+    /// Breaks a spring: its force is now 0, which is minus the steady force beyond the steady one.
     pub fn break_spring(&mut self, i: usize, steady: f64) {
         (self.stiffness[i + 1], self.dashpot[i + 1]) = (0.0, 0.0);
         (self.force[0][i + 1], self.force[1][i + 1]) = (-steady, 0.0);
@@ -82,7 +82,7 @@ impl Series {
         let masses = state.inverse_mass.len();
         for k in 0..=DEGREE {
             let share = width / (k + 1) as f64;
-            // What rounding has left belongs to the state; differences are taken of it apart, so that they do not lose it.
+            // The state includes its rounding errors; their differences are taken separately, so that none is lost.
             let rest = (k == 0).then_some((&state.force[1], &state.velocity[1]));
             let (now, next) = self.force.split_at_mut((k + 1).min(DEGREE + 1));
             let (force, mut next) = (&now[k], next.first_mut());
@@ -144,7 +144,7 @@ impl Series {
     }
 }
 
-/// The sum and what its rounding leaves (Knuth).
+/// The sum and its rounding error (Knuth).
 fn add(a: f64, b: f64) -> (f64, f64) {
     let s = a + b;
     let t = s - a;

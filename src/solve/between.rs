@@ -19,7 +19,7 @@ use super::watch::{SpringPeaks, Watch};
 use crate::chain::Scene;
 
 /// Largest phase of a step, h omega_max.
-pub const PHASE: f64 = 1.5;
+pub(crate) const PHASE: f64 = 1.5;
 /// Springs around the one in question that the series need, and its place among them.
 const WINDOW: usize = 2 * POWERS - 1;
 const CENTRE: usize = POWERS - 1;
@@ -163,7 +163,7 @@ impl<'a> Search<'a> {
     }
 
     /// A change of force too small to matter.
-    pub fn negligible(&self) -> f64 {
+    pub(crate) fn negligible(&self) -> f64 {
         0.01 * self.watch.min_rise()
     }
 
@@ -195,7 +195,7 @@ impl<'a> Search<'a> {
     }
 
     /// Whether no step like this one follows: the last one, or the last before a pulse ends.
-    pub fn is_last(&self, step: &Step) -> bool {
+    pub(crate) fn is_last(&self, step: &Step) -> bool {
         let next = step.from + 1.5 * step.width;
         next > self.watch.horizon() || (self.scene.duration > step.from && self.scene.duration < next)
     }
@@ -208,7 +208,7 @@ impl<'a> Search<'a> {
     /// Examines a spring in a step where it may matter. `force` and `bend` are rows of G and of `-h^2 G''` at both
     /// ends, in which spring s stands at s + 1; `remainder` is the spring's second one.
     #[inline(never)]
-    pub fn consider(&mut self, step: &Step, spring: usize, remainder: f64, [force, bend]: [[&[f64]; 2]; 2]) {
+    pub(crate) fn consider(&mut self, step: &Step, spring: usize, remainder: f64, [force, bend]: [[&[f64]; 2]; 2]) {
         let ends = [0, 1].map(|end| even_derivatives(self.motion, step, spring, force[end], bend[end]));
         for negative in [false, true] {
             let sign = if negative { -1.0 } else { 1.0 };
@@ -304,7 +304,7 @@ impl<'a> Search<'a> {
 
     /// After a step: notes which springs have left their rating; `at(end, s)` is G of spring s at its beginning (0) or
     /// end (1).
-    pub fn note_all_left_rating(&mut self, step: &Step, at: impl Fn(usize, usize) -> f64) {
+    pub(crate) fn note_all_left_rating(&mut self, step: &Step, at: impl Fn(usize, usize) -> f64) {
         let mut left = std::mem::take(&mut self.at_rating);
         left.retain_mut(|(spring, negative, lowest)| {
             let end = [self.watch.horizon()];
@@ -315,18 +315,6 @@ impl<'a> Search<'a> {
             !self.note_left_rating(*spring, *negative, value)
         });
         self.at_rating = left;
-    }
-
-    /// Before a step is considered: whether the spring has left its rating at one of the instants since the event.
-    pub fn departures_of(&mut self, spring: usize, forces: &[f64]) {
-        for negative in [false, true] {
-            for &g in forces {
-                if self.note_left_rating(spring, negative, self.value(spring, negative, g)) {
-                    break;
-                }
-                self.note_push(spring, negative, g);
-            }
-        }
     }
 
     /// A side's force from G, what the event has added.
@@ -395,7 +383,7 @@ impl<'a> Search<'a> {
     }
 
     /// Looks into all that is still open.
-    pub fn look_into_all(&mut self) {
+    pub(crate) fn look_into_all(&mut self) {
         self.look(&self.watch.sides().collect::<Vec<_>>());
         self.set_levels();
     }
@@ -425,7 +413,7 @@ impl<'a> Search<'a> {
 
 /// `G`, `h^2 G''` and `h^4 G''''` of a spring at one end of a step, from rows as for [`Search::consider`].
 #[inline(always)]
-pub fn even_derivatives(motion: &Motion, step: &Step, spring: usize, force: &[f64], bend: &[f64]) -> [f64; 3] {
+pub(crate) fn even_derivatives(motion: &Motion, step: &Step, spring: usize, force: &[f64], bend: &[f64]) -> [f64; 3] {
     let (ahead, behind) = (motion.ahead[spring], motion.behind[spring]);
     let around = &bend[spring..spring + 3];
     let pull = ahead * (around[1] - around[0]) + behind * (around[1] - around[2]);

@@ -39,15 +39,15 @@ fn two_product(a: f64, b: f64) -> (f64, f64) {
 
 impl Dd {
     /// Zero.
-    pub const ZERO: Dd = Dd { hi: 0.0, lo: 0.0 };
+    pub(crate) const ZERO: Dd = Dd { hi: 0.0, lo: 0.0 };
     /// One.
-    pub const ONE: Dd = Dd { hi: 1.0, lo: 0.0 };
+    pub(crate) const ONE: Dd = Dd { hi: 1.0, lo: 0.0 };
     /// 2 pi.
-    pub const TWO_PI: Dd = Dd { hi: std::f64::consts::TAU, lo: 2.449_293_598_294_706_4e-16 };
+    pub(crate) const TWO_PI: Dd = Dd { hi: std::f64::consts::TAU, lo: 2.449_293_598_294_706_4e-16 };
 
     /// The product of two `f64`, exactly.
     #[inline(always)]
-    pub fn product(a: f64, b: f64) -> Dd {
+    pub(crate) fn product(a: f64, b: f64) -> Dd {
         let (hi, lo) = two_product(a, b);
         Dd { hi, lo }
     }
@@ -90,7 +90,7 @@ impl Dd {
 
     /// The same for a time that is itself a sum of two numbers.
     #[inline(always)]
-    pub fn phase_of(self, time: Dd) -> f64 {
+    pub(crate) fn phase_of(self, time: Dd) -> f64 {
         let phase = self * time;
         let turns = (phase.hi / Dd::TWO_PI.hi).round();
         (phase - Dd::TWO_PI * Dd::from(turns)).hi
@@ -158,7 +158,7 @@ impl Div for Dd {
 }
 
 /// sin(pi p / q) for any whole p, q > 0, to about 31 digits.
-pub fn sin_pi(p: usize, q: usize) -> Dd {
+pub(crate) fn sin_pi(p: usize, q: usize) -> Dd {
     let p = p % (2 * q);
     if p > q {
         return -sin_pi(p - q, q);

@@ -18,7 +18,7 @@ const FINER: [f64; 3] = [3.0, 2.0, 1.0];
 pub type Sink<'a> = &'a mut dyn FnMut(usize, usize, f64);
 
 /// Forces in all springs of a scene at times that ascend from 0 to its horizon; false if that takes too long.
-pub fn of_scene(scene: &Scene, damping_ratio: f64, times: &[f64], see: Sink) -> bool {
+pub(crate) fn of_scene(scene: &Scene, damping_ratio: f64, times: &[f64], see: Sink) -> bool {
     let springs = scene.initial.len() as f64;
     let by_modes = springs * springs * times.len() as f64 <= MOST;
     if damping_ratio > 0.0 {
@@ -45,7 +45,7 @@ pub fn of_scene(scene: &Scene, damping_ratio: f64, times: &[f64], see: Sink) -> 
 }
 
 /// The same of a play; a broken spring's force is NaN.
-pub fn of_play(play: &Play, times: &[f64], see: Sink) -> bool {
+pub(crate) fn of_play(play: &Play, times: &[f64], see: Sink) -> bool {
     let affordable = taylor::estimate_s(play) <= MOST_SECONDS;
     if affordable {
         taylor::field(play, times, see);

@@ -126,7 +126,7 @@ pub fn fits(scene: &Scene) -> bool {
 }
 
 /// Whether the force acts on a free end.
-pub fn at_free_end(scene: &Scene) -> bool {
+pub(crate) fn at_free_end(scene: &Scene) -> bool {
     let chain = &scene.chain;
     let last = chain.mass.len() - 1;
     scene.source == 0 && !chain.held_head || scene.source == last && !chain.held_tail

@@ -8,7 +8,7 @@
 use super::dd::Dd;
 
 /// Number of coefficients: degree 24 gives `cos` over two radians to 1e-17.
-pub const COEFFICIENTS: usize = 25;
+pub(crate) const COEFFICIENTS: usize = 25;
 
 /// `f(t) = sum_q coefficient[q] x^q`, x = (t - center) / radius in [-1, 1].
 #[derive(Clone, Debug)]
@@ -45,7 +45,7 @@ struct Piece {
 
 impl Local {
     /// The same with the sign turned: its largest value is minus the smallest of `self`.
-    pub fn negated(&self) -> Local {
+    pub(crate) fn negated(&self) -> Local {
         Local { coefficient: self.coefficient.map(|c| -c), ..*self }
     }
 
@@ -57,13 +57,13 @@ impl Local {
 
     /// Value at a time that is a sum of two numbers.
     #[inline]
-    pub fn value_at(&self, time: Dd) -> f64 {
+    pub(crate) fn value_at(&self, time: Dd) -> f64 {
         self.value_and_slope((time - Dd::from(self.center)).to_f64() / self.radius).0
     }
 
     /// Value and slope (per unit of x) at x.
     #[inline]
-    pub fn value_and_slope(&self, x: f64) -> (f64, f64) {
+    pub(crate) fn value_and_slope(&self, x: f64) -> (f64, f64) {
         let (mut value, mut slope) = (0.0, 0.0);
         for &c in self.coefficient[..self.terms].iter().rev() {
             slope = slope * x + value;
@@ -84,7 +84,7 @@ impl Local {
     }
 
     /// An upper bound on the value over each of `pieces` equal pieces of [-1, 1], from values and slopes at their ends.
-    pub fn upper_bounds(&self, pieces: usize) -> impl Iterator<Item = f64> {
+    pub(crate) fn upper_bounds(&self, pieces: usize) -> impl Iterator<Item = f64> {
         let [_, fourth] = self.third_and_fourth();
         let h = 2.0 / pieces as f64;
         let margin = h.powi(4) / 384.0 * fourth;
@@ -240,7 +240,7 @@ impl Piece {
 
 /// The largest value over [0, h] of the cubic with value and slope `left` at 0 and `right` at h.
 #[inline(always)]
-pub fn hermite_top(h: f64, left: [f64; 2], right: [f64; 2]) -> Point {
+pub(crate) fn hermite_top(h: f64, left: [f64; 2], right: [f64; 2]) -> Point {
     let ends = if left[0] >= right[0] { Point { at: 0.0, value: left[0] } } else { Point { at: h, value: right[0] } };
     let (d0, d1) = (left[1] * h, right[1] * h);
     let rise = right[0] - left[0];

@@ -57,7 +57,7 @@ impl Motion {
     }
 
     /// The two remainders of every spring over steps of `width`, per unit of the local norm of `h^2 G''`; whole blocks of springs.
-    pub fn remainders(&self, width: f64) -> [Vec<f64>; 2] {
+    pub(crate) fn remainders(&self, width: f64) -> [Vec<f64>; 2] {
         let square = width * width;
         let factor = [5.0 / 384.0 * square, 61.0 / 46_080.0 * square * square];
         let padding = self.row.len().next_multiple_of(BLOCK) - self.row.len();
@@ -73,11 +73,11 @@ fn row_norm(ahead: &[f64], behind: &[f64], stiffness: &[f64], i: usize) -> f64 {
 }
 
 /// Springs whose norms are taken together.
-pub const BLOCK: usize = 8;
+pub(crate) const BLOCK: usize = 8;
 /// Blocks on either side that count in full: others are 7 springs or more from a block and two springs beside it.
 const NEAR: usize = 1;
 /// Blocks on either side beyond which, 15 springs or more, a step brings at most this much of a motion.
-pub const FAR: usize = 2;
+pub(crate) const FAR: usize = 2;
 const FROM_AFAR: f64 = 4.41e-18;
 /// Entry n: what a step at the largest phase brings of a motion from n springs away or more.
 ///
@@ -91,13 +91,13 @@ const FROM_SPRINGS: [f64; SHELLS + 2] =
 /// Springs beyond the next two whose motion is taken one by one.
 const SHELLS: usize = 10;
 /// Zeros before a row of springs' sizes; at least as many follow it.
-pub const MARGIN: usize = SHELLS + 2;
+pub(crate) const MARGIN: usize = SHELLS + 2;
 
 /// Bounds on the norm of `h^2 G''` over blocks and two springs beside them during a step, `L` side by side, and on what comes over the next
 /// two of a block's springs from more than [`SHELLS`] springs beyond; from squared norms at the step's two ends: those of the blocks
 /// from `FAR` before to `FAR` behind, and of all blocks together.
 #[inline(always)]
-pub fn local_norms<const L: usize>(around: [[[f64; L]; 2 * FAR + 1]; 2], all: [[f64; L]; 2]) -> [[f64; L]; 2] {
+pub(crate) fn local_norms<const L: usize>(around: [[[f64; L]; 2 * FAR + 1]; 2], all: [[f64; L]; 2]) -> [[f64; L]; 2] {
     let (mut near, mut far) = ([[0.0; L]; 2], [[0.0; L]; 2]);
     for end in 0..2 {
         for (n, block) in around[end].iter().enumerate() {
@@ -121,7 +121,7 @@ pub fn local_norms<const L: usize>(around: [[[f64; L]; 2 * FAR + 1]; 2], all: [[
 /// Bounds on the norm of `h^2 G''` during a step over every spring of a block and the next two on either side: from its size
 /// `|h^2 G''| / sqrt(k)` at both ends in every spring, the block's first at `from`, and the two bounds of [`local_norms`].
 #[inline(always)]
-pub fn norms_around(sizes: [&[f64]; 2], from: usize, [norm, beyond]: [f64; 2]) -> [f64; BLOCK] {
+pub(crate) fn norms_around(sizes: [&[f64]; 2], from: usize, [norm, beyond]: [f64; 2]) -> [f64; BLOCK] {
     let more = |a: f64, b: f64| if a > b { a } else { b };
     let (mut near, mut beyond) = ([[0.0; BLOCK]; 2], [beyond; BLOCK]);
     for place in 0..=2 * MARGIN {
@@ -171,7 +171,7 @@ pub fn excess(f: [f64; 2], q: [f64; 2], remainder: f64, level: [f64; 2], crossin
 
 /// Whether any of these is positive.
 #[inline(always)]
-pub fn any_positive<const L: usize>(open: [f64; L]) -> bool {
+pub(crate) fn any_positive<const L: usize>(open: [f64; L]) -> bool {
     let mut any = false;
     for passed in open {
         any |= passed > 0.0;
@@ -181,7 +181,7 @@ pub fn any_positive<const L: usize>(open: [f64; L]) -> bool {
 
 /// Lower and upper bound of the largest value over a step, from `G`, `h^2 G''`, `h^4 G''''` at both ends and the remainder.
 #[inline(always)]
-pub fn bracket([left, right]: [[f64; 3]; 2], remainder: f64) -> [f64; 2] {
+pub(crate) fn bracket([left, right]: [[f64; 3]; 2], remainder: f64) -> [f64; 2] {
     let rise = right[0] - left[0];
     // Slopes of the cubic that has these values and second derivatives.
     let slopes = [rise - left[1] / 3.0 - right[1] / 6.0, rise + left[1] / 6.0 + right[1] / 3.0];
@@ -197,7 +197,7 @@ pub fn bracket([left, right]: [[f64; 3]; 2], remainder: f64) -> [f64; 2] {
 /// The remainder's second derivative is that of the shorter series for `h^2 G''`, `5 / 384` of the same maximum, and the
 /// remainder vanishes at both ends: its slope is at most half of that.
 #[inline(always)]
-pub fn least_slope([left, right]: [[f64; 3]; 2], remainder: f64) -> f64 {
+pub(crate) fn least_slope([left, right]: [[f64; 3]; 2], remainder: f64) -> f64 {
     let first = right[0] - left[0] - left[1] / 3.0 - right[1] / 6.0;
     let last = first + 0.5 * (left[1] + right[1]);
     let turns = left[1] < 0.0 && right[1] > 0.0;

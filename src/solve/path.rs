@@ -62,17 +62,17 @@ impl Path {
     }
 
     /// Node of mass `v`, a live one.
-    pub fn mass_node(&self, v: usize) -> usize {
+    pub(crate) fn mass_node(&self, v: usize) -> usize {
         if self.begins_with_mass { 2 * v } else { 2 * v - 1 }
     }
 
     /// Node of spring `i`.
-    pub fn spring_node(&self, i: usize) -> usize {
+    pub(crate) fn spring_node(&self, i: usize) -> usize {
         if self.begins_with_mass { 2 * i + 1 } else { 2 * i }
     }
 
     /// An upper bound on the largest frequency: the largest row sum.
-    pub fn omega_bound(&self) -> f64 {
+    pub(crate) fn omega_bound(&self) -> f64 {
         let g = |l: Option<&Dd>| l.map_or(0.0, |w| w.hi.sqrt());
         let row = |l: usize| g(l.checked_sub(1).and_then(|p| self.weight.get(p))) + g(self.weight.get(l));
         (0..self.nodes()).map(row).fold(0.0, f64::max) * (1.0 + 1e-15)

@@ -726,7 +726,7 @@ fn horner(
 static KICK_SERIES: OnceLock<Vec<f64>> = OnceLock::new();
 
 /// `(4 sin^2(theta / 2) / theta^2 - 1) / theta^2` as a polynomial in theta^2: `2 sum_k (-1)^(k+1) x^k / (2k + 4)!`.
-pub fn kick_series(terms: usize, phase: f64) -> Vec<f64> {
+pub(crate) fn kick_series(terms: usize, phase: f64) -> Vec<f64> {
     polynomial(terms, phase, |x| {
         let terms = (0..16).rev().fold(Dd::ZERO, |sum, k| {
             let over = Dd::from(f64::from((2 * k + 5) * (2 * k + 6)));

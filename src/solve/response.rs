@@ -254,7 +254,7 @@ impl UnitResponse {
 
 impl Mapping {
     /// A time in the response's unit. Whole transits are whole numbers but for roundoff.
-    pub fn in_its_unit(self, time: f64) -> f64 {
+    pub(crate) fn in_its_unit(self, time: f64) -> f64 {
         let Some(unit) = self.time else { return time };
         let (own, whole) = (time / unit, (time / unit).round());
         if (own - whole).abs() <= 4.0 * f64::EPSILON * whole { whole } else { own }

@@ -37,7 +37,7 @@ const MOST_LOOKS: u64 = 40_000_000;
 /// Nanoseconds for one look, per mode.
 const LOOK: f64 = 100.0;
 /// Nanoseconds for one product in a sum over modes, value and slope together, as matrix products do it.
-pub const MODE_SUM: f64 = 0.12;
+pub(crate) const MODE_SUM: f64 = 0.12;
 /// Nanoseconds to bound a spring's force in a cell, in both senses.
 const SURVEY: f64 = 6.0;
 /// The longest that a grid which resolves all modes may take.
@@ -109,7 +109,7 @@ fn survey_price(modes: usize, springs: usize, cells: f64) -> f64 {
 }
 
 /// Nanoseconds of a search in which every mode matters, from the largest frequency on the first grid and of all modes.
-pub fn most_nanoseconds(scene: &Scene, [slow, all]: [f64; 2]) -> f64 {
+pub(crate) fn most_nanoseconds(scene: &Scene, [slow, all]: [f64; 2]) -> f64 {
     let springs = scene.initial.len();
     let [slow, fine] = [slow, all].map(|omega| survey_price(springs, springs, cells(scene.horizon, &[omega])));
     let looks = MOST_LOOKS as f64 * LOOK;
@@ -499,7 +499,7 @@ impl Grid {
 /// How many modes to sum on the grid: all, unless the frequencies have a gap of 4 or more above at least half of them.
 ///
 /// Above such a gap modes are of stiff connections or light vehicles, and carry little force except near the event.
-pub fn resolved_modes(omega: &[f64]) -> usize {
+pub(crate) fn resolved_modes(omega: &[f64]) -> usize {
     let half = omega.len().div_ceil(2).max(1);
     let gap = (half..omega.len()).find(|&j| omega[j] > 4.0 * omega[j - 1]);
     gap.unwrap_or(omega.len())

@@ -6,9 +6,9 @@ use super::between::PHASE;
 use super::dd::Dd;
 
 /// Powers of X that [`table`]'s functions need for 1e-16 up to the largest phase.
-pub const POWERS: usize = 14;
+pub(crate) const POWERS: usize = 14;
 /// Coefficients of z, even and odd each, for the same.
-pub const DEGREE: usize = 10;
+pub(crate) const DEGREE: usize = 10;
 
 /// Coefficients of z in the two functions of [`super::between`], for each power of X.
 pub struct Table {
@@ -43,17 +43,17 @@ fn signed_power(x: Dd, m: usize) -> Dd {
 }
 
 /// `cos(sqrt x)`
-pub fn cosine_of_root(x: Dd) -> Dd {
+pub(crate) fn cosine_of_root(x: Dd) -> Dd {
     (0..16).rev().fold(Dd::ONE, |sum, k| Dd::ONE - x * sum / Dd::from(f64::from((2 * k + 1) * (2 * k + 2))))
 }
 
 /// `sin(sqrt x) / sqrt x`
-pub fn sine_over_root(x: Dd) -> Dd {
+pub(crate) fn sine_over_root(x: Dd) -> Dd {
     (0..16).rev().fold(Dd::ONE, |sum, k| Dd::ONE - x * sum / Dd::from(f64::from((2 * k + 2) * (2 * k + 3))))
 }
 
 /// The polynomial of `terms` terms through `f` at the Chebyshev points of 0 <= x <= phase^2, in powers of x.
-pub fn polynomial(terms: usize, phase: f64, f: impl Fn(Dd) -> Dd) -> Vec<f64> {
+pub(crate) fn polynomial(terms: usize, phase: f64, f: impl Fn(Dd) -> Dd) -> Vec<f64> {
     let top = phase * phase;
     let point = |k: usize| {
         let angle = std::f64::consts::PI * (2 * k + 1) as f64 / (2 * terms) as f64;

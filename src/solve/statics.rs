@@ -6,7 +6,7 @@ use crate::chain::Chain;
 ///
 /// A chain free at both ends accelerates as a whole, and each spring carries the inertia of what it drags or pushes; one
 /// held end takes the whole force; two share it as their springs' compliances allow.
-pub fn unit_force(chain: &Chain, source: usize) -> Vec<f64> {
+pub(crate) fn unit_force(chain: &Chain, source: usize) -> Vec<f64> {
     let springs = chain.stiffness.len();
     let (ahead, behind): (Vec<f64>, Vec<f64>) = match (chain.held_head, chain.held_tail) {
         (true, false) => (vec![1.0; springs], vec![0.0; springs]),

@@ -58,7 +58,7 @@ impl Stretch {
 pub(super) type Coordinates = [f64; 3];
 
 /// Removes modes that together change no force by more than `share`; returns by how much they can.
-pub fn leave_out(scene: &Scene, modes: &mut Modes, share: f64) -> f64 {
+pub(crate) fn leave_out(scene: &Scene, modes: &mut Modes, share: f64) -> f64 {
     let size = |j: usize| swing(scene, modes.omega[j]) * modes.share.column(j).amax();
     let mut by_size: Vec<(f64, usize)> = (0..modes.omega.len()).map(|j| (size(j), j)).collect();
     by_size.sort_by(|a, b| a.0.total_cmp(&b.0));

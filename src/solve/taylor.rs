@@ -149,7 +149,7 @@ pub fn solve(play: &Play) -> Result<TaylorOutcome, SolveError> {
 ///
 /// # Errors
 /// [`SolveError::TooMuch`] when it would run for hours.
-pub fn solve_to_mark(play: &Play, mark: Option<f64>) -> Result<TaylorOutcome, SolveError> {
+pub(crate) fn solve_to_mark(play: &Play, mark: Option<f64>) -> Result<TaylorOutcome, SolveError> {
     let seconds = estimate_s(play);
     if seconds > MOST_SECONDS {
         let advice = "a shorter horizon takes less, in proportion".to_owned();

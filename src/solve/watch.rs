@@ -16,7 +16,7 @@ const PUSH: f64 = 1e-8;
 
 /// Bound on the error of an extreme of forces that are within `bound` of the truth: a value that is larger than the
 /// best by less than `MIN_RISE` of the bound is not taken.
-pub fn bound_of_extremes(bound: f64) -> f64 {
+pub(crate) fn bound_of_extremes(bound: f64) -> f64 {
     (1.0 + MIN_RISE) * bound
 }
 
@@ -26,7 +26,7 @@ pub fn bound_of_extremes(bound: f64) -> f64 {
 /// With s the most that a piece omits: it is within `bound + s` of the truth. Where its largest value is, the force is
 /// at most s less, and nowhere is it more than s over it: a value there is at most `2 s` under the largest one.
 /// `bound + 2 s` covers both, and s is a tenth of that sum.
-pub fn bound_of_pieces(bound: f64) -> f64 {
+pub(crate) fn bound_of_pieces(bound: f64) -> f64 {
     bound / (1.0 - 2.0 * PIECE_TOLERANCE)
 }
 
@@ -90,7 +90,7 @@ impl SpringPeaks {
 
 impl SpringPeaks {
     /// Times in other units.
-    pub fn scale_time(&mut self, unit: f64) {
+    pub(crate) fn scale_time(&mut self, unit: f64) {
         for side in [&mut self.draft, &mut self.buff] {
             side.best.at *= unit;
             side.first_over = side.first_over.map(|t| t * unit);
@@ -157,18 +157,18 @@ impl Watch {
 
     /// Whether a side stood at its rating before the event, within the bound, and has not left it.
     #[inline]
-    pub fn at_rating(&self, spring: usize, negative: bool) -> bool {
+    pub(crate) fn at_rating(&self, spring: usize, negative: bool) -> bool {
         !self.peaks[spring].side(negative).left_rating
     }
 
     /// Whether a value is so far under the rating that its force has left the rating.
     #[inline]
-    pub fn is_well_below_rating(&self, spring: usize, negative: bool, value: f64) -> bool {
+    pub(crate) fn is_well_below_rating(&self, spring: usize, negative: bool, value: f64) -> bool {
         value < self.rating(spring, negative) - 4.0 * self.bound
     }
 
     /// Takes note of one value of a force, at time t.
-    pub fn note_value(&mut self, spring: usize, negative: bool, t: f64, value: f64) {
+    pub(crate) fn note_value(&mut self, spring: usize, negative: bool, t: f64, value: f64) {
         let (over, cautious) = (self.certainly_over(spring, negative, value), self.cautious_rating(spring, negative));
         let side = self.side_mut(spring, negative);
         if over && side.first_over.is_none() {
@@ -181,7 +181,7 @@ impl Watch {
     }
 
     /// Notes a force that is certainly under the rating; returns whether it is.
-    pub fn note_left_rating(&mut self, spring: usize, negative: bool, value: f64) -> bool {
+    pub(crate) fn note_left_rating(&mut self, spring: usize, negative: bool, value: f64) -> bool {
         let left_rating = self.is_well_below_rating(spring, negative, value);
         if left_rating {
             self.side_mut(spring, negative).left_rating = true;
@@ -191,7 +191,7 @@ impl Watch {
 
     /// At the end: decides on a side that stood at its rating, by the lowest value seen. If that is not certainly
     /// below, it is undecided whether it passed the rating.
-    pub fn decide_at_rating(&mut self, spring: usize, negative: bool, lowest: f64) {
+    pub(crate) fn decide_at_rating(&mut self, spring: usize, negative: bool, lowest: f64) {
         let undecided = self.bound > 0.0 && !self.note_left_rating(spring, negative, lowest);
         let largest = self.peaks[spring].side(negative).best.value + self.min_rise();
         let near = largest > self.cautious_rating(spring, negative);
@@ -200,14 +200,14 @@ impl Watch {
 
     /// A side that still stands at its rating is pushed by `push` to a value: it may pass the rating by less than can
     /// be computed, if the value is within the bound of it.
-    pub fn note_push(&mut self, spring: usize, negative: bool, push: f64, value: f64) {
+    pub(crate) fn note_push(&mut self, spring: usize, negative: bool, push: f64, value: f64) {
         if push > PUSH * self.bound {
             self.note_upper_bound(spring, negative, value);
         }
     }
 
     /// At the end, when every instant with a side certainly under its rating is noted ([`Watch::note_left_rating`]).
-    pub fn decide_all_at_rating(&mut self) {
+    pub(crate) fn decide_all_at_rating(&mut self) {
         for (spring, negative) in self.sides() {
             if self.at_rating(spring, negative) {
                 self.decide_at_rating(spring, negative, self.rating(spring, negative));
@@ -216,13 +216,13 @@ impl Watch {
     }
 
     /// Notes a bound on what was not examined: whether a side passes its rating may stay open.
-    pub fn note_upper_bound(&mut self, spring: usize, negative: bool, upper: f64) {
+    pub(crate) fn note_upper_bound(&mut self, spring: usize, negative: bool, upper: f64) {
         let near = upper > self.cautious_rating(spring, negative);
         self.side_mut(spring, negative).near |= near;
     }
 
     /// A side that has certainly passed its rating by a time, even if the first such instant is not known.
-    pub fn note_over_by(&mut self, spring: usize, negative: bool, until: f64) {
+    pub(crate) fn note_over_by(&mut self, spring: usize, negative: bool, until: f64) {
         let until = until.min(self.horizon);
         self.side_mut(spring, negative).first_over.get_or_insert(until);
     }
@@ -234,30 +234,30 @@ impl Watch {
 
     /// Below this a force is certainly not over the rating.
     #[inline]
-    pub fn cautious_rating(&self, spring: usize, negative: bool) -> f64 {
+    pub(crate) fn cautious_rating(&self, spring: usize, negative: bool) -> f64 {
         self.rating(spring, negative) - self.bound
     }
 
     /// Whether a computed value is over the rating whatever its error.
     #[inline]
-    pub fn certainly_over(&self, spring: usize, negative: bool, value: f64) -> bool {
+    pub(crate) fn certainly_over(&self, spring: usize, negative: bool, value: f64) -> bool {
         value > self.rating(spring, negative) + self.bound
     }
 
     /// How far a piece that is passed may be from the force without changing a verdict.
     #[inline]
-    pub fn piece_tolerance(&self) -> f64 {
+    pub(crate) fn piece_tolerance(&self) -> f64 {
         PIECE_TOLERANCE * self.bound
     }
 
     /// Smaller differences in force are ignored: an eighth of the bound, or more after [`Watch::coarsen`].
     #[inline]
-    pub fn min_rise(&self) -> f64 {
+    pub(crate) fn min_rise(&self) -> f64 {
         self.min_rise
     }
 
     /// From here on differences under `min_rise` are ignored. Verdicts do not depend on it.
-    pub fn coarsen(&mut self, min_rise: f64) {
+    pub(crate) fn coarsen(&mut self, min_rise: f64) {
         self.min_rise = self.min_rise.max(min_rise);
     }
 
@@ -287,13 +287,20 @@ impl Watch {
     }
 
     /// The same for pieces that are not in the order of time: first exceedances are not noted.
-    pub fn note_peak(&mut self, spring: usize, negative: bool, local: &Local, end: f64, exact: impl Fn(Dd) -> f64) {
+    pub(crate) fn note_peak(
+        &mut self,
+        spring: usize,
+        negative: bool,
+        local: &Local,
+        end: f64,
+        exact: impl Fn(Dd) -> f64,
+    ) {
         let level = self.peaks[spring].side(negative).best.value.min(self.cautious_rating(spring, negative));
         self.note_largest(spring, negative, local, [end, level], exact);
     }
 
     /// Takes note of where the force passes its rating, if no earlier instant is known and it certainly does so here.
-    pub fn note_crossing(&mut self, spring: usize, negative: bool, local: &Local) -> bool {
+    pub(crate) fn note_crossing(&mut self, spring: usize, negative: bool, local: &Local) -> bool {
         let turned;
         let local = if negative {
             turned = local.negated();

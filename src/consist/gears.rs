@@ -76,7 +76,7 @@ impl Gear {
     }
 
     fn told(&self, bad: CurveProblem) -> [String; 2] {
-        let help = "travel rises from 0 from row to row, no force falls, and unloading is at most loading";
+        let help = "travel begins at 0 and rises from row to row, forces do not fall, and unloading is at most loading";
         [format!("{}: {}", self.name, bad.renumbered(|row| self.numbers[row - 1])), help.to_owned()]
     }
 }

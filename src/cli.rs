@@ -76,7 +76,7 @@ pub enum Command {
     )]
     Analyze(Analyze),
     /// Analyse many trains and what-ifs: one row for each case, and a report on all trains
-    #[command(after_help = FLEET, mut_arg("units", |arg| arg.help("Units of fleet.html and of full reports: si or us [default: si, and each file's]")))]
+    #[command(after_help = FLEET, mut_arg("units", |arg| arg.help("Units of fleet.html and of full reports: si or us")))]
     Fleet(Fleet),
     /// Compare the error and run time of all methods and of common simulation methods on one train
     #[command(after_help = "Example: trainsafe accuracy trains/paper-figure-4.toml --out accuracy/figure-4")]
@@ -84,7 +84,7 @@ pub enum Command {
     /// Open a train's report as a page that computes every change at once (needs the feature serve)
     #[command(after_help = SERVE)]
     Serve(Serve),
-    /// Check train files: what is wrong or doubtful, what each train is and what will be run
+    /// Check train files: print what is wrong or doubtful, describe each train, and say what will be computed
     #[command(after_help = CHECK, mut_arg("units", |arg| arg.help("Units of what is printed: si or us [default: the file's]")))]
     Check(Check),
     /// Print a commented train file to start from
@@ -181,10 +181,10 @@ pub struct Analyze {
     /// Print result.json to standard output; write no files
     #[arg(long, conflicts_with_all = ["out", "units"])]
     pub json: bool,
-    /// Exit with status 1 if some coupler exceeds, or if the computation cannot decide it for some coupler
+    /// Exit with status 1 if a coupler exceeds its rating, or if it is not decided whether one does
     #[arg(long)]
     pub fail_on_exceed: bool,
-    /// Leave out couplers that cannot exceed their rating at any time; none where limits are below ratings
+    /// Leave out couplers that cannot exceed their rating at any time; leaves out none where limits are below ratings
     #[arg(long)]
     pub verdict_only: bool,
     /// Report a bound on every coupler's force over all time
@@ -232,7 +232,7 @@ pub struct Fleet {
     /// Print the number of cases and about how long they will take, and stop
     #[arg(long, conflicts_with_all = ["json", "merge"])]
     pub dry_run: bool,
-    /// Exit with status 1 if some coupler exceeds, or if the computation cannot decide it for some coupler
+    /// Exit with status 1 if a coupler exceeds its rating, or if it is not decided whether one does
     #[arg(long, conflicts_with = "work")]
     pub fail_on_exceed: bool,
     #[command(flatten)]

@@ -191,7 +191,7 @@ pub fn parse(text: &str, dimension: Dimension, share: bool) -> Result<Amount, Ba
     }
     if spellings::is_per_cent(unit) && !dimension.is_in_per_cent() {
         if !share {
-            return Err(bad("is a share, but of what?", right_units(dimension, share)));
+            return Err(bad("is a percentage, which is not allowed here", right_units(dimension, share)));
         }
         return in_range(mantissa, shifted(mantissa, exponent - 2), "100 %").map(Amount::Share);
     }

@@ -86,7 +86,7 @@ pub(super) fn efforts(
 ) -> Read<Vec<Forcing>> {
     let (cut, throttle) = (table.get("cut_power"), table.get("throttle"));
     if let (Some(cut), Some(throttle)) = (&cut, &throttle) {
-        let help = "keep one of them: the schedule can end at no force";
+        let help = "keep one of them: a schedule whose last force is 0 cuts the power too";
         return Err(cut.wrong_because("cut_power beside a throttle schedule", help, throttle.span(), "the schedule"));
     }
     let Some(value) = cut.as_ref().or(throttle.as_ref()) else { return Ok(vec![]) };
@@ -267,7 +267,11 @@ fn row(
         let point = [time_s, to_n - traction_n[v]];
         match courses.iter_mut().find(|course| course.vehicle == v) {
             Some(course) if course.points.last().is_some_and(|last| time_s < last[0]) => {
-                return Err(wrong(0, "goes back in time".into(), "times of a vehicle never fall from row to row"));
+                return Err(wrong(
+                    0,
+                    "goes back in time".into(),
+                    "the time of a row is at least that of the row before of the same vehicle",
+                ));
             }
             Some(course) => course.points.push(point),
             None if time_s < 0.0 => return Err(wrong(0, "is before the event".into(), "times count from the event")),

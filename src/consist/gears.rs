@@ -80,7 +80,7 @@ impl Gear {
             CurveProblem::NoForce => {
                 "give the forces of loading with their unit; travel without force is slack = \"25 mm\""
             }
-            _ => "travel rises from 0 from row to row, no force falls, and unloading is at most loading",
+            _ => "travel begins at 0 and rises from row to row, forces do not fall, and unloading is at most loading",
         };
         [format!("{}: {}", self.name, bad.renumbered(|row| self.numbers[row - 1])), help.to_owned()]
     }

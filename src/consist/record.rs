@@ -107,7 +107,11 @@ fn points(sheet: &Sheet, problems: &mut Problems) -> Vec<[f64; 2]> {
         };
         if before.is_some_and(|before| point[0] < before) {
             let title = format!("row {} goes back in time", record.row);
-            problems.note(Problem::at(sheet.place(&record, 0), title, Some("times never fall from row to row".into())));
+            problems.note(Problem::at(
+                sheet.place(&record, 0),
+                title,
+                Some("the time of a row is at least that of the row before".into()),
+            ));
             return points;
         }
         points.push(point);

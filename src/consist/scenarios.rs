@@ -200,7 +200,10 @@ fn ramps(table: &Table, shape: &str, duration_s: f64) -> Read<[f64; 2]> {
     let fall_s = fall?.unwrap_or(rise_s);
     // Times written in decimals whose sum is the duration can be a few roundings longer as doubles.
     if rise_s + fall_s > duration_s * (1.0 + 8.0 * f64::EPSILON) {
-        return Err(needed.wrong("rise and fall are longer than the pulse", "expected at most the duration together"));
+        return Err(needed.wrong(
+            "rise and fall are longer than the pulse",
+            "together they may be as long as the duration, not longer",
+        ));
     }
     Ok([rise_s, fall_s])
 }

@@ -260,7 +260,7 @@ fn utf8(bytes: Vec<u8>) -> Result<String, [String; 2]> {
     String::from_utf8(bytes).map_err(|e| {
         let valid = &e.as_bytes()[..e.utf8_error().valid_up_to()];
         let line = 1 + valid.iter().filter(|&&b| b == b'\n').count();
-        [format!("the file is not UTF-8 text: line {line} has a byte that no text has"), save()]
+        [format!("the file is not UTF-8 text: line {line} has a byte that is not allowed in UTF-8 text"), save()]
     })
 }
 

@@ -79,8 +79,8 @@ fn closing_gap(scenario: &Scenario, cases: &[CaseFindings]) -> Option<Doubt> {
         None => String::new(),
     };
     let text = format!(
-        "the gap at coupler {coupler} closes at {}{after}: its vehicles would push each other from then on, which is not \
-         computed, so that nothing later holds",
+        "the gap at coupler {coupler} closes at {}{after}: from then on its vehicles would push each other, which is not \
+         computed, so that later results are not valid",
         shown_time(time_s)
     );
     Some(Doubt::of_scenario("gap-closes", scenario, text))

@@ -24,14 +24,14 @@ pub fn sentence(scenario: &ScenarioFindings) -> String {
 
 /// What the verdict supposes where further couplers break or a gap closes, as the sentence before it; empty elsewhere.
 pub fn supposed(scenario: &ScenarioFindings) -> String {
-    const SUPPOSED: &str = "the forces given here suppose that none does";
+    const SUPPOSED: &str = "the forces given here are computed as if none did";
     let all = || scenario.cases.iter().filter_map(|c| c.cascade.as_ref());
     let breaking = all().filter(|c| !c.breaks.is_empty()).count();
     let closing = all().filter(|c| c.gap_closes_s.is_some()).count();
     if scenario.cases.len() > 1 {
         let of = |n: usize| format!("{n} of {}", count(scenario.cases.len(), "break"));
         let more = format!("After {} further couplers break (see \"What breaks next\"); {SUPPOSED}. ", of(breaking));
-        let gaps = format!("After {} a gap closes, and nothing later holds. ", of(closing));
+        let gaps = format!("After {} a gap closes, and later results are not valid. ", of(closing));
         return [more, gaps]
             .into_iter()
             .zip([breaking, closing])
@@ -47,7 +47,7 @@ pub fn supposed(scenario: &ScenarioFindings) -> String {
     };
     let gap = cascade.gap_closes_s.zip(cascade.gap_coupler);
     more + &gap.map_or(String::new(), |(at, coupler)| {
-        format!("From {} on nothing holds, because the gap at coupler {coupler} closes. ", time(at))
+        format!("Results from {} on are not valid, because the gap at coupler {coupler} closes then. ", time(at))
     })
 }
 

@@ -43,8 +43,8 @@ pub fn section(
     let left_out: usize = cases.iter().map(|c| c.left_out).sum();
     if left_out > 0 {
         let text = format!(
-            "Couplers that cannot exceed at any time, because their all-time bounds lie under their ratings, are not listed: \
-             {left_out} in\nall cases together. The safe factor counts them by those bounds and may be larger."
+            "Couplers whose bound over all time is below their rating cannot exceed it at any time and are not listed: {left_out} in\n\
+             all cases together. The safe factor takes their bounds for their largest forces; the true one may be larger."
         );
         all.push(Block::Paragraph("Left out", lines(&text)));
     }
@@ -116,7 +116,7 @@ fn of_case(case: &CaseFindings, units: UnitSystem) -> Vec<Block> {
         ("utilisation", Right),
         ("peak at", Right),
         ("over its rating from", Right),
-        ("carries this with a rating above", Right),
+        ("carries this with a rating above", Left),
     ];
     let unit = column_unit(words::exceeding(case).into_iter(), units);
     let row = |c| exceeding_row(c, case, unit);
@@ -396,7 +396,7 @@ fn often(scenario: &ScenarioFindings, units: UnitSystem) -> Vec<Block> {
         ("coupler", Right),
         ("between", Left),
         ("breaks that overload it", Right),
-        ("carries all of them with a rating above", Right),
+        ("carries all of them with a rating above", Left),
     ];
     let caption = "Couplers overloaded by the most breaks";
     let row = |(n, c): (usize, CouplerFindings)| {
@@ -461,10 +461,10 @@ fn estimate(cases: &[CaseFindings], units: UnitSystem) -> String {
     let write = |f: f64| small_force(units, f);
     let asked = cases.iter().map(|c| c.tolerance_n).fold(0.0, f64::max);
     format!(
-        "The error estimate {NOT_OF_A_TRAIN} The error of the reported forces against the exact solution of the model is estimated at {} or \
-         less (asked for: {}). This is an estimate, not a bound: the motion is computed three times, with other steps, with noise in the last \
-         places of every elongation and speed, and with the couplers' constants moved in their last places; the estimate is ten times the \
-         largest difference. A rating within ten estimates of a peak is not decided.",
+        "The error estimate {NOT_OF_A_TRAIN} The error of the reported forces against the exact solution of the model is estimated at {} \
+         (asked for: {} or less). This is an estimate, not a bound: the motion is computed twice more, with other steps and with small changes \
+         in the last digits of every elongation, every speed and the couplers' constants; the estimate is ten times the largest difference. \
+         Where a rating lies within ten times the estimate of a peak, the verdict is \"not decided\".",
         write(estimate),
         write(asked)
     )

@@ -59,24 +59,24 @@ pub fn sentences(scenario: &ScenarioFindings) -> String {
         text += &match (linear > 1.0, given > 1.0) {
             (true, false) => {
                 format!(
-                    " Linear couplers without slack would be overloaded ({of_linear} %); the train's own are not ({own} %)."
+                    " Linear couplers without slack would be overloaded ({of_linear} % of a rating); the couplers of this train are not ({own} %)."
                 )
             }
             (true, true) => {
                 let left = digits(100.0 * (given - 1.0) / (linear - 1.0), 0.0, 3);
                 format!(
-                    " Linear couplers without slack would reach {of_linear} % of a rating, the train's own reach {own} %: their overload is \
-                     {left} % of that of linear couplers."
+                    " Linear couplers without slack would reach {of_linear} % of a rating, those of this train reach {own} %: the part over \
+                     100 % is {left} % of that of linear couplers."
                 )
             }
             (false, true) => {
                 format!(
-                    " Linear couplers without slack would not be overloaded ({of_linear} %); the train's own are ({own} %)."
+                    " Linear couplers without slack would not be overloaded ({of_linear} % of a rating); the couplers of this train are ({own} %)."
                 )
             }
             (false, false) => {
                 format!(
-                    " Linear couplers without slack would reach {of_linear} % of a rating, the train's own reach {own} %."
+                    " Linear couplers without slack would reach {of_linear} % of a rating, those of this train reach {own} %."
                 )
             }
         };

@@ -112,7 +112,7 @@ fn happens(train: &Train, scenario: &Scenario) -> String {
             let before = match scenario.event.joint(train.vehicles().len()) {
                 Some(joint) if train.initial_force_n().iter().any(|f| *f != 0.0) => {
                     format!(
-                        "before it each part carries its own load, while coupler {}, which joins them, carries none",
+                        "before the impact each part carries its own load, and coupler {}, which joins the parts, carries none",
                         joint + 1
                     )
                 }
@@ -533,17 +533,20 @@ fn searched(cause: &str, search: &LoadSearch) -> String {
     };
     match exceeds_at {
         None => format!(
-            " Tried were {tried} factors up to {} % of the {cause}: no coupler exceeded at any. Factors between them were not tried.",
+            " {tried} factors up to {} % of the {cause} were tried, and no coupler exceeded its rating at any of them. Factors between them were not tried.",
             at(none_exceeds_at)
         ),
         Some(over) if none_exceeds_at == 0.0 => {
-            format!(" A coupler exceeded at {} % of the {cause}, the smallest share tried.", at(over))
+            format!(
+                " A coupler exceeded its rating at {} % of the {cause}, the smallest share that was tried.",
+                at(over)
+            )
         }
         Some(over) => {
             let [none, some] = apart(none_exceeds_at, over);
             format!(
-                " Tried were {tried} factors: no coupler exceeded up to {none} % of the {cause}, and one did at {some} %. Factors between \
-                 them were not tried."
+                " {tried} factors were tried: no coupler exceeded its rating up to {none} % of the {cause}, and one did at {some} %. Factors \
+                 between them were not tried."
             )
         }
     }

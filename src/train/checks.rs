@@ -257,9 +257,9 @@ pub(super) fn combinations(train: &Train, pulled_to: &PulledTo) -> Vec<SpecProbl
     if less {
         let message =
             format!("pulled_to is less than the load, {}", shown(train.origin.units, largest_n, Dimension::Force));
-        all.push(wrong(message, "it is the largest pull before, from which the train was let down to the load"));
+        all.push(wrong(message, "it is the largest pull before the event, which was then reduced to the load: it cannot be less than the load"));
     } else if matches!(pulled_to, PulledTo::Largest(_)) && steady.is_some() && largest_n <= 0.0 {
-        let help = "the couplers' pulls before are in proportion to those of the load, of which none is in draft";
+        let help = "pulled_to enlarges the load's forces in draft, and this load has none in draft";
         all.push(wrong("pulled_to of a train in which no coupler is pulled".to_owned(), help));
     }
     all

@@ -257,7 +257,7 @@ impl Check<'_> {
 
     fn struck(&self, vehicle: usize) -> Option<SpecProblem> {
         let held = self.train.vehicles.get(vehicle).is_some_and(|v| v.held);
-        let message = "the pulse strikes a held vehicle, which no force moves";
+        let message = "the pulse acts on a held vehicle, which no force can move";
         let held = held.then(|| self.wrong("at", message, "choose a vehicle that is not held"));
         self.vehicle(vehicle).or(held)
     }

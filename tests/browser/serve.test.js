@@ -78,6 +78,18 @@ test("a click on a coupler breaks it, with the numbers of the program", async ()
   await close(page);
 });
 
+test("of many breaks any is computed with all of its figures", async () => {
+  const page = await open("paper-figure-4.toml");
+  const each = (await text(page)).replace(/^coupler = .*$/m, 'coupler = "each"');
+  await then(page, () => page.locator("#text").fill(each));
+  assert.match(await verdict(page), /^\d+ of 51 breaks would overload another coupler/);
+  await then(page, () => page.locator("#break-1").selectOption({ label: "the break of coupler 20" }));
+  assert.equal(await page.locator("#broken").inputValue(), "20");
+  assert.match(await verdict(page), /after coupler 20 breaks/);
+  assert.ok(await page.locator("#map-1 .plot-container").isVisible() && await page.locator("#history-1 .plot-container").isVisible());
+  await close(page);
+});
+
 test("a mistake in the text is told and marked, and mended", async () => {
   const page = await open("ore-train.toml");
   const before = await text(page);

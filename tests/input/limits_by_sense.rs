@@ -239,7 +239,7 @@ fn the_worn_coupler_breaks() {
     // The verdict and the overview say so too.
     let report = markdown(&train, &analysis);
     let supposed =
-        "**1 further coupler breaks (see \"What breaks next\"); the forces given here suppose that none does. ";
+        "**1 further coupler breaks (see \"What breaks next\"); the forces given here are computed as if none did. ";
     assert!(report.contains(supposed), "{report}");
     let rows: Vec<&str> = report.lines().filter(|l| l.starts_with('|')).take(4).collect();
     assert!(rows[0].ends_with("| limits passed | further couplers break |"), "{rows:?}");

@@ -234,8 +234,8 @@ fn damping_ratios_fit_the_train() {
 fn loads_before_are_not_less_than_the_load() {
     assert_eq!(
         told(|s| s.pulled_to = PulledTo::Largest(0.3e6)),
-        "load.pulled_to: pulled_to is less than the load, 400 kN; it is the largest pull before, from which the train was let \
-         down to the load"
+        "load.pulled_to: pulled_to is less than the load, 400 kN; it is the largest pull before the event, \
+         which was then reduced to the load: it cannot be less than the load"
     );
     let pushed = |s: &mut TrainSpec| {
         (s.load, s.pulled_to) = (Load::OnVehicles(vec![-4.0, 1.0, 1.0, 1.0, 1.0]), PulledTo::Largest(9.0));
@@ -281,7 +281,7 @@ fn scenarios_are_of_vehicles_and_couplers_that_are_there() {
     };
     assert_eq!(
         told(held),
-        "scenario[0].at: the pulse strikes a held vehicle, which no force moves; choose a vehicle that is not held"
+        "scenario[0].at: the pulse acts on a held vehicle, which no force can move; choose a vehicle that is not held"
     );
     let course = |points: Vec<[f64; 2]>| {
         let drive = Drive::Lines(points);

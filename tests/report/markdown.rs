@@ -493,7 +493,7 @@ fn reports_are_in_the_reader_s_units() {
     };
     let (kip, meganewtons) = (("400 kip", "143 ton_us"), ("1.779288646104 MN", "130 t"));
     assert!(report("", kip.0, kip.1).contains("| rated in draft | 400 kip |"));
-    assert!(report("", meganewtons.0, meganewtons.1).contains("| rated in draft | 1.77929 MN |"));
-    assert!(report("units = \"si\"", kip.0, kip.1).contains("| mass of a vehicle | 129.727 t |"));
+    assert!(report("", meganewtons.0, meganewtons.1).contains("| rated in draft | 1.779 MN |"));
+    assert!(report("units = \"si\"", kip.0, kip.1).contains("| mass of a vehicle | 129.7 t |"));
     assert!(report("units = \"us\"", meganewtons.0, meganewtons.1).contains("| rated in draft | 400 kip |"));
 }

@@ -523,7 +523,8 @@ fn worst(
     let of = of.into_iter();
     let largest = of.clone().map(|i| couplers[i].utilisation).fold(0.0, f64::max);
     let rating = |c: &CouplerFindings| if c.peak_force_n < 0.0 { c.rated_buff_n } else { c.rated_draft_n };
-    let alike = |c: &CouplerFindings| c.utilisation + error_bound_n / rating(c) >= largest;
+    let error_n = |c: &CouplerFindings| c.error_estimate_n.unwrap_or(error_bound_n);
+    let alike = |c: &CouplerFindings| c.utilisation + error_n(c) / rating(c) >= largest;
     of.into_iter().find(|&i| alike(&couplers[i]))
 }
 

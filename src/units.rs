@@ -12,7 +12,12 @@ mod spellings;
 
 use std::fmt;
 
-pub use reader::{Unit, UnitSystem, digits, rounded, shown, shown_in, shown_time, unit_for, without_zeros};
+pub use reader::{
+    Unit, UnitSystem, digits, rounded, shown, shown_in, shown_time, shown_time_up, unit_for, without_zeros,
+};
+
+/// Standard gravity, m/s2 (CGPM 1901).
+pub(crate) const GRAVITY_M_PER_S2: f64 = 9.806_65;
 
 use refusal::{bad, no_number, right_units, with_units, wrong_unit};
 

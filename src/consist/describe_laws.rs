@@ -70,11 +70,15 @@ fn at_the_load(train: &Train, couplers: &[usize], law: &Law) -> String {
         return String::new();
     };
     let (force_n, units) = (train.initial_force_n()[most], train.origin().units);
+    let rest = law.rest(&train.history_n(most));
     if force_n == 0.0 {
-        let slack = if law.slack_m() > 0.0 { ", so it starts in the middle of its slack" } else { "" };
+        let slack = match law.elongation_m(&rest) {
+            _ if law.slack_m() == 0.0 => "",
+            0.0 => ", so it starts in the middle of its slack",
+            _ => ", let down from a pull, so it starts at the end of its slack",
+        };
         return format!("; no load before the event{slack}");
     }
-    let rest = law.rest(&train.history_n(most));
     let travel_m = law.elongation_m(&rest).abs() - 0.5 * law.slack_m();
     let from = train
         .extras()

@@ -517,8 +517,8 @@ pub(super) static SCENARIO: Shape = Shape {
             Key::optional(
                 "buff_breaks",
                 Kind::Flag,
-                "Couplers in buff break as well, as if the parts could pass through each other: in a cascade, and of a break the \
-                 couplers that carry buff, which else are refused or left out of \"each\".",
+                "Couplers in buff break as well: in a cascade, and, in a train without slack and gears, of a break the couplers \
+                 that carry buff, as if the parts could pass through each other; else these are refused or left out of \"each\".",
                 "true",
             )
             .or("false"),

@@ -10,10 +10,7 @@ use super::labels::Labels;
 use super::tree::{Read, Table};
 use crate::doubts::STEEP;
 use crate::train::{Doubt, Load, PulledTo, VehicleSpec, more, of_held, without_noise};
-use crate::units::{Amount, digits, without_zeros};
-
-/// Standard gravity, m/s2 (CGPM 1901).
-const GRAVITY: f64 = 9.806_65;
+use crate::units::{Amount, GRAVITY_M_PER_S2, digits, without_zeros};
 
 /// What a vehicle's own table says of the forces on it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -142,7 +139,7 @@ fn outside_n(vehicle: &VehicleSpec, own: &OwnLoad, resistance: f64, grade: f64) 
         return 0.0;
     }
     let slope = own.grade.unwrap_or(grade);
-    let downhill = GRAVITY * slope / slope.hypot(1.0);
+    let downhill = GRAVITY_M_PER_S2 * slope / slope.hypot(1.0);
     let per_mass = own.resistance_n_per_kg.unwrap_or(resistance) + downhill;
     let force = own.tractive_effort_n - own.brake_force_n - per_mass * vehicle.mass_kg;
     let resistance = own.resistance_n_per_kg.unwrap_or(resistance) + downhill.abs();

@@ -6,7 +6,7 @@ use super::overloaded;
 use crate::law::Law;
 use crate::scenario::{Motion, horizon_s, initial_force_n, last_change_s, longest_horizon_s, longest_transit_s};
 use crate::train::{Doubt, Event, Scenario, Train, more};
-use crate::units::{Dimension, shown, shown_time};
+use crate::units::{Dimension, shown, shown_time, shown_time_up};
 
 /// Above this acceleration, m/s2, a part of a train cannot be standing.
 const MOVES_M_PER_S2: f64 = 0.05;
@@ -19,9 +19,13 @@ pub(super) fn of_scenario(train: &Train, scenario: &Scenario) -> Vec<Doubt> {
         Event::Break { couplers } => breaks(train, scenario, couplers),
         Event::Pulse { .. } | Event::Shaped { .. } => pulse(train, scenario),
         Event::Impact { .. } => impact(train, scenario),
-        Event::Brake { .. } => vec![],
+        Event::Brake { application, .. } => {
+            super::plausible::brake_wave(train, application.wave_m_per_s).into_iter().collect()
+        }
     };
-    let found = found.into_iter().chain(changes(train, scenario)).chain(stands(train, scenario));
+    let emergency = scenario.response.emergency.as_ref();
+    let wave = emergency.and_then(|applied| super::plausible::brake_wave(train, applied.wave_m_per_s));
+    let found = found.into_iter().chain(wave).chain(changes(train, scenario)).chain(stands(train, scenario));
     let found = found.map(|(code, text)| Doubt::of_scenario(code, scenario, text));
     found.chain(short_horizon(train, scenario)).collect()
 }
@@ -95,7 +99,7 @@ fn pulse(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
         let whole_s = horizon_s(train, &Scenario { horizon_s: None, ..scenario.clone() }, None);
         found.push((
             "pulse-beyond-horizon",
-            format!("the pulse {unseen}; a horizon of {} covers it", shown_time(whole_s)),
+            format!("the pulse {unseen}; a horizon of {} covers it", shown_time_up(whole_s)),
         ));
         if train.vehicles().iter().all(|v| !v.held) {
             let text = "the force does not end within the horizon and no vehicle is held, so the whole train is accelerated all that time";
@@ -200,8 +204,8 @@ fn standing_part_moves(train: &Train, standing: Range<usize>) -> Option<(&'stati
     let force_n: f64 = train.extras().steady.as_ref()?.outside_n[standing].iter().sum();
     let text = || {
         format!(
-            "the forces on the vehicles that stand come to {}, which would move them: a brake holds a standing vehicle and does not \
-             push it; leave brake_force out there, or hold an end",
+            "the forces on the vehicles that stand come to {}, which would move them before the collision; check them (a brake holds a \
+             standing vehicle and does not push it), or hold an end",
             shown(train.origin().units, force_n, Dimension::Force)
         )
     };

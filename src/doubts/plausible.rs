@@ -1,19 +1,28 @@
 //! Numbers of a train that no railway has: probably a wrong unit or a slip.
 
+use crate::law::Law;
 use crate::train::{Doubt, Train, Vehicle, more};
-use crate::units::{Dimension, rounded, shown};
+use crate::units::{Dimension, GRAVITY_M_PER_S2, rounded, shown};
 
 /// Masses of vehicles, kg: 5 t and 400 t.
 const LIGHT_KG: f64 = 5e3;
 const HEAVY_KG: f64 = 400e3;
-/// Stiffness of a connection, N/m.
+/// Lengths of vehicles over their couplers, m.
+const SHORT_M: f64 = 2.0;
+const LONG_M: f64 = 100.0;
+/// Stiffness of a connection, and of parts in series with a gear, N/m.
 const SOFT_N_PER_M: f64 = 1e6;
+const STIFF_N_PER_M: f64 = 10e9;
+/// The least share of the weight that a brake force is.
+const FAINT_BRAKE: f64 = 1e-3;
+/// Speeds of the waves of brake applications, m/s.
+const WAVE_M_PER_S: [f64; 2] = [50.0, 400.0];
 /// Capacity of a coupler, N: 50 kN and 10 MN.
 const WEAK_N: f64 = 50e3;
 const STRONG_N: f64 = 10e6;
 /// Forces of an event, N: 1 kN.
 const FAINT_N: f64 = 1e3;
-/// How far a connection is stretched or compressed by the load, m.
+/// How far a connection is stretched or compressed by the load, and slack, m.
 const STRETCH_M: f64 = 0.5;
 /// Largest mass and stiffness of a model in units of its own.
 const UNIT_KG: f64 = 10.0;
@@ -28,8 +37,10 @@ pub(crate) const STEEP: f64 = 0.1;
 
 /// Every doubt about the size of a train's numbers, one a kind.
 pub(super) fn of_train(train: &Train) -> Vec<Doubt> {
-    let sizes = || [masses(train), soft(train), ratings(train), faint_load(train), stretch(train)];
-    let sizes = if in_own_units(train) { Default::default() } else { sizes() };
+    let couplers = || [soft(train), stiff(train), slack(train), ratings(train), faint_load(train), stretch(train)];
+    let vehicles = || [masses(train), vehicle_lengths(train), brake_forces(train)];
+    let sizes = || vehicles().into_iter().chain(couplers()).collect();
+    let sizes: Vec<_> = if in_own_units(train) { vec![] } else { sizes() };
     let others = [counted_in_label(train), acceleration(train), modal_damping(train), fast(train)];
     sizes.into_iter().chain(others).flatten().collect()
 }
@@ -86,17 +97,85 @@ fn in_own_units(train: &Train) -> bool {
 }
 
 fn masses(train: &Train) -> Option<Doubt> {
-    let mut odd = train.vehicles().iter().filter(|v| !v.held && !(LIGHT_KG..=HEAVY_KG).contains(&v.mass_kg));
-    let first = odd.next()?;
-    let units = train.origin().units;
-    let mass = shown(units, first.mass_kg, Dimension::Mass);
-    let [light, heavy] = [LIGHT_KG, HEAVY_KG].map(|kg| rounded(units, kg, Dimension::Mass));
-    let others = more(odd.count(), "vehicle");
+    let all = train.vehicles().iter().filter(|v| !v.held).map(|v| (v.label.clone(), v.mass_kg));
+    outside(train, "mass", "mass", all, [LIGHT_KG, HEAVY_KG], Dimension::Mass)
+}
+
+fn vehicle_lengths(train: &Train) -> Option<Doubt> {
+    let all = train.vehicles().iter().filter_map(|v| Some((v.label.clone(), v.length_m?)));
+    outside(train, "length", "length", all, [SHORT_M, LONG_M], Dimension::Length)
+}
+
+/// Full brake forces beside the weight.
+fn brake_forces(train: &Train) -> Option<Doubt> {
+    let braked = train.vehicles().iter().zip(&train.extras().emergency_brake_n).filter(|(_, n)| **n > 0.0);
+    let share = |(v, n): &(&Vehicle, &f64)| **n / (v.mass_kg * GRAVITY_M_PER_S2);
+    let mut odd = braked.filter(|of| !(FAINT_BRAKE..=1.0).contains(&share(of)));
+    let (first, n) = odd.next()?;
     let text = format!(
-        "the mass of {}{others} is {mass}, outside the usual {light} to {heavy}; check the number and its unit",
-        first.label
+        "the emergency_brake of {}{} is {}, {} of its weight; check the number and its unit",
+        first.label,
+        more(odd.count(), "vehicle"),
+        shown(train.origin().units, *n, Dimension::Force),
+        if share(&(first, n)) > 1.0 { "more than all" } else { "less than a thousandth" }
     );
-    Some(Doubt::of_train("mass", text))
+    Some(Doubt::of_train("brake-force", text))
+}
+
+/// Slack of couplers, with or without a gear.
+fn slack(train: &Train) -> Option<Doubt> {
+    let all = train.extras().laws.iter().enumerate().map(|(i, law)| (coupler(i), law.slack_m()));
+    outside(train, "slack", "slack", all, [0.0, STRETCH_M], Dimension::Length)
+}
+
+/// Stiffnesses of linear couplers, and of the parts in series with gears.
+fn stiff(train: &Train) -> Option<Doubt> {
+    let linear = train.couplers().iter().enumerate().map(|(i, c)| (coupler(i), c.stiffness_n_per_m));
+    let solid = train.extras().laws.iter().enumerate().filter_map(|(i, law)| match law {
+        Law::Gear { solid_n_per_m, .. } => Some((coupler(i), *solid_n_per_m)),
+        Law::Elastic { .. } => None,
+    });
+    outside(train, "stiff-coupler", "stiffness", linear.chain(solid), [0.0, STIFF_N_PER_M], Dimension::Stiffness)
+}
+
+/// The speed of a brake application's wave, as the words of a doubt.
+pub(super) fn brake_wave(train: &Train, wave_m_per_s: f64) -> Option<(&'static str, String)> {
+    let units = train.origin().units;
+    let [slow, fast] = WAVE_M_PER_S.map(|speed| rounded(units, speed, Dimension::Speed));
+    let text = format!(
+        "the wave of the brake application runs at {}, outside the usual {slow} to {fast}; check the number and its unit",
+        shown(units, wave_m_per_s, Dimension::Speed)
+    );
+    let [slow, fast] = WAVE_M_PER_S;
+    (!(slow..=fast).contains(&wave_m_per_s)).then_some(("brake-wave", text))
+}
+
+fn coupler(i: usize) -> String {
+    format!("coupler {}", i + 1)
+}
+
+/// A doubt about the first of some numbers that are outside a usual range, and how many more are.
+fn outside(
+    train: &Train,
+    code: &'static str,
+    what: &str,
+    all: impl Iterator<Item = (String, f64)>,
+    [least, most]: [f64; 2],
+    dimension: Dimension,
+) -> Option<Doubt> {
+    let mut odd = all.filter(|(_, value)| !(least..=most).contains(value));
+    let ((first, value), units) = (odd.next()?, train.origin().units);
+    let kind = if first.starts_with("coupler") { "coupler" } else { "vehicle" };
+    let usual = match least {
+        0.0 => format!("over {}", rounded(units, most, dimension)),
+        _ => format!("outside the usual {} to {}", rounded(units, least, dimension), rounded(units, most, dimension)),
+    };
+    let text = format!(
+        "the {what} of {first}{} is {}, {usual}; check the number and its unit",
+        more(odd.count(), kind),
+        shown(units, value, dimension)
+    );
+    Some(Doubt::of_train(code, text))
 }
 
 fn soft(train: &Train) -> Option<Doubt> {

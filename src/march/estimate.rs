@@ -5,10 +5,11 @@
 //! differences. Estimate: 10 times the larger difference from them, plus 16 units of the largest force. The runs
 //! advance together; the results end where the estimate of any force passes the tolerance.
 
+use super::branches::Branches;
 use super::proof::Proof;
 use super::step::{March, RunSettings, stiffest};
 use super::{Bound, Extremes, MarchOptions, MarchOutcome, Problem};
-use crate::law::{Curve, GearRow, Law};
+use crate::law::{Curve, GearRow, Law, Rest};
 
 /// Largest step times the largest rate: of the reported run, and of the others.
 const PHASE: f64 = 1.0;
@@ -219,7 +220,23 @@ fn moved(problem: &Problem, seed: u64) -> Problem {
             Law::Gear { solid_n_per_m: solid_n_per_m * factor(), slack_m: slack_m * factor(), draft, buff }
         }
     });
-    Problem { laws: laws.collect(), ..problem.clone() }
+    let laws: Vec<Law> = laws.collect();
+    let start = problem.start.iter().zip(problem.laws.iter().zip(&laws));
+    let start = start.map(|(rest, (law, moved))| at_same_knot(*rest, law, moved)).collect();
+    Problem { laws, start, ..problem.clone() }
+}
+
+/// A coupler at rest that stands where two intervals of its law meet, or at the last one's end, stands there by the moved law as well:
+/// else a closed gear would be an open one, and one at the end of its slack within it.
+fn at_same_knot(rest: Rest, law: &Law, moved: &Law) -> Rest {
+    let knots = |law: &Law| -> Vec<f64> {
+        Branches::new(law).intervals.iter().flat_map(|interval| [interval.from, interval.to]).collect()
+    };
+    let knots = knots(law)
+        .into_iter()
+        .zip(knots(moved))
+        .find(|(knot, _)| knot.is_finite() && (rest.travel_m - knot).abs() <= CONSTANT_CHANGE * U * knot.abs());
+    Rest { travel_m: knots.map_or(rest.travel_m, |(_, moved)| moved), ..rest }
 }
 
 fn finish(

@@ -256,7 +256,7 @@ fn verdict_exceeding(case: &CaseFindings, units: UnitSystem) -> String {
     // An impact's sentences name its largest draft and buff anyway.
     let worst = case.worst.as_ref().filter(|_| case.kind != "impact").map_or(String::new(), |worst| {
         let which = match first_to_exceed(case) {
-            _ if case.exceeding == 1 => "Its largest force is".to_owned(),
+            Some(first) if first.coupler == worst.coupler && case.exceeding == 1 => "Its largest force is".to_owned(),
             Some(first) if first.coupler == worst.coupler => "It is also the worst:".to_owned(),
             _ => format!("The worst is {}:", place(worst)),
         };
@@ -272,7 +272,7 @@ pub fn moment(time_s: f64, case: &CaseFindings) -> String {
 
 /// The interval in which a peak force lies, with the digits that it takes to tell its ends apart.
 pub fn interval(c: &CouplerFindings, error_n: f64, units: UnitSystem) -> String {
-    let unit = super::numbers::force_unit(units, 0.0);
+    let unit = super::numbers::force_unit(units, c.peak_force_n.abs());
     let [low, high] = super::numbers::interval(c.peak_force_n.abs() / unit.size, error_n / unit.size);
     format!("between {low} {name} and {high} {name} in {}", sense(c.peak_force_n), name = unit.name)
 }

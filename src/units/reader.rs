@@ -144,6 +144,13 @@ pub fn shown_time(value_s: f64) -> String {
     shown_in(unit_for(TIME, value_s), value_s)
 }
 
+/// The same, rounded up to four digits, of a time that is to suffice.
+pub fn shown_time_up(value_s: f64) -> String {
+    let unit = unit_for(TIME, value_s);
+    let step = unit.size * 10f64.powi((value_s / unit.size).log10().floor() as i32 - 3);
+    shown_in(unit, (value_s / step * (1.0 - f64::EPSILON)).ceil() * step)
+}
+
 /// The same to three digits, of a limit that is a round number in SI.
 pub fn rounded(system: UnitSystem, value: f64, dimension: Dimension) -> String {
     written(system.units(dimension), value, 3)

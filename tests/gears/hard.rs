@@ -161,3 +161,19 @@ fn a_large_pulse_on_a_small_load() {
         }
     }
 }
+
+/// Couplers that begin where two parts of their law meet: closed gears, and gears at the end of their slack. The runs with moved
+/// constants begin there too, so that the estimate is no larger than the tolerance.
+#[test]
+fn couplers_begin_at_a_knot() {
+    for file in ["closed.toml", "preload.toml"] {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/gears/at_knots").join(file);
+        let train = trainsafe::consist::read(&path).expect("a train");
+        let analysis = trainsafe::analyze(&train, &trainsafe::Options::default()).expect("sound");
+        let case = &analysis.scenarios[0].cases[0];
+        assert_eq!(case.undecided, 0, "{file}");
+        for coupler in &case.couplers {
+            assert!(coupler.error_estimate_n.is_some_and(|n| n <= case.tolerance_n), "{file}: {coupler:?}");
+        }
+    }
+}

@@ -251,7 +251,7 @@ fn warnings_say_what_is_likely_not_meant() {
     assert_eq!(
         warned(long),
         [
-            "p: the pulse lasts longer than the horizon of 2 s, so the effect of its end is not computed; a horizon of 5.62907 s covers it",
+            "p: the pulse lasts longer than the horizon of 2 s, so the effect of its end is not computed; a horizon of 5.63 s covers it",
             "p: the force does not end within the horizon and no vehicle is held, so the whole train is accelerated all that time; hold an \
              end, or let the force end"
         ]

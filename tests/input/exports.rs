@@ -347,8 +347,8 @@ fn a_record_s_obstacle_is_named_once() {
         ),
         (
             "time_s,force_1_kn,force_2_kn\n0,0,0\n1,5,6\n",
-            "the record has no columns of time and force with units: columns 2 and 3 of row 1 could each be the force; head one of \
-             them so",
+            "the record has no columns of time and force with units: columns 2 and 3 of row 1 could each be the force; give one \
+             that heading",
         ),
         ("time_s,force_kn\n1,0\n1,2\n", "the record holds no stretch of time"),
         ("time_s,force_kn\n0,0\n1,0\n", "the record holds no force other than zero"),
@@ -402,11 +402,11 @@ fn a_record_with_two_channels_or_dates_is_refused_with_the_reason() {
     for (csv, what) in [
         (
             "time_s,channel 1 [kN],channel 2 [kN]\n0,0,0\n1,5,6\n2,0,0\n",
-            "columns 2 and 3 of row 1 could each be the force; head one",
+            "columns 2 and 3 of row 1 could each be the force; give one",
         ),
         (
             "logger 7\nt1 [ms];t2 [ms];F [kN]\n0;0;0\n1;1;5\n2;2;0\n",
-            "columns 1 and 2 of row 2 could each be the time; head one",
+            "columns 1 and 2 of row 2 could each be the time; give one",
         ),
         (
             "time_s,force_kn\n2026-01-03 12:00:00.000,0\n2026-01-03 12:00:00.050,5\n",

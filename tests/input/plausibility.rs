@@ -73,7 +73,10 @@ fn implausible_numbers_are_doubted() {
         ("11.1 MN/m", "0.9 MN/m", &["soft-coupler", "stretch"]),
         ("11.1 MN/m", "1.2 MN/m", &["stretch"]),
         ("11.1 MN/m", "1.5 MN/m", &[]),
-        ("length = \"16 m\"", "length = \"60 mm\"", &["stretch"]),
+        ("length = \"16 m\"", "length = \"60 mm\"", &["length", "stretch"]),
+        ("length = \"16 m\"", "length = \"16 km\"", &["length"]),
+        ("11.1 MN/m", "11100 MN/m", &["stiff-coupler"]),
+        ("11.1 MN/m\"", "11.1 MN/m\"\nslack = \"20 m\"", &["slack", "slack-without-friction"]),
         ("length = \"22 m\"\n", "", &[]),
         ("length = \"16 m\"\n", "", &["some-lengths"]),
         ("damping_ratio = 0\n", "speed = \"320 km/h\"\n", &["speed", "speed-unused"]),
@@ -111,7 +114,7 @@ fn implausible_numbers_are_doubted() {
     assert!(told.contains("damping = \"115.4 kN\u{b7}s/m\""), "{told}");
     // One doubt for all alike.
     let told = doubts(&with("11.1 MN/m", "11.1 kN/m"))[1].to_string();
-    assert!(told.contains("coupler 1 (and 59 more couplers) by 63.0631 m, more than 500 mm"), "{told}");
+    assert!(told.contains("coupler 1 (and 59 more couplers) by 63.06 m, more than 500 mm"), "{told}");
 }
 
 /// Doubts and what `check` prints are in the units that the file or the reader asks for, and in no others.
@@ -400,4 +403,25 @@ fn changes_that_are_not_seen_are_doubted() {
     let level = BRAKED.replace("cut_power = { after = \"3 s\", over = \"2 s\" }", "throttle = \"level.csv\"");
     let train = consist::parse(&level, &folder.path().join("train.toml")).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(codes(&train), ["efforts-unchanged"]);
+}
+
+/// Brake forces beside the weight, and the speed of a brake application's wave.
+#[test]
+fn implausible_brakes_are_doubted() {
+    let codes_of = |force: &str, wave: &str| {
+        let application =
+            format!("emergency = {{ wave = \"{wave}\", build_up = [[\"0 s\", \"0 %\"], [\"4 s\", \"100 %\"]] }}");
+        let text = SOUND
+            .replace("damping_ratio = 0\n", "speed = \"60 km/h\"\n")
+            .replace("length = \"16 m\"\n", &format!("length = \"16 m\"\nemergency_brake = \"{force}\"\n"))
+            .replace("coupler = 5\n", &format!("coupler = 5\n{application}\n"));
+        codes(&parse(&text))
+    };
+    assert!(codes_of("30 kN", "290 m/s").is_empty());
+    for force in ["30 N", "1.2 MN"] {
+        assert_eq!(codes_of(force, "290 m/s"), ["brake-force"], "{force}");
+    }
+    for wave in ["0.29 m/s", "290000 m/s"] {
+        assert!(codes_of("30 kN", wave).contains(&"brake-wave"), "{wave}");
+    }
 }

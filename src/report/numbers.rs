@@ -89,10 +89,14 @@ pub fn up(value: f64) -> String {
     digits((value * step * (1.0 - 1e-12)).ceil() / step, 0.0, 4)
 }
 
-/// The interval `value` +- `error`, with as many digits as tell its ends apart.
+/// The interval `value` +- `error`, with as many digits as tell its ends apart, rounded outward.
 pub fn interval(value: f64, error: f64) -> [String; 2] {
     let places = if error > 0.0 { (1.0 - error.log10().floor()).clamp(0.0, 20.0) as usize } else { 20 };
-    [value - error, value + error].map(|end| without_zeros(&format!("{end:.places$}")))
+    let step = 10f64.powi(places as i32);
+    // A number of so many digits keeps them, though its double lies a little beside it.
+    let beside = 1e-12 * (value.abs() + error) * step;
+    let ends = [((value - error) * step + beside).floor(), ((value + error) * step - beside).ceil()];
+    ends.map(|end| without_zeros(&format!("{:.places$}", end / step)))
 }
 
 #[cfg(test)]

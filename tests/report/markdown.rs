@@ -105,7 +105,7 @@ fn what_is_not_decided_is_said_with_its_interval() {
     }
     let text = markdown(&train, &analysis);
     let verdict = "**Not decided after coupler 53 breaks for 1 coupler: coupler 1 (between locomotive and car 2) peaks between \
-                   794750 N and 974750 N in buff, and its rating lies inside.**";
+                   794 kN and 975 kN in buff, and its rating lies inside.**";
     assert!(text.contains(verdict), "{text}");
     assert!(text.contains("not met; asked for"), "{text}");
 }

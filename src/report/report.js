@@ -349,7 +349,8 @@
     function mapTraces() {
       const panel = (field, given_field, axis, bar) => {
         const z = places.map((p) => field.row(p - 1).map((f) => (f === null ? null : 100 * share(by.get(p), f))));
-        const text = z.map((row, r) => row.map((s) => (s === null ? "" : percent(s / 100))));
+        const open = z.map((row, r) => row.map((s, i) => (s !== null && field.open(r, i) ? 1 : null)));
+        const text = z.map((row, r) => row.map((s, i) => (s === null ? "" : open[r][i] ? "open: it passes its slack" : percent(s / 100) + " of its rating")));
         const forces = z.map((row, r) => row.map((s, i) => (s === null ? "" : force(field.force(r, i)))));
         const x = field.times.map((t) => t / clock);
         const heat = { type: "heatmap", x, y: places, z, text, customdata: forces, colorscale: scale(), zmid: 0, zmin: -most, zmax: most, yaxis: axis, showscale: bar,

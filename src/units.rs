@@ -176,7 +176,7 @@ pub fn one_of<S: AsRef<str>>(words: impl IntoIterator<Item = S>) -> String {
 
 /// Reads a number with its unit; with `share`, also a percentage.
 ///
-/// Whitespace between number and unit is free. The magnitude is 0 or between [`SMALLEST`] and [`LARGEST`].
+/// Whitespace between number and unit is free. The magnitude is 0 or between `SMALLEST` and `LARGEST`.
 ///
 /// # Errors
 /// What the text is instead, and what would be right.

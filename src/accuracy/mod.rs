@@ -5,9 +5,9 @@
 //!
 //! - *peak*: the largest error in any coupler's largest tension or compression over the horizon, which is what an
 //!   assessment needs. A marching method's peak is the best of its steps, as simulators report it.
-//! - *force*: the largest error in a coupler's force at an instant: for a marching method at [`INSTANTS`] instants spread
+//! - *force*: the largest error in a coupler's force at an instant: for a marching method at `INSTANTS` instants spread
 //!   over the horizon, for this crate's at the instants of the extremes that it reports; of all couplers, or of
-//!   [`WATCHED`] spread over a longer part.
+//!   `WATCHED` spread over a longer part.
 //!
 //! Trains with slack, gears or brakes, which the march follows from event to event, are compared as a whole, with the methods that
 //! simulators use for them (module [`gears`]); forces at instants are compared for all methods alike.

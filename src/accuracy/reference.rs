@@ -7,7 +7,7 @@
 //! Modes are found and summed in binary floating point of 256 bits, more where the scene needs it. How they were
 //! found need not be trusted: their residual in the equations of motion is measured in the same arithmetic, and bounds
 //! the error of every force (module `modes`). A scene whose bound is not under
-//! [`Reference::DIGITS`] is refused.
+//! `Reference::DIGITS` is refused.
 //!
 //! Extremes are located by a search of its own in `f64` that drops a stretch of time only when a bound says that it
 //! cannot hold the largest value (module `scan`); what is left is computed in long arithmetic.

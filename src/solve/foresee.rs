@@ -4,7 +4,7 @@
 //! The steps are those of [`super::propagator`], longer, without compensation, and only the largest values at their ends are kept.
 //! A guess need not be proven: a search that ends below the expected levels is repeated without them.
 //!
-//! The chain is cut into [`LANES`] pieces, one in each lane of a vector: a neighbour is in the row before or after,
+//! The chain is cut into `LANES` pieces, one in each lane of a vector: a neighbour is in the row before or after,
 //! and for the first and the last row in the next lane.
 
 use std::sync::OnceLock;

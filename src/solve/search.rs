@@ -68,7 +68,7 @@ pub struct Found {
 /// Extremes of every spring's force in a scene, up to the horizon and up to a mark before it, from values that are within `bound` of
 /// the truth.
 ///
-/// The watch is given a bound larger by a quarter ([`bound_of_pieces`]): cells omit modes, or round, by up to the
+/// The watch is given a bound larger by a quarter (`bound_of_pieces`): cells omit modes, or round, by up to the
 /// piece tolerance.
 ///
 /// Modes beyond a wide gap are at first computed only in cells that are examined. Where so many cells have to be examined that a

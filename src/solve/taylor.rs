@@ -138,7 +138,7 @@ pub fn estimate_s(play: &Play) -> f64 {
 /// Extremes of every coupler's force, and what breaks.
 ///
 /// # Errors
-/// As for [`solve_to_mark`].
+/// As for `solve_to_mark`.
 pub fn solve(play: &Play) -> Result<TaylorOutcome, SolveError> {
     solve_to_mark(play, None)
 }

@@ -12,7 +12,7 @@ use crate::march::{Bound, MarchOptions, MarchOutcome, Problem, solve};
 pub struct GearCase {
     /// What is extreme about it.
     pub name: &'static str,
-    /// The train and what happens; every coupler is rated at [`PULL`].
+    /// The train and what happens; every coupler is rated at `PULL`.
     pub problem: Problem,
 }
 

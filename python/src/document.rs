@@ -72,7 +72,7 @@ impl Document {
     fn held<'py>(&self, py: Python<'py>) -> Vec<(PathBuf, Bound<'py, PyBytes>, String)> {
         let one =
             |(source, text): (Source, Arc<str>)| (source.path, PyBytes::new(py, &source.sha256), text.to_string());
-        self.text.held().into_iter().map(one).collect()
+        self.text.other_files().into_iter().map(one).collect()
     }
 
     #[getter]

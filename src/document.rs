@@ -57,7 +57,7 @@ impl Document {
     }
 
     /// The other files that were read for it.
-    pub(crate) fn other_files(&self) -> Vec<(Source, Arc<str>)> {
+    pub fn other_files(&self) -> Vec<(Source, Arc<str>)> {
         self.files.contents().into_iter().filter(|(source, _)| source.path != self.path).collect()
     }
 

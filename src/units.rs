@@ -13,7 +13,7 @@ mod spellings;
 use std::fmt;
 
 pub use reader::{
-    Unit, UnitSystem, digits, rounded, shown, shown_in, shown_time, shown_time_up, unit_for, without_zeros,
+    Unit, UnitSystem, digits, rounded, shown, shown_in, shown_time, shown_time_up, unit_for, up, without_zeros,
 };
 
 /// Standard gravity, m/s2 (CGPM 1901).

@@ -19,13 +19,10 @@ pub(super) fn of_scenario(train: &Train, scenario: &Scenario) -> Vec<Doubt> {
         Event::Break { couplers } => breaks(train, scenario, couplers),
         Event::Pulse { .. } | Event::Shaped { .. } => pulse(train, scenario),
         Event::Impact { .. } => impact(train, scenario),
-        Event::Brake { application, .. } => {
-            super::plausible::brake_wave(train, application.wave_m_per_s).into_iter().collect()
-        }
+        Event::Brake { .. } => vec![],
     };
-    let emergency = scenario.response.emergency.as_ref();
-    let wave = emergency.and_then(|applied| super::plausible::brake_wave(train, applied.wave_m_per_s));
-    let found = found.into_iter().chain(wave).chain(changes(train, scenario)).chain(stands(train, scenario));
+    let waves = scenario.applications().filter_map(|applied| super::plausible::brake_wave(train, applied.wave_m_per_s));
+    let found = found.into_iter().chain(waves).chain(changes(train, scenario)).chain(stands(train, scenario));
     let found = found.map(|(code, text)| Doubt::of_scenario(code, scenario, text));
     found.chain(short_horizon(train, scenario)).collect()
 }

@@ -97,13 +97,13 @@ fn in_own_units(train: &Train) -> bool {
 }
 
 fn masses(train: &Train) -> Option<Doubt> {
-    let all = train.vehicles().iter().filter(|v| !v.held).map(|v| (v.label.clone(), v.mass_kg));
-    outside(train, "mass", "mass", all, [LIGHT_KG, HEAVY_KG], Dimension::Mass)
+    let all = train.vehicles().iter().enumerate().filter(|(_, v)| !v.held).map(|(i, v)| (i, v.mass_kg));
+    outside(train, ["mass", "mass", "vehicle"], all, [LIGHT_KG, HEAVY_KG], Dimension::Mass)
 }
 
 fn vehicle_lengths(train: &Train) -> Option<Doubt> {
-    let all = train.vehicles().iter().filter_map(|v| Some((v.label.clone(), v.length_m?)));
-    outside(train, "length", "length", all, [SHORT_M, LONG_M], Dimension::Length)
+    let all = train.vehicles().iter().enumerate().filter_map(|(i, v)| Some((i, v.length_m?)));
+    outside(train, ["length", "length", "vehicle"], all, [SHORT_M, LONG_M], Dimension::Length)
 }
 
 /// Full brake forces beside the weight.
@@ -124,18 +124,20 @@ fn brake_forces(train: &Train) -> Option<Doubt> {
 
 /// Slack of couplers, with or without a gear.
 fn slack(train: &Train) -> Option<Doubt> {
-    let all = train.extras().laws.iter().enumerate().map(|(i, law)| (coupler(i), law.slack_m()));
-    outside(train, "slack", "slack", all, [0.0, STRETCH_M], Dimension::Length)
+    let all = train.extras().laws.iter().map(Law::slack_m).enumerate();
+    outside(train, ["slack", "slack", "coupler"], all, [0.0, STRETCH_M], Dimension::Length)
 }
 
-/// Stiffnesses of linear couplers, and of the parts in series with gears.
+/// Stiffnesses of couplers, and of the parts in series with gears.
 fn stiff(train: &Train) -> Option<Doubt> {
-    let linear = train.couplers().iter().enumerate().map(|(i, c)| (coupler(i), c.stiffness_n_per_m));
+    let usual = [0.0, STIFF_N_PER_M];
+    let own = train.couplers().iter().map(|c| c.stiffness_n_per_m).enumerate();
     let solid = train.extras().laws.iter().enumerate().filter_map(|(i, law)| match law {
-        Law::Gear { solid_n_per_m, .. } => Some((coupler(i), *solid_n_per_m)),
+        Law::Gear { solid_n_per_m, .. } => Some((i, *solid_n_per_m)),
         Law::Elastic { .. } => None,
     });
-    outside(train, "stiff-coupler", "stiffness", linear.chain(solid), [0.0, STIFF_N_PER_M], Dimension::Stiffness)
+    let solid = outside(train, ["stiff-coupler", "solid_stiffness", "coupler"], solid, usual, Dimension::Stiffness);
+    solid.or_else(|| outside(train, ["stiff-coupler", "stiffness", "coupler"], own, usual, Dimension::Stiffness))
 }
 
 /// The speed of a brake application's wave, as the words of a doubt.
@@ -150,31 +152,21 @@ pub(super) fn brake_wave(train: &Train, wave_m_per_s: f64) -> Option<(&'static s
     (!(slow..=fast).contains(&wave_m_per_s)).then_some(("brake-wave", text))
 }
 
-fn coupler(i: usize) -> String {
-    format!("coupler {}", i + 1)
-}
-
-/// A doubt about the first of some numbers that are outside a usual range, and how many more are.
+/// A doubt about the first of some numbers of vehicles or couplers that are outside a usual range, and how many more are.
 fn outside(
     train: &Train,
-    code: &'static str,
-    what: &str,
-    all: impl Iterator<Item = (String, f64)>,
+    [code, what, of]: [&'static str; 3],
+    all: impl Iterator<Item = (usize, f64)>,
     [least, most]: [f64; 2],
     dimension: Dimension,
 ) -> Option<Doubt> {
     let mut odd = all.filter(|(_, value)| !(least..=most).contains(value));
     let ((first, value), units) = (odd.next()?, train.origin().units);
-    let kind = if first.starts_with("coupler") { "coupler" } else { "vehicle" };
-    let usual = match least {
-        0.0 => format!("over {}", rounded(units, most, dimension)),
-        _ => format!("outside the usual {} to {}", rounded(units, least, dimension), rounded(units, most, dimension)),
-    };
-    let text = format!(
-        "the {what} of {first}{} is {}, {usual}; check the number and its unit",
-        more(odd.count(), kind),
-        shown(units, value, dimension)
-    );
+    let name = if of == "vehicle" { train.vehicles()[first].label.clone() } else { format!("coupler {}", first + 1) };
+    let [low, high] = [least, most].map(|limit| rounded(units, limit, dimension));
+    let usual = if least == 0.0 { format!("over {high}") } else { format!("outside the usual {low} to {high}") };
+    let (others, value) = (more(odd.count(), of), shown(units, value, dimension));
+    let text = format!("the {what} of {name}{others} is {value}, {usual}; check the number and its unit");
     Some(Doubt::of_train(code, text))
 }
 

@@ -1,6 +1,6 @@
 //! What the report says of couplers that break one after the other.
 
-use super::numbers::{Unit, force, force_in, force_unit, given_force_in, percent, time};
+use super::numbers::{Unit, force_in, given_force_in, percent, time};
 use super::words::{count, moment, sense};
 use crate::findings::{CascadeBreak, CascadeFindings, CaseFindings, CouplerFindings, PeakForces, ScenarioFindings};
 use crate::train::LIMITS;
@@ -230,7 +230,7 @@ pub fn forces(case: &CaseFindings) -> Vec<Force<'_>> {
 pub fn force_row(
     (c, peaks, (force_n, at_s, utilisation)): Force,
     cascade: &CascadeFindings,
-    units: UnitSystem,
+    unit: Unit,
 ) -> Vec<String> {
     let error_n = peaks.error_estimate_n.unwrap_or(cascade.error_bound_n);
     let of_time = |b: &&CascadeBreak| b.coupler == c.coupler && b.time_s == at_s;
@@ -244,8 +244,8 @@ pub fn force_row(
     vec![
         c.coupler.to_string(),
         c.between.join(", "),
-        format!("{} in {}", force(units, force_n, error_n), sense(force_n)),
-        given_force_in(force_unit(units, force_n), rating),
+        format!("{} in {}", force_in(unit, force_n, error_n), sense(force_n)),
+        given_force_in(unit, rating),
         format!("{} %{mark}", percent(utilisation)),
         time(at_s),
         format!("{} %", percent(c.utilisation)),

@@ -1,7 +1,7 @@
 //! Numbers as an engineer writes them: three or four significant digits and a unit, never more than the error allows.
 
 use crate::units::{Dimension, UnitSystem, shown, shown_in, unit_for};
-pub use crate::units::{Unit, digits, without_zeros};
+pub use crate::units::{Unit, digits, up, without_zeros};
 
 /// The unit in which a largest force is at least 1.
 pub fn force_unit(system: UnitSystem, largest_n: f64) -> Unit {
@@ -77,16 +77,6 @@ pub fn down_to(value: f64, most: i32) -> String {
     let step = 10f64.powi((f64::from(most - 1) - value.log10().floor()).clamp(0.0, 300.0) as i32);
     // A number of that many digits keeps them all, though its double lies a little under it.
     digits((value * step * (1.0 + 1e-12)).floor() / step, 0.0, most)
-}
-
-/// A number that has to be reached, rounded up to four digits.
-pub fn up(value: f64) -> String {
-    if value <= 0.0 || !value.is_finite() {
-        return digits(value, 0.0, 4);
-    }
-    let step = 10f64.powi((3.0 - value.log10().floor()).clamp(0.0, 300.0) as i32);
-    // A number of four digits keeps them, though its double lies a little over it.
-    digits((value * step * (1.0 - 1e-12)).ceil() / step, 0.0, 4)
 }
 
 /// The interval `value` +- `error`, with as many digits as tell its ends apart, rounded outward.

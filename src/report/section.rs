@@ -106,21 +106,23 @@ fn verdict(train: &Train, scenario: &ScenarioFindings, index: usize, several: bo
     all
 }
 
+/// The first columns of a table of couplers with their largest forces.
+const FORCES: [(&str, Side); 6] = [
+    ("coupler", Right),
+    ("between", Left),
+    ("demand", Right),
+    ("capacity", Right),
+    ("utilisation", Right),
+    ("peak at", Right),
+];
+
 /// The couplers that exceed or are not decided in the one case of a scenario.
 fn of_case(case: &CaseFindings, units: UnitSystem) -> Vec<Block> {
-    let head: Head = &[
-        ("coupler", Right),
-        ("between", Left),
-        ("demand", Right),
-        ("capacity", Right),
-        ("utilisation", Right),
-        ("peak at", Right),
-        ("over its rating from", Right),
-        ("carries this with a rating above", Left),
-    ];
+    let more = [("over its rating from", Right), ("carries this with a rating above", Left)];
+    let head = [&FORCES[..], &more].concat();
     let unit = column_unit(words::exceeding(case).into_iter(), units);
     let row = |c| exceeding_row(c, case, unit);
-    let mut all = table("Couplers over their rating, worst first", head, words::exceeding(case), ROWS, CSV, row);
+    let mut all = table("Couplers over their rating, worst first", &head, words::exceeding(case), ROWS, CSV, row);
     let within = if case.error_estimate_n.is_some() { "ten estimates of the error" } else { "the error bound" };
     let caption = format!("Not decided, because the rating lies within {within} of the peak");
     let head: Head = &[
@@ -130,7 +132,8 @@ fn of_case(case: &CaseFindings, units: UnitSystem) -> Vec<Block> {
         ("rating", Left),
         ("certainly carries this with a rating above", Left),
     ];
-    all.extend(table(&caption, head, words::undecided(case), ROWS, CSV, |c| undecided_row(c, case, units)));
+    let unit = column_unit(words::undecided(case).into_iter(), units);
+    all.extend(table(&caption, head, words::undecided(case), ROWS, CSV, |c| undecided_row(c, case, unit)));
     all
 }
 
@@ -248,19 +251,13 @@ fn sequence(case: &CaseFindings, units: UnitSystem) -> Vec<Block> {
     let row = |b| cascade::row(b, found, units, unit);
     let mut all = table("Couplers that break, in order", head, breaks, ROWS, JSON, row);
     if !found.breaks.is_empty() {
-        let head: Head = &[
-            ("coupler", Right),
-            ("between", Left),
-            ("demand", Right),
-            ("capacity", Right),
-            ("utilisation", Right),
-            ("peak at", Right),
-            ("utilisation if no other breaks", Right),
-        ];
+        let head = [&FORCES[..], &[("utilisation if no other breaks", Right)]].concat();
+        let forces = cascade::forces(case);
+        let unit = force_unit(units, forces.iter().map(|of| of.2.0.abs()).fold(0.0, f64::max));
         let caption =
             "Largest force of every coupler when these break, up to its own break, the largest utilisation first";
-        let row = |of| cascade::force_row(of, found, units);
-        all.extend(table(caption, head, cascade::forces(case), ROWS, CSV, row));
+        let row = |of| cascade::force_row(of, found, unit);
+        all.extend(table(caption, &head, forces, ROWS, CSV, row));
     }
     all
 }
@@ -315,13 +312,12 @@ fn exceeding_row(c: &CouplerFindings, case: &CaseFindings, unit: Unit) -> Vec<St
     ]
 }
 
-fn undecided_row(c: &CouplerFindings, case: &CaseFindings, units: UnitSystem) -> Vec<String> {
-    let unit = force_unit(units, 0.0);
-    let rating = format!("{} {}", words::rating(c) / unit.size, unit.name);
+fn undecided_row(c: &CouplerFindings, case: &CaseFindings, unit: Unit) -> Vec<String> {
     // The upper end of the interval, with the digits that tell it from the lower one.
     let [_, enough] = interval(c.peak_force_n.abs() / unit.size, case.margin_n() / unit.size);
     let enough = format!("{enough} {} in {}", unit.name, words::sense(c.peak_force_n));
-    vec![c.coupler.to_string(), c.between.join(", "), words::interval(c, case.margin_n(), units), rating, enough]
+    let (between, peak) = (c.between.join(", "), words::interval(c, case.margin_n(), unit));
+    vec![c.coupler.to_string(), between, peak, given_force_in(unit, words::rating(c)), enough]
 }
 
 fn demand(c: &CouplerFindings, case: &CaseFindings, unit: Unit) -> String {

@@ -192,7 +192,7 @@ fn verdict(case: &CaseFindings, units: UnitSystem) -> String {
             "Not decided {when} for {}: {} peaks {}, and its rating lies inside.",
             count(case.undecided, "coupler"),
             place(first),
-            interval(first, case.margin_n(), units),
+            interval(first, case.margin_n(), super::numbers::force_unit(units, first.peak_force_n)),
         );
     }
     if worst.utilisation == 0.0 {
@@ -271,8 +271,7 @@ pub fn moment(time_s: f64, case: &CaseFindings) -> String {
 }
 
 /// The interval in which a peak force lies, with the digits that it takes to tell its ends apart.
-pub fn interval(c: &CouplerFindings, error_n: f64, units: UnitSystem) -> String {
-    let unit = super::numbers::force_unit(units, c.peak_force_n.abs());
+pub fn interval(c: &CouplerFindings, error_n: f64, unit: super::numbers::Unit) -> String {
     let [low, high] = super::numbers::interval(c.peak_force_n.abs() / unit.size, error_n / unit.size);
     format!("between {low} {name} and {high} {name} in {}", sense(c.peak_force_n), name = unit.name)
 }

@@ -24,7 +24,13 @@ pub struct Scenario {
 impl Scenario {
     /// Whether brakes are applied in it, by a parting or as its event.
     pub(crate) fn applies_brakes(&self) -> bool {
-        self.response.emergency.is_some() || matches!(self.event, Event::Brake { .. })
+        self.applications().next().is_some()
+    }
+
+    /// The brake applications in it: that of its event, and that which partings set off.
+    pub(crate) fn applications(&self) -> impl Iterator<Item = &Application> {
+        let of_event = if let Event::Brake { application, .. } = &self.event { Some(application) } else { None };
+        of_event.into_iter().chain(&self.response.emergency)
     }
 }
 

@@ -147,8 +147,7 @@ pub fn shown_time(value_s: f64) -> String {
 /// The same, rounded up to four digits, of a time that is to suffice.
 pub fn shown_time_up(value_s: f64) -> String {
     let unit = unit_for(TIME, value_s);
-    let step = unit.size * 10f64.powi((value_s / unit.size).log10().floor() as i32 - 3);
-    shown_in(unit, (value_s / step * (1.0 - f64::EPSILON)).ceil() * step)
+    format!("{} {}", without_zeros(&up(value_s / unit.size)), unit.name)
 }
 
 /// The same to three digits, of a limit that is a round number in SI.
@@ -159,6 +158,16 @@ pub fn rounded(system: UnitSystem, value: f64, dimension: Dimension) -> String {
 fn written(units: &[Unit], value: f64, most: i32) -> String {
     let unit = unit_for(units, value);
     format!("{} {}", without_zeros(&digits(value / unit.size, 0.0, most)), unit.name)
+}
+
+/// A number that has to be reached, rounded up to four digits.
+pub fn up(value: f64) -> String {
+    if value <= 0.0 || !value.is_finite() {
+        return digits(value, 0.0, 4);
+    }
+    let step = 10f64.powi((3.0 - value.log10().floor()).clamp(0.0, 300.0) as i32);
+    // A number of four digits keeps them, though its double lies a little over it.
+    digits((value * step * (1.0 - 1e-12)).ceil() / step, 0.0, 4)
 }
 
 /// At most `most` significant digits, none finer than the error; whole digits are never rounded away.

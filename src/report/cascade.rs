@@ -22,35 +22,6 @@ pub fn sentence(scenario: &ScenarioFindings) -> String {
     }
 }
 
-/// What the verdict supposes where further couplers break or a gap closes, as the sentence before it; empty elsewhere.
-pub fn supposed(scenario: &ScenarioFindings) -> String {
-    const SUPPOSED: &str = "the forces given here are computed as if none did";
-    let all = || scenario.cases.iter().filter_map(|c| c.cascade.as_ref());
-    let breaking = all().filter(|c| !c.breaks.is_empty()).count();
-    let closing = all().filter(|c| c.gap_closes_s.is_some()).count();
-    if scenario.cases.len() > 1 {
-        let of = |n: usize| format!("{n} of {}", count(scenario.cases.len(), "break"));
-        let more = format!("After {} further couplers break (see \"What breaks next\"); {SUPPOSED}. ", of(breaking));
-        let gaps = format!("After {} a gap closes, and later results are not valid. ", of(closing));
-        return [more, gaps]
-            .into_iter()
-            .zip([breaking, closing])
-            .filter(|(_, n)| *n > 0)
-            .map(|(text, _)| text)
-            .collect();
-    }
-    let Some(cascade) = all().next() else { return String::new() };
-    let more = match cascade.breaks.len() {
-        0 => String::new(),
-        1 => format!("1 further coupler breaks (see \"What breaks next\"); {SUPPOSED}. "),
-        n => format!("{n} further couplers break (see \"What breaks next\"); {SUPPOSED}. "),
-    };
-    let gap = cascade.gap_closes_s.zip(cascade.gap_coupler);
-    more + &gap.map_or(String::new(), |(at, coupler)| {
-        format!("Results from {} on are not valid, because the gap at coupler {coupler} closes then. ", time(at))
-    })
-}
-
 /// Couplers that break after the event, as a cell: their number, or after how many breaks; or empty.
 pub fn brief(scenario: &ScenarioFindings) -> String {
     let further: Vec<usize> =

@@ -278,9 +278,38 @@ pub fn interval(c: &CouplerFindings, error_n: f64, unit: super::numbers::Unit) -
 
 /// The verdict on a scenario: over the horizon, over the first passage where that differs, and both senses of an impact.
 pub fn verdict_of(scenario: &ScenarioFindings, units: UnitSystem) -> String {
-    let lead = super::cascade::supposed(scenario);
+    let lead = supposed(scenario);
     let [case] = &scenario.cases[..] else { return lead + &verdict_each(scenario, units) + &first_passages(scenario) };
     lead + &verdict(case, units) + &first_passage(case) + &impact(case, units) + &meetings(case)
+}
+
+/// What the verdict supposes where further couplers break or a gap closes, as the sentence before it; empty elsewhere.
+fn supposed(scenario: &ScenarioFindings) -> String {
+    const SUPPOSED: &str = "the forces given here are computed as if none did";
+    let all = || scenario.cases.iter().filter_map(|c| c.cascade.as_ref());
+    let breaking = all().filter(|c| !c.breaks.is_empty()).count();
+    let closing = all().filter(|c| c.gap_closes_s.is_some()).count();
+    if scenario.cases.len() > 1 {
+        let of = |n: usize| format!("{n} of {}", count(scenario.cases.len(), "break"));
+        let more = format!("After {} further couplers break (see \"What breaks next\"); {SUPPOSED}. ", of(breaking));
+        let gaps = format!("After {} a gap closes, and later results are not valid. ", of(closing));
+        return [more, gaps]
+            .into_iter()
+            .zip([breaking, closing])
+            .filter(|(_, n)| *n > 0)
+            .map(|(text, _)| text)
+            .collect();
+    }
+    let Some(cascade) = all().next() else { return String::new() };
+    let more = match cascade.breaks.len() {
+        0 => String::new(),
+        1 => format!("1 further coupler breaks (see \"What breaks next\"); {SUPPOSED}. "),
+        n => format!("{n} further couplers break (see \"What breaks next\"); {SUPPOSED}. "),
+    };
+    let gap = cascade.gap_closes_s.zip(cascade.gap_coupler);
+    more + &gap.map_or(String::new(), |(at, coupler)| {
+        format!("Results from {} on are not valid, because the gap at coupler {coupler} closes then. ", time(at))
+    })
 }
 
 /// Where parted vehicles meet again and push each other; empty where none do, or where that is not computed.

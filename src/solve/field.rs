@@ -1,6 +1,6 @@
 //! Forces of every spring at many instants, for pictures: right to a line's width, and no error bound.
 
-use super::{closed_form, damped_modes::Damped, modal, propagator, sums, taylor};
+use super::{closed_form, damped_modes::Damped, modal, observers, propagator, sums, taylor};
 use crate::chain::Scene;
 use crate::play::Play;
 
@@ -34,7 +34,7 @@ pub(crate) fn of_scene(scene: &Scene, damping_ratio: f64, times: &[f64], see: Si
     let omega = propagator::omega_max(scene);
     let march = springs.max(FEWEST) * propagator::steps(scene, omega);
     if let Some(finer) = FINER.into_iter().find(|f| f * march <= MOST) {
-        propagator::field(scene, finer * omega, times, see);
+        observers::field(scene, finer * omega, times, see);
         return true;
     }
     if by_modes {

@@ -20,6 +20,7 @@ pub mod fronts;
 pub mod local;
 pub mod modal;
 pub mod motion;
+pub mod observers;
 pub mod path;
 pub mod plan;
 pub mod propagator;

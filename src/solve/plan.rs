@@ -4,7 +4,9 @@
 //! for everyone, makes the counts comparable. The choice therefore depends on the scene alone, not on the machine or on what else runs on it.
 
 use super::watch::{SpringPeaks, bound_of_extremes, bound_of_pieces};
-use super::{Ask, Method, Solution, SolveError, Wanted, Work, closed_form, fronts, modal, propagator, search, sums};
+use super::{
+    Ask, Method, Solution, SolveError, Wanted, Work, closed_form, fronts, modal, observers, propagator, search, sums,
+};
 use crate::chain::Scene;
 
 /// Nanoseconds for one spring in one exact step.
@@ -243,7 +245,7 @@ pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
         _ => {
             let bound = propagator::error_bound(scene, plan.omega_max);
             let min_rise = coarse_min_rise(scene, ask).min(ask.tolerance - bound);
-            let (peaks, work) = propagator::peaks(scene, plan.omega_max, min_rise, ask.wanted, ask.mark);
+            let (peaks, work) = observers::peaks(scene, plan.omega_max, min_rise, ask.wanted, ask.mark);
             (peaks, work, bound_of_extremes(bound).max(bound + min_rise))
         }
     };
@@ -293,7 +295,7 @@ pub fn history(scene: &Scene, spring: usize, times: &[f64]) -> Vec<f64> {
     let step = STEP * springs * propagator::steps(scene, omega_max);
     let sums = 20.0 * springs * times.len() as f64 + price_of_modes(scene);
     if step < sums {
-        return propagator::history(scene, omega_max, spring, times);
+        return observers::history(scene, omega_max, spring, times);
     }
     sums::history(scene, &modes(scene), spring, times)
 }

@@ -8,7 +8,7 @@ use serde::de::{Deserializer, Error};
 use trainsafe::chain::{Chain, Scene};
 use trainsafe::solve::sums::Modes;
 use trainsafe::solve::watch::SpringPeaks;
-use trainsafe::solve::{Ask, Method, Wanted, closed_form, fronts, modal, propagator, solve, sums};
+use trainsafe::solve::{Ask, Method, Wanted, closed_form, fronts, modal, observers, propagator, solve, sums};
 
 /// The share of the largest rating that a force may be off by.
 pub const TOLERANCE: f64 = 1e-9;
@@ -150,7 +150,7 @@ pub fn by(method: Method, scene: &Scene) -> Option<Found> {
                 return None;
             }
             (
-                propagator::peaks(scene, omega, 0.0, Wanted::Everything, None).0[0].clone(),
+                observers::peaks(scene, omega, 0.0, Wanted::Everything, None).0[0].clone(),
                 propagator::error_bound(scene, omega),
             )
         }

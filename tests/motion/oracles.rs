@@ -4,7 +4,7 @@ use crate::scenes::*;
 use serde::Deserialize;
 use trainsafe::chain::{Chain, Scene};
 use trainsafe::play::Rule;
-use trainsafe::solve::{Ask, Method, fronts, propagator, solve};
+use trainsafe::solve::{Ask, Method, fronts, observers, propagator, solve};
 use trainsafe::train::{CouplerSpec, Event, Load, Scenario, TrainSpec, VehicleSpec};
 use trainsafe::{Options, analyze};
 
@@ -187,7 +187,7 @@ fn hold_links(scene: &Scene, broken: bool, links: &[Digits]) {
     if n <= 10 {
         // A march that ends at the instant in question has no cubic in between; a hair before, lest rounding put it behind.
         let at = time * (1.0 - 1e-15);
-        let forces = (0..n).map(|i| propagator::history(scene, omega, i, &[at])[0]).collect();
+        let forces = (0..n).map(|i| observers::history(scene, omega, i, &[at])[0]).collect();
         // Forces change by at most 2 per unit of time.
         all.push((Method::Propagator, forces, propagator::error_bound(scene, omega) + 2e-15 * time));
     }

@@ -11,15 +11,12 @@
 //! lies below another step's lower bound are dropped; the few that are left are looked into at the end.
 
 use super::Wanted;
-use super::foresee::Levels;
 use super::local::{COEFFICIENTS, Local};
 use super::motion::{BLOCK, Motion, bracket, least_slope};
 use super::series::{DEGREE, POWERS, table};
 use super::watch::{SpringPeaks, Watch};
 use crate::chain::Scene;
 
-/// Largest phase of a step, h omega_max.
-pub(crate) const PHASE: f64 = 1.5;
 /// Springs around the one in question that the series need, and its place among them.
 const WINDOW: usize = 2 * POWERS - 1;
 const CENTRE: usize = POWERS - 1;
@@ -49,6 +46,9 @@ struct Open {
     /// Forces around the spring at both ends.
     window: Box<[[f64; WINDOW]; 2]>,
 }
+
+/// Per spring, what F and -F are expected to pass; minus infinity for nothing.
+pub type Levels = Vec<[f64; 2]>;
 
 /// One sign of one spring.
 #[derive(Clone, Debug)]

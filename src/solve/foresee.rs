@@ -11,6 +11,7 @@ use std::sync::OnceLock;
 
 use pulp::{Simd, WithSimd};
 
+use super::between::Levels;
 use super::propagator::kick_series;
 use crate::chain::Scene;
 
@@ -25,9 +26,6 @@ const MARGIN: f64 = 1e-4;
 const TINY: f32 = 1e-20;
 
 type Row = [f32; LANES];
-
-/// Per spring, what F and -F are expected to pass; minus infinity for nothing.
-pub type Levels = Vec<[f64; 2]>;
 
 /// What forces are expected to pass up to a mark and up to the horizon; nothing for a pulse that is shorter than a step.
 pub fn levels(scene: &Scene, omega: f64, mark: f64) -> [Levels; 2] {

@@ -210,8 +210,8 @@ pub(crate) fn least_slope([left, right]: [[f64; 3]; 2], remainder: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::between::PHASE;
     use super::super::dd::{Dd, sin_pi};
+    use super::super::series::PHASE;
     use super::super::series::cosine_of_root;
     use super::*;
 

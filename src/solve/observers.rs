@@ -1,7 +1,7 @@
 //! What is done with the steps of a march ([`super::propagator`]): the largest forces, a history, forces at given times.
 
-use super::between::Search;
-use super::foresee::{self, Levels};
+use super::between::{Levels, Search};
+use super::foresee;
 use super::motion::{BLOCK, Motion, any_positive, excess, norms_around};
 use super::propagator::{StepObserver, View, block, error_bound, march};
 use super::watch::SpringPeaks;

@@ -19,11 +19,11 @@
 
 use std::sync::OnceLock;
 
-use super::between::{PHASE, Step};
+use super::between::Step;
 use super::dd::Dd;
 use super::motion::{BLOCK, FAR, MARGIN, Motion, local_norms};
 use super::path::Path;
-use super::series::{polynomial, sine_over_root};
+use super::series::{PHASE, polynomial, sine_over_root};
 use crate::chain::Scene;
 
 /// Terms of the series for P, for 1e-17 over the largest phase, and for velocities at a change of step.

@@ -2,9 +2,10 @@
 
 use std::sync::OnceLock;
 
-use super::between::PHASE;
 use super::dd::Dd;
 
+/// Largest phase of a step, h omega_max.
+pub(crate) const PHASE: f64 = 1.5;
 /// Powers of X that [`table`]'s functions need for 1e-16 up to the largest phase.
 pub(crate) const POWERS: usize = 14;
 /// Coefficients of z, even and odd each, for the same.

@@ -13,20 +13,12 @@ use std::path::Path;
 
 use super::Files;
 use super::heading::{Content, Wanted};
-use super::keys::APPLICATION_TABLE;
+use super::keys::{APPLICATION_TABLE, BUILD_UP, PRESETS};
 use super::sheet::{Record, Sheet};
 use super::tree::{Read, Table, Value};
 use crate::error::{InputError, Problem, Problems, printable_path, quoted};
-use crate::keys::Sign;
 use crate::train::{Application, Doubt, Forcing, Vehicle, more};
 use crate::units::{self, Amount, Dimension, one_of, shown_time};
-
-/// Names of applications.
-pub(super) const PRESETS: [&str; 3] = ["AAR", "UIC G", "UIC P"];
-
-/// The columns of a build-up.
-pub(super) const BUILD_UP: [(&str, Dimension, Sign); 2] =
-    [("time", Dimension::Time, Sign::NotNegative), ("share", Dimension::Share, Sign::NotNegative)];
 
 /// The named application: an emergency or a service one.
 fn preset(name: &'static str, emergency: bool) -> Application {

@@ -13,31 +13,18 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::Files;
-use super::heading::{Content, Wanted};
+use super::columns::open_gear;
+use super::keys::GEAR_COLUMNS;
 use super::sheet::{Record, Sheet};
 use super::tree::{Read, Value};
 use crate::error::{InputError, Problem, Problems, printable_path, quoted};
 use crate::keys::Sign;
 use crate::law::{Curve, CurveProblem, GearRow};
 use crate::train::Doubt;
-use crate::units::{self, Amount, Dimension};
+use crate::units::{self, Amount};
 
 /// More rows than this are refused.
 const MOST_ROWS: usize = 1000;
-
-/// The columns of a table: what they are called first, and what they measure.
-pub(super) const COLUMNS: [(&str, Dimension, Sign); 3] = [
-    ("travel", Dimension::Length, Sign::NotNegative),
-    ("loading", Dimension::Force, Sign::NotNegative),
-    ("unloading", Dimension::Force, Sign::Any),
-];
-
-/// Other words for the columns.
-const SYNONYMS: [&[&str]; 3] = [
-    &["stroke", "displacement", "deflection", "compression", "closure"],
-    &["loading_force", "load", "force"],
-    &["unloading_force", "unload", "release", "release_force", "recoil"],
-];
 
 /// A gear's table as it was read.
 #[derive(Clone, Debug, PartialEq)]
@@ -105,7 +92,7 @@ pub(super) fn read(value: &Value, path: &Path, files: &Files) -> Read<Arc<Gear>>
 /// Rows that stand in the train file.
 fn inline(value: &Value) -> Read<Gear> {
     let right = "expected the name of a CSV file, or rows: [[\"0 mm\", \"0 kN\", \"0 kN\"], [\"40 mm\", \"700 kN\", \"150 kN\"]]";
-    let rows = value.rows(&COLUMNS, 2, right)?;
+    let rows = value.rows(&GEAR_COLUMNS, 2, right)?;
     if rows.len() > MOST_ROWS {
         return Err(value.wrong(format!("{} has {} rows", value.name_of_key(), rows.len()), most()));
     }
@@ -126,29 +113,14 @@ fn most() -> String {
     format!("a gear's table has at most {MOST_ROWS} rows")
 }
 
-fn wanted() -> Vec<Wanted> {
-    let one = |((name, of, _), synonyms): ((&str, Dimension, Sign), &[&str])| Wanted {
-        names: std::iter::once(name).chain(synonyms.iter().copied()).map(str::to_owned).collect(),
-        content: Content::Quantity { of, share: false },
-        by_unit: of == Dimension::Length,
-    };
-    COLUMNS.into_iter().zip(SYNONYMS).map(one).collect()
-}
-
-/// Whether a text looks like a gear's table.
-pub(super) fn is_gear(text: &str) -> bool {
-    let open = Sheet::open(text, &wanted(), &[0, 1]);
-    open.is_ok_and(|sheet| sheet.columns[..2].iter().all(Option::is_some))
-}
-
 /// Reads a table's text; `path` is what messages call it.
 fn parse(text: &str, path: &Path) -> Result<(Gear, Vec<Doubt>), InputError> {
     let help = "a row above the numbers names the columns and their units: travel [mm],loading [kN],unloading [kN]";
-    let sheet = match Sheet::open(text, &wanted(), &[0, 1]) {
-        Ok(sheet) if sheet.columns[..2].iter().all(Option::is_some) => sheet,
+    let sheet = match open_gear(text) {
+        Ok(sheet) => sheet,
         Err(Some(problems)) => return Err(InputError::new(path, text, problems)),
         // Nothing is shown of a file that is no such table: a train file may come from anyone, and name any file.
-        _ => {
+        Err(None) => {
             let what = super::kinds::of_text(text).map_or(String::new(), |what| format!(": it is {what}"));
             return Err(InputError::of_file(
                 path,
@@ -180,7 +152,7 @@ fn parse(text: &str, path: &Path) -> Result<(Gear, Vec<Doubt>), InputError> {
 }
 
 fn cell(sheet: &Sheet, record: &Record, w: usize) -> Result<f64, Problem> {
-    let (name, of, sign) = COLUMNS[w];
+    let (name, of, sign) = GEAR_COLUMNS[w];
     let wrong = |found: String, right: String| {
         Problem::at(sheet.place(record, w), format!("row {}: {name} {found}", record.row), Some(right))
     };

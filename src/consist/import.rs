@@ -6,7 +6,7 @@ mod write;
 
 use std::path::{Path, PathBuf};
 
-use super::{Files, table};
+use super::{Files, columns, table};
 use crate::error::InputError;
 use crate::train::Doubt;
 
@@ -57,7 +57,7 @@ pub(super) struct Draft {
 /// A file that cannot be read, and every problem in it, with its place.
 pub fn import(path: &Path, trainsets: &[PathBuf]) -> Result<Imported, InputError> {
     let files = Files::default();
-    let text = files.beside(path, table::is_table).map_err(|[title, help]| InputError::of_file(path, title, help))?;
+    let text = files.beside(path, columns::is_table).map_err(|[title, help]| InputError::of_file(path, title, help))?;
     let is_consist = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("con"));
     let draft = if is_consist { openrails::draft(&text, path, trainsets, &files)? } else { of_table(&text, path)? };
     let (text, missing) = write::write(&draft);

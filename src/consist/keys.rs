@@ -1,10 +1,22 @@
 //! The keys of a train file.
 
-use super::brakes::{BUILD_UP, PRESETS};
-use super::gears::COLUMNS;
 use crate::keys::{Key, Kind, Shape, Sign, Variant};
 use crate::train::{LIMITS, MOST_VEHICLES, SENSES};
 use crate::units::{Dimension, UnitSystem};
+
+/// The columns of a gear's table: what they are called first, and what they measure.
+pub(super) const GEAR_COLUMNS: [(&str, Dimension, Sign); 3] = [
+    ("travel", Dimension::Length, Sign::NotNegative),
+    ("loading", Dimension::Force, Sign::NotNegative),
+    ("unloading", Dimension::Force, Sign::Any),
+];
+
+/// Names of applications.
+pub(super) const PRESETS: [&str; 3] = ["AAR", "UIC G", "UIC P"];
+
+/// The columns of a build-up.
+pub(super) const BUILD_UP: [(&str, Dimension, Sign); 2] =
+    [("time", Dimension::Time, Sign::NotNegative), ("share", Dimension::Share, Sign::NotNegative)];
 
 const fn quantity(of: Dimension, sign: Sign) -> Kind {
     Kind::Quantity { of, sign, share: false }
@@ -15,7 +27,7 @@ const fn or_share(of: Dimension, sign: Sign) -> Kind {
 }
 
 /// A gear: a file, or rows of travel, loading and unloading.
-const GEAR_TABLE: Kind = Kind::Either(&[Kind::Name, Kind::Rows { of: &COLUMNS, least: 2 }]);
+const GEAR_TABLE: Kind = Kind::Either(&[Kind::Name, Kind::Rows { of: &GEAR_COLUMNS, least: 2 }]);
 /// A brake application: a named one, or its wave and build-up.
 const APPLICATION: Kind = Kind::Either(&[Kind::Word(&PRESETS), Kind::Table(&APPLICATION_TABLE)]);
 const RATING: Kind = quantity(Dimension::Force, Sign::Positive);

@@ -2,37 +2,11 @@
 
 use toml::de::DeTable;
 
-use super::{gears, record, table};
+use super::columns::{is_gear, is_record, is_table};
 
 /// Whether a text that has been parsed is a study rather than a train.
 pub(crate) fn is_study(root: &DeTable) -> bool {
     ["trains", "vary"].iter().any(|key| root.contains_key(*key))
-}
-
-/// What a binary file is, by its first bytes, and whether it is a workbook.
-pub(super) fn of_bytes(bytes: &[u8]) -> Option<(&'static str, bool)> {
-    let holds = |part: &[u8]| bytes.windows(part.len()).take(1 << 20).any(|window| window == part);
-    let starts: [(&[u8], &str, bool); 7] = [
-        (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "an old Excel workbook (xls) or another Office file", true),
-        (b"%PDF", "a PDF", false),
-        (b"\x89PNG", "a picture", false),
-        (b"\xff\xd8\xff", "a picture", false),
-        (b"\x1f\x8b", "a compressed file (gzip)", false),
-        (b"PAR1", "a Parquet file", false),
-        (b"7z\xbc\xaf", "a compressed file (7z)", false),
-    ];
-    if bytes.starts_with(b"PK\x03\x04") {
-        return Some(if holds(b"opendocument.spreadsheet") {
-            ("a LibreOffice workbook (ods)", true)
-        } else if holds(b"xl/workbook.bin") {
-            ("a binary Excel workbook (xlsb)", true)
-        } else if holds(b"xl/") {
-            ("an Excel workbook (xlsx)", true)
-        } else {
-            ("a compressed file (zip)", false)
-        });
-    }
-    starts.into_iter().find(|(start, ..)| bytes.starts_with(start)).map(|(_, what, workbook)| (what, workbook))
 }
 
 /// What a text is, if it is one of the kinds that are easily taken for another.
@@ -54,13 +28,13 @@ pub(super) fn of_text(text: &str) -> Option<&'static str> {
             _ => None,
         };
     }
-    if table::is_table(text) {
+    if is_table(text) {
         return Some("a table of vehicles");
     }
-    if gears::is_gear(text) {
+    if is_gear(text) {
         return Some("a gear's table of force over travel");
     }
-    if record::is_record(text) {
+    if is_record(text) {
         return Some("a record of force over time");
     }
     let blanks = text.lines().take(100).filter(|line| is_row_of_numbers(line)).count() > 1;

@@ -2,6 +2,8 @@
 //! [`TrainSpec::build`](crate::train::TrainSpec::build).
 
 mod brakes;
+mod columns;
+mod couplers;
 mod describe;
 mod describe_laws;
 mod file;
@@ -17,9 +19,11 @@ mod numbers;
 mod record;
 mod scenarios;
 mod sheet;
+mod sums;
 mod table;
 mod text;
 pub(crate) mod tree;
+mod vehicles;
 #[cfg(feature = "xlsx")]
 mod workbook;
 
@@ -127,7 +131,7 @@ pub(crate) fn read_tree(
     let found = tree::Found::default();
     let root = tree::Table::root(&found, tree, &keys::TRAIN);
     let named = root.get("vehicles").filter(|value| value.as_text().is_some());
-    let rows = match named.map(|value| value.text_beside(path, files, table::is_table)) {
+    let rows = match named.map(|value| value.text_beside(path, files, columns::is_table)) {
         Some(Ok((beside, text))) => Ok(Some(table::parse(&text, &beside, path, files)?)),
         Some(Err(reported)) => Err(reported),
         None => Ok(None),

@@ -5,8 +5,9 @@
 
 use std::path::Path;
 
-use super::heading::{Content, Wanted, only_unit};
-use super::sheet::{HEADER_ROWS, NoSheet, Record, Sheet};
+use super::columns::{RECORD_COLUMNS, open_record};
+use super::heading::{Content, only_unit};
+use super::sheet::{HEADER_ROWS, Record, Sheet};
 use crate::error::{InputError, Problem, Problems, printable_path, quoted};
 use crate::train::Doubt;
 use crate::units::{self, Amount, Dimension, shown_time};
@@ -19,27 +20,6 @@ pub(super) struct Course {
     pub(super) doubts: Vec<Doubt>,
 }
 
-const COLUMNS: [(&str, Dimension); 2] = [("time", Dimension::Time), ("force", Dimension::Force)];
-
-fn wanted() -> Vec<Wanted> {
-    let one = |(name, of): (&str, Dimension)| Wanted {
-        names: vec![name.to_owned(), name[..1].to_owned()],
-        content: Content::Quantity { of, share: false },
-        by_unit: true,
-    };
-    COLUMNS.into_iter().map(one).collect()
-}
-
-fn open(text: &str) -> Result<Sheet<'_>, NoSheet> {
-    let sheet = Sheet::open(text, &wanted(), &[0, 1])?;
-    if sheet.columns.iter().all(Option::is_some) { Ok(sheet) } else { Err(None) }
-}
-
-/// Whether a text looks like a record.
-pub(super) fn is_record(text: &str) -> bool {
-    open(text).is_ok()
-}
-
 /// Reads a record's text; `path` is what messages call it.
 ///
 /// # Errors
@@ -48,7 +28,7 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<Course, InputError> {
     let header =
         "a row above the numbers names two columns and their units, as time_ms,force_kn or time [s];force [N] do";
     let of_file = |title: String, help: &str| InputError::of_file(path, title, help);
-    let sheet = match open(text) {
+    let sheet = match open_record(text) {
         Ok(sheet) => sheet,
         Err(Some(problems)) => return Err(InputError::new(path, text, problems)),
         // Nothing is shown of a file that is no record: a train file may come from anyone, and name any file.
@@ -85,7 +65,7 @@ fn several(text: &str) -> Option<String> {
             let is_of = |(i, cell): (usize, &str)| only_unit(cell.trim().trim_matches('"'), content).map(|_| i + 1);
             line.split([',', ';', '\t']).enumerate().filter_map(is_of).collect::<Vec<_>>()
         };
-        let found = COLUMNS.map(|(name, of)| (name, fitting(of)));
+        let found = RECORD_COLUMNS.map(|(name, of)| (name, fitting(of)));
         let open = found.iter().find(|(_, columns)| columns.len() > 1)?;
         let which = open.1.iter().map(ToString::to_string).collect::<Vec<_>>().join(" and ");
         let all = found.iter().all(|(_, columns)| !columns.is_empty());
@@ -121,7 +101,7 @@ fn points(sheet: &Sheet, problems: &mut Problems) -> Vec<[f64; 2]> {
 
 fn point(sheet: &Sheet, record: &Record) -> Result<[f64; 2], Problem> {
     let mut point = [0.0; 2];
-    for (w, (name, of)) in COLUMNS.into_iter().enumerate() {
+    for (w, (name, of)) in RECORD_COLUMNS.into_iter().enumerate() {
         let wrong = |found: String, right: String| {
             Problem::at(sheet.place(record, w), format!("row {}: {name} {found}", record.row), Some(right))
         };

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use super::file::coupler_list;
+use super::columns::is_record;
+use super::couplers::coupler_list;
 use super::keys::SCENARIO;
 use super::labels::Labels;
 use super::tree::{Found, Read, Table, Value};
@@ -215,7 +216,7 @@ fn recorded(table: &Table, record: &Value, vehicle: usize, context: &Context) ->
             return Err(table.note_at(span, format!("{key} beside a record"), "the record gives the force over time"));
         }
     }
-    let (file, text) = record.text_beside(context.path, context.files, record::is_record)?;
+    let (file, text) = record.text_beside(context.path, context.files, is_record)?;
     let record::Course { points, doubts } = record::parse(&text, &file).map_err(|bad| record.refer(&bad))?;
     doubts.into_iter().for_each(|doubt| context.found.doubt(doubt));
     let force_n = points.iter().map(|p| p[1]).fold(0.0f64, |a, f| if f.abs() > a.abs() { f } else { a });

@@ -18,37 +18,24 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::Files;
-use super::file::{Group, OwnKeys, group};
-use super::heading::{Content, Wanted, normal, only_unit};
+use super::columns::{Of, Slot, all_columns, position, slots, vehicle_columns};
+use super::couplers::OwnKeys;
+use super::heading::{Content, normal, only_unit};
 use super::keys::{OVERRIDE, VEHICLE};
 use super::sheet::{HEADER_ROWS, Record, Sheet};
+use super::sums::sums;
 use super::tree::{Found, Table};
+use super::vehicles::{Group, group};
 use crate::error::{InputError, Problem, Problems, printable_path, quoted};
-use crate::keys::{Kind, Shape};
+use crate::keys::Kind;
 use crate::train::{Doubt, MOST_VEHICLES, VehicleSpec, held, many};
-use crate::units::{Dimension, one_of};
+use crate::units::Dimension;
 
 /// The vehicles of a table, in groups, and what it says of the coupler behind each.
 pub(super) struct Rows {
     pub(super) groups: Vec<Group>,
     pub(super) behind: Vec<OwnKeys>,
     pub(super) doubts: Vec<Doubt>,
-}
-
-/// Which table of the train file a column belongs to.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Of {
-    Vehicle,
-    Coupler,
-    /// The row's own number, which is no key.
-    Place,
-}
-
-/// A column that is read.
-struct Slot {
-    of: Of,
-    path: Vec<&'static str>,
-    kind: Kind,
 }
 
 /// A cell as the value of a key.
@@ -66,97 +53,6 @@ impl Entry {
             Entry::Flag(flag) => flag.to_string(),
         }
     }
-}
-
-/// Other words for a key where they have no other meaning.
-const SYNONYMS: [(&str, &[&str]); 13] = [
-    ("mass", &["weight"]),
-    ("label", &["name", "vehicle", "description"]),
-    ("count", &["quantity", "qty"]),
-    ("length", &["length_over_couplers", "length_over_buffers"]),
-    ("rated_load", &["rating", "rated_draft", "draft_rating", "coupler_rating"]),
-    ("rated_buff", &["buff_rating"]),
-    ("stiffness", &["coupler_stiffness"]),
-    ("tractive_effort", &["traction", "tractive_force"]),
-    ("brake_force", &["braking_force"]),
-    ("grade", &["gradient"]),
-    ("limits_fatigue", &["fatigue", "fatigue_load", "fatigue_limit"]),
-    ("limits_proof", &["proof", "proof_load", "proof_limit"]),
-    ("limits_ultimate", &["ultimate", "ultimate_load", "ultimate_limit"]),
-];
-
-/// Headings of row numbers.
-const PLACES: [&str; 10] = ["pos", "position", "#", "no", "number", "nr", "place", "index", "sequence", "order"];
-
-/// Labels of rows with sums or means.
-const SUMS: [&str; 12] = [
-    "total",
-    "totals",
-    "grand total",
-    "sum",
-    "summe",
-    "gesamt",
-    "somme",
-    "average",
-    "mean",
-    "subtotal",
-    "sub-total",
-    "zwischensumme",
-];
-
-/// Every column that is read, from the keys of the train file; a key of a table within a table is `limits.fatigue`.
-fn slots() -> Vec<Slot> {
-    fn of_shape(of: Of, shape: &'static Shape, within: &[&'static str], into: &mut Vec<Slot>) {
-        for key in shape.keys.iter().filter(|key| !(of == Of::Coupler && key.name == "at")) {
-            let path: Vec<&'static str> = within.iter().copied().chain([key.name]).collect();
-            match key.kind {
-                Kind::Table(inner) => of_shape(of, inner, &path, into),
-                Kind::Tables(_) => {}
-                kind => into.push(Slot { of, path, kind }),
-            }
-        }
-    }
-    let mut slots = vec![];
-    of_shape(Of::Vehicle, &VEHICLE, &[], &mut slots);
-    of_shape(Of::Coupler, &OVERRIDE, &[], &mut slots);
-    slots.push(Slot { of: Of::Place, path: vec![PLACES[0]], kind: Kind::Name });
-    slots
-}
-
-fn wanted(slots: &[Slot]) -> Vec<Wanted> {
-    let leaf = |slot: &Slot| slot.path.last().copied().unwrap_or_default();
-    let one = |slot: &Slot| {
-        let mut names = vec![normal(&slot.path.join("."))];
-        if slot.path.len() > 1 && slots.iter().filter(|other| leaf(other) == leaf(slot)).count() == 1 {
-            names.push(leaf(slot).to_owned());
-        }
-        let of_key = SYNONYMS.iter().find(|(name, _)| *name == names[0]).map_or(&[][..], |(_, words)| words);
-        let others = if slot.of == Of::Place { &PLACES[..] } else { of_key };
-        names.extend(others.iter().map(|word| (*word).to_owned()));
-        let content = match slot.kind {
-            Kind::Quantity { of, share, .. } => Content::Quantity { of, share },
-            Kind::Ratio | Kind::Positive | Kind::Whole { .. } => Content::Number,
-            _ => Content::Text,
-        };
-        Wanted { names, content, by_unit: false }
-    };
-    slots.iter().map(one).collect()
-}
-
-/// The names of all columns, as a phrase.
-fn all_columns(slots: &[Slot]) -> String {
-    one_of(slots.iter().filter(|slot| slot.of != Of::Place).map(|slot| slot.path.join(".")))
-}
-
-/// Whether a text looks like a table of vehicles.
-pub(super) fn is_table(text: &str) -> bool {
-    let slots = slots();
-    let mass = position(&slots, "mass");
-    Sheet::open(text, &wanted(&slots), &[mass]).is_ok_and(|sheet| sheet.columns[mass].is_some())
-}
-
-fn position(slots: &[Slot], name: &str) -> usize {
-    slots.iter().position(|slot| slot.of == Of::Vehicle && slot.path == [name]).unwrap_or_default()
 }
 
 /// Reads the rows of a table's text; `path` is what messages call it. Files that its cells name stand beside the train file.
@@ -248,7 +144,7 @@ impl<'t> Reader<'t> {
     fn open(text: &'t str, path: &Path) -> Result<Reader<'t>, InputError> {
         let slots = slots();
         let [mass, held] = ["mass", "held"].map(|name| position(&slots, name));
-        let sheet = match Sheet::open(text, &wanted(&slots), &[mass]) {
+        let sheet = match Sheet::open(text, &vehicle_columns(&slots), &[mass]) {
             Ok(sheet) => sheet,
             Err(Some(problems)) => return Err(InputError::new(path, text, problems)),
             Err(None) if text.trim_matches(['\u{feff}', ' ', '\n', '\r', '\t']).is_empty() => {
@@ -517,40 +413,6 @@ impl<'t> Reader<'t> {
         let title = self.place_of(record, slot) + &title;
         self.problems.note(Problem::at(self.sheet.place(record, slot), title, Some(help)));
     }
-}
-
-/// Rows that are probably sums or means of the others and no vehicles, and why: the first one and the last ones by their mass, any by
-/// its label.
-fn sums(groups: &[Group]) -> Vec<(usize, &'static str)> {
-    let groups: Vec<&VehicleSpec> = groups.iter().map(|group| &group.vehicle).collect();
-    let labelled = |at: usize| {
-        let label = groups[at].label.as_deref().unwrap_or_default().trim_end_matches(':').to_lowercase();
-        SUMS.contains(&label.as_str())
-    };
-    let near = |sum: f64, value: f64| (sum - value).abs() <= 1e-3 * value;
-    let is_sum = |at: usize, least_others: usize| {
-        let others: Vec<_> = (0..groups.len()).filter(|&i| i != at && !labelled(i)).map(|i| groups[i]).collect();
-        let sum = |of: &dyn Fn(&VehicleSpec) -> f64| others.iter().map(|g| of(g)).sum::<f64>();
-        let lengths = groups[at].length_m.is_none_or(|length| {
-            near(sum(&|g| g.length_m.unwrap_or(0.0) * g.count as f64), length)
-                || near(sum(&|g| g.length_m.unwrap_or(0.0)), length)
-        });
-        let masses = [sum(&|g| g.mass_kg), sum(&|g| g.mass_kg * g.count as f64)];
-        others.len() >= least_others && lengths && masses.iter().any(|sum| near(*sum, groups[at].mass_kg))
-    };
-    let last = groups.len().saturating_sub(1);
-    let why = |at: usize| match at {
-        _ if at == last && is_sum(at, 2) => Some("the mass of the last row is the sum of the others"),
-        // A locomotive may weigh as much as two wagons.
-        0 if is_sum(0, 3) => Some("the mass of the first row is the sum of the others"),
-        _ if at == last && labelled(at) => Some("the last row is labelled as a sum"),
-        _ if labelled(at) => Some("a row is labelled as a sum"),
-        _ if (at + 1..groups.len()).all(labelled) && is_sum(at, 2) => {
-            Some("the mass of a row is the sum of the others")
-        }
-        _ => None,
-    };
-    (0..groups.len()).filter_map(|at| Some((at, why(at)?))).collect()
 }
 
 /// A number as TOML writes it: a whole one without decimals, and without leading zeros.

@@ -8,7 +8,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 use encoding_rs::{UTF_16BE, UTF_16LE, WINDOWS_1252};
 use sha2::{Digest, Sha256};
 
-use super::kinds;
 use crate::error::{InputError, printable_path};
 use crate::train::Source;
 
@@ -69,7 +68,7 @@ impl Files {
     ) -> Result<Arc<str>, InputError> {
         let text = self.text(path, || {
             let bytes = bytes()?;
-            if let Some((what, workbook)) = kinds::of_bytes(&bytes) {
+            if let Some((what, workbook)) = of_bytes(&bytes) {
                 let sheet =
                     "save the sheet with the vehicles as CSV, and name it in a train file: vehicles = \"consist.csv\"";
                 let help = if workbook { sheet } else { GIVE_TRAIN };
@@ -93,7 +92,7 @@ impl Files {
                 return Err(["this is a pipe or a device".into(), give.into()]);
             }
             let bytes = bytes(&file, "a CSV file", give, LARGEST_TABLE)?;
-            match kinds::of_bytes(&bytes) {
+            match of_bytes(&bytes) {
                 Some((what, true)) => {
                     let sha256 = Sha256::digest(&bytes).into();
                     Ok((workbook_text(what, &bytes, sheet.as_deref(), is_wanted)?.into(), sha256))
@@ -292,4 +291,30 @@ fn decoded(bytes: Vec<u8>) -> Result<String, [String; 2]> {
         }
         None => Ok(WINDOWS_1252.decode(&bytes).0.into_owned()),
     }
+}
+
+/// What a binary file is, by its first bytes, and whether it is a workbook.
+fn of_bytes(bytes: &[u8]) -> Option<(&'static str, bool)> {
+    let holds = |part: &[u8]| bytes.windows(part.len()).take(1 << 20).any(|window| window == part);
+    let starts: [(&[u8], &str, bool); 7] = [
+        (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "an old Excel workbook (xls) or another Office file", true),
+        (b"%PDF", "a PDF", false),
+        (b"\x89PNG", "a picture", false),
+        (b"\xff\xd8\xff", "a picture", false),
+        (b"\x1f\x8b", "a compressed file (gzip)", false),
+        (b"PAR1", "a Parquet file", false),
+        (b"7z\xbc\xaf", "a compressed file (7z)", false),
+    ];
+    if bytes.starts_with(b"PK\x03\x04") {
+        return Some(if holds(b"opendocument.spreadsheet") {
+            ("a LibreOffice workbook (ods)", true)
+        } else if holds(b"xl/workbook.bin") {
+            ("a binary Excel workbook (xlsb)", true)
+        } else if holds(b"xl/") {
+            ("an Excel workbook (xlsx)", true)
+        } else {
+            ("a compressed file (zip)", false)
+        });
+    }
+    starts.into_iter().find(|(start, ..)| bytes.starts_with(start)).map(|(_, what, workbook)| (what, workbook))
 }

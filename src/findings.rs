@@ -457,7 +457,7 @@ fn chosen<'a>(train: &'a Train, options: &Options) -> Result<Vec<&'a Scenario>, 
 pub(crate) fn cases(event: &Event) -> Vec<Option<usize>> {
     match event {
         Event::Break { couplers } => couplers.iter().map(|&b| Some(b)).collect(),
-        Event::Pulse { .. } | Event::Shaped { .. } | Event::Impact { .. } | Event::Brake { .. } => vec![None],
+        Event::Pulse(_) | Event::Impact { .. } | Event::Brake { .. } => vec![None],
     }
 }
 

@@ -79,14 +79,13 @@ pub fn parts(train: &Train, event: &Event, broken: Option<usize>, horizon_s: f64
         Part { scene, first_coupler: from }
     };
     let parts = match (event, broken) {
-        (Event::Pulse { vehicle, force_n, duration_s }, _) => vec![cut(0..=last, *vehicle, *force_n, *duration_s)],
-        // The others are no steps of force from rest: see [`play`].
-        (Event::Break { .. } | Event::Shaped { .. } | Event::Impact { .. } | Event::Brake { .. }, None) => vec![],
-        (Event::Shaped { .. } | Event::Impact { .. } | Event::Brake { .. }, Some(_)) => vec![],
+        (Event::Pulse(p), None) if !event.beyond_steps() => vec![cut(0..=last, p.vehicle, p.force_n, p.duration_s)],
         (Event::Break { .. }, Some(b)) => {
             let lost = train.initial_force_n()[b];
             vec![cut(0..=b, b, lost, f64::INFINITY), cut(b + 1..=last, b + 1, -lost, f64::INFINITY)]
         }
+        // The others are no steps of force from rest: see [`play`].
+        (Event::Break { .. } | Event::Pulse(_) | Event::Impact { .. } | Event::Brake { .. }, _) => vec![],
     };
     parts.into_iter().filter(|p| !p.scene.initial.is_empty()).collect()
 }
@@ -105,8 +104,7 @@ fn chain_of(train: &Train, from: usize, to: usize, scales: &Scales) -> Chain {
 pub fn last_change_s(train: &Train, scenario: &Scenario, broken: Option<usize>) -> f64 {
     let of_event = match &scenario.event {
         Event::Break { .. } | Event::Impact { .. } | Event::Brake { .. } => 0.0,
-        Event::Pulse { duration_s, .. } => *duration_s,
-        Event::Shaped { drive, .. } => drive.last_change(),
+        Event::Pulse(pulse) => pulse.drive().last_change(),
     };
     of_event.max(brakes::last_change_s(train, scenario, broken))
 }

@@ -296,7 +296,7 @@ fn choose<'a>(train: &'a Train, scenario: Option<&str>) -> Result<&'a Scenario, 
 fn longest_part(train: &Train, scenario: &Scenario) -> Option<(Option<usize>, Part)> {
     let cases: Vec<Option<usize>> = match &scenario.event {
         Event::Break { couplers } => couplers.iter().map(|&b| Some(b)).collect(),
-        Event::Pulse { .. } | Event::Shaped { .. } | Event::Impact { .. } | Event::Brake { .. } => vec![None],
+        Event::Pulse(_) | Event::Impact { .. } | Event::Brake { .. } => vec![None],
     };
     let parts = cases.into_iter().flat_map(|broken| {
         let horizon_s = scenario::horizon_s(train, scenario, broken);

@@ -6,7 +6,7 @@ use super::describe_laws;
 use crate::doubts::doubts;
 use crate::play::Rule;
 use crate::scenario::{break_loads, longest_horizon_s, shortest_horizon_s};
-use crate::train::{Event, LIMITS, Scenario, Train, Vehicle, count};
+use crate::train::{Event, LIMITS, Pulse, PulseShape, Scenario, Train, Vehicle, count};
 use crate::units::{Dimension, UnitSystem, shown, shown_time};
 
 /// Groups of vehicles, or else kinds of vehicles, that are listed at most.
@@ -176,17 +176,15 @@ fn scenario_line(train: &Train, scenario: &Scenario) -> String {
                 (format!("{} of {total} couplers break, one at a time{left_out}", many.len()), many.len())
             }
         },
-        Event::Pulse { vehicle, force_n, duration_s } => {
-            let direction = if *force_n > 0.0 { "forward" } else { "backward" };
-            let force = shown(units, force_n.abs(), Dimension::Force);
-            let label = &train.vehicles()[*vehicle].label;
-            (format!("{force} {direction} on {label} for {}", shown_time(*duration_s)), 1)
-        }
-        Event::Shaped { vehicle, shape, force_n, duration_s, .. } => {
+        Event::Pulse(Pulse { vehicle, force_n, duration_s, shape }) => {
             let direction = if *force_n > 0.0 { "forward" } else { "backward" };
             let [force, lasting] = [shown(units, force_n.abs(), Dimension::Force), shown_time(*duration_s)];
-            let label = &train.vehicles()[*vehicle].label;
-            (format!("{shape} of up to {force} {direction} on {label}, over after {lasting}"), 1)
+            let on = format!("{direction} on {}", train.vehicles()[*vehicle].label);
+            let text = match shape {
+                PulseShape::Rectangle => format!("{force} {on} for {lasting}"),
+                shape => format!("{} of up to {force} {on}, over after {lasting}", shape.name()),
+            };
+            (text, 1)
         }
         Event::Impact { vehicles, at_head, speed_m_per_s } => {
             let end = if *at_head { "head" } else { "tail" };

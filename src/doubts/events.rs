@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::overloaded;
 use crate::law::Law;
 use crate::scenario::{Motion, horizon_s, initial_force_n, last_change_s, longest_horizon_s, longest_transit_s};
-use crate::train::{Doubt, Event, Scenario, Train, more};
+use crate::train::{Doubt, Event, Pulse, PulseShape, Scenario, Train, more};
 use crate::units::{Dimension, shown, shown_time, shown_time_up};
 
 /// Above this acceleration, m/s2, a part of a train cannot be standing.
@@ -17,7 +17,7 @@ const CUT: f64 = 0.01;
 pub(super) fn of_scenario(train: &Train, scenario: &Scenario) -> Vec<Doubt> {
     let found = match &scenario.event {
         Event::Break { couplers } => breaks(train, scenario, couplers),
-        Event::Pulse { .. } | Event::Shaped { .. } => pulse(train, scenario),
+        Event::Pulse(of_event) => pulse(train, scenario, of_event),
         Event::Impact { .. } => impact(train, scenario),
         Event::Brake { .. } => vec![],
     };
@@ -75,14 +75,12 @@ fn breaks(train: &Train, scenario: &Scenario, couplers: &[usize]) -> Vec<(&'stat
     found
 }
 
-fn pulse(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
+fn pulse(train: &Train, scenario: &Scenario, pulse: &Pulse) -> Vec<(&'static str, String)> {
     let mut found = vec![];
+    let drive = pulse.drive();
     let (end_s, until_s) = (last_change_s(train, scenario, None), longest_horizon_s(train, scenario));
     if end_s > until_s {
-        let [begins_s, peaks_s] = match &scenario.event {
-            Event::Shaped { drive, .. } => [drive.begins_at(), drive.peaks_at()],
-            _ => [0.0; 2],
-        };
+        let [begins_s, peaks_s] = [drive.begins_at(), drive.peaks_at()];
         let unseen = if begins_s >= until_s {
             format!("begins after the horizon of {}, so it has no effect", shown_time(until_s))
         } else if peaks_s >= until_s {
@@ -103,12 +101,10 @@ fn pulse(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
             found.push(("force-never-ends", format!("{text}; hold an end, or let the force end")));
         }
     }
-    if let Event::Pulse { force_n, .. } | Event::Shaped { force_n, .. } = &scenario.event {
-        found.extend(super::plausible::faint_pulse(train, *force_n));
-    }
-    if let Event::Shaped { shape: "record", drive, force_n, duration_s, .. } = &scenario.event {
+    found.extend(super::plausible::faint_pulse(train, pulse.force_n));
+    if let PulseShape::Record(_) = pulse.shape {
         let cut = |end_n: f64| {
-            (end_n.abs() > CUT * force_n.abs()).then(|| shown(train.origin().units, end_n, Dimension::Force))
+            (end_n.abs() > CUT * pulse.force_n.abs()).then(|| shown(train.origin().units, end_n, Dimension::Force))
         };
         found.extend(cut(drive.first_force()).map(|force| {
             let text = format!(
@@ -117,7 +113,7 @@ fn pulse(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
             ("record-starts-at-a-force", text)
         }));
         found.extend(cut(drive.last_force()).map(|force| {
-            let end = shown_time(*duration_s);
+            let end = shown_time(pulse.duration_s);
             let text = format!(
                 "the record ends at {force}, and the force drops to 0 there, at {end}; end it with a row of force 0"
             );
@@ -154,7 +150,7 @@ fn changes(train: &Train, scenario: &Scenario) -> Option<(&'static str, String)>
     let ends = match &scenario.event {
         Event::Break { couplers } => vec![couplers.iter().min().copied(), couplers.iter().max().copied()],
         Event::Brake { .. } => vec![None],
-        Event::Pulse { .. } | Event::Shaped { .. } | Event::Impact { .. } => return None,
+        Event::Pulse(_) | Event::Impact { .. } => return None,
     };
     let last_s = ends.into_iter().map(|b| last_change_s(train, scenario, b)).fold(0.0, f64::max);
     let text = || {

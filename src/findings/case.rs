@@ -15,7 +15,7 @@ use crate::scenario::{self, Motion, Part, Scales};
 use crate::solve::responses::Shared;
 use crate::solve::watch::{Side, SpringPeaks};
 use crate::solve::{Ask, Solution, SolveError, Wanted};
-use crate::train::{Event, Scenario, Train};
+use crate::train::{Event, Pulse, PulseShape, Scenario, Train};
 
 /// Why a march has no safe load factor.
 const NO_FACTOR: &str = "with slack, friction or brakes forces do not grow in proportion to their cause";
@@ -133,7 +133,7 @@ pub(crate) fn case_findings(
     let passage = first_passage::note(&mut couplers, worst, horizon_s.min(passage_s), to_mark, error_n);
     Ok(CaseFindings {
         first_passage_s: passage.end_s,
-        is_record: matches!(scenario.event, Event::Shaped { shape: "record", .. }),
+        is_record: matches!(scenario.event, Event::Pulse(Pulse { shape: PulseShape::Record(_), .. })),
         exceeding_first_passage: passage.exceeding,
         worst_first_passage: passage.worst,
         kind: scenario.event.kind(),

@@ -7,7 +7,7 @@ use crate::play::Rule;
 use crate::scenario::{self, Scales};
 use crate::solve::watch::SpringPeaks;
 use crate::solve::{Ask, Method, Solution, SolveError, damped_modes, taylor};
-use crate::train::{Event, Scenario, Train};
+use crate::train::{Event, Pulse, PulseShape, Scenario, Train};
 
 /// Extremes of every coupler but the broken one.
 ///
@@ -88,7 +88,7 @@ pub(super) fn estimate_s(train: &Train, scenario: &Scenario, broken: Option<usiz
 fn reason(train: &Train, event: &Event) -> &'static str {
     match event {
         Event::Impact { .. } => "the train is set in motion by speeds, not by a force",
-        Event::Shaped { .. } => "the force changes while it acts",
+        Event::Pulse(Pulse { shape, .. }) if *shape != PulseShape::Rectangle => "the force changes while it acts",
         _ if !train.extras().dashpot_n_s_per_m.is_empty() => "dashpots couple the modes",
         _ => "nothing else fits",
     }

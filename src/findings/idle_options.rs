@@ -47,7 +47,7 @@ fn of_scenario(train: &Train, scenario: &Scenario, options: &Options) -> Vec<Str
     }
     let event = match &scenario.event {
         Event::Impact { .. } => "an impact",
-        Event::Shaped { .. } => "a pulse of this shape",
+        Event::Pulse(_) => "a pulse of this shape",
         _ if damped => "a train with a damping_ratio",
         _ => "a train with dashpots",
     };

@@ -97,11 +97,7 @@ fn multiplied(train: &Train, scenario: &Scenario, factor: f64) -> (Train, Scenar
             let points = scenario.response.efforts.iter_mut().flat_map(|f| &mut f.points);
             points.for_each(|p| p[1] *= factor);
         }
-        Event::Pulse { force_n, .. } => *force_n *= factor,
-        Event::Shaped { force_n, drive, .. } => {
-            *force_n *= factor;
-            *drive = drive.scaled(1.0, factor);
-        }
+        Event::Pulse(pulse) => *pulse = pulse.scaled(1.0, factor),
         Event::Impact { speed_m_per_s, .. } => *speed_m_per_s *= factor,
         Event::Brake { .. } => {}
     }

@@ -57,17 +57,18 @@ pub(super) fn find(train: &Train, scenario: &Scenario, options: &Options) -> Res
             let each = each.map(|b| (b as f64 + 1.0, Some(b), scenario.event.clone()));
             ("broken_coupler", "safe_load_factor", each.collect())
         }
-        Event::Pulse { .. } | Event::Shaped { .. } => {
+        Event::Pulse(pulse) => {
             let (shortest, longest) = (0.1 * wave.time_unit_s, 2.0 * wave.transit_s);
             let at = |i: usize| shortest * (longest / shortest).powf(i as f64 / (DURATIONS - 1) as f64);
-            let with_duration = (0..DURATIONS).map(|i| (at(i), None, with_duration(&scenario.event, at(i))));
+            let with_duration =
+                (0..DURATIONS).map(|i| (at(i), None, Event::Pulse(pulse.scaled(at(i) / pulse.duration_s, 1.0))));
             ("duration_s", "overloading_force_n", with_duration.collect())
         }
     };
     let points = variants.into_par_iter().map(|(at, broken, event)| {
         let variant = Scenario { event, ..alone.clone() };
         let unit = match &variant.event {
-            Event::Pulse { force_n, .. } | Event::Shaped { force_n, .. } => *force_n,
+            Event::Pulse(pulse) => pulse.force_n,
             _ => 1.0,
         };
         let case = Case::new(train, &variant, broken, options, Shared::Nothing);
@@ -93,19 +94,7 @@ pub(super) fn cases(train: &Train, event: &Event) -> usize {
     match event {
         Event::Impact { .. } | Event::Brake { .. } => 0,
         Event::Break { .. } => mapped_couplers(train, event).len(),
-        Event::Pulse { .. } | Event::Shaped { .. } => DURATIONS,
-    }
-}
-
-/// The same pulse with its shape stretched to another duration.
-fn with_duration(event: &Event, duration: f64) -> Event {
-    match event.clone() {
-        Event::Pulse { vehicle, force_n, .. } => Event::Pulse { vehicle, force_n, duration_s: duration },
-        Event::Shaped { vehicle, shape, force_n, duration_s, drive } => {
-            let drive = drive.scaled(duration / duration_s, 1.0);
-            Event::Shaped { vehicle, shape, force_n, duration_s: duration, drive }
-        }
-        other => other,
+        Event::Pulse(_) => DURATIONS,
     }
 }
 

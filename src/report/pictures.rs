@@ -5,7 +5,7 @@ use super::figures::{self, Marks};
 use super::numbers::brief_time;
 use super::words;
 use crate::findings::{CascadeFindings, CaseFindings, CouplerFindings, Evidence, Field, ScenarioFindings};
-use crate::train::{Event, Scenario, Train};
+use crate::train::{Event, Pulse, Scenario, Train};
 
 /// A scenario that has something to show: of many cases, the one with the worst coupler.
 pub struct Shown<'a> {
@@ -137,9 +137,7 @@ impl<'a> Shown<'a> {
     fn draw_wave(&self, field: &Field, rod: Option<&Field>, cascade: Option<&CascadeFindings>, name: &str) -> String {
         let (event, acts_s) = match &self.scenario.event {
             Event::Break { .. } => (self.case.broken_coupler.map(|b| b as f64), 0.0),
-            Event::Pulse { vehicle, duration_s, .. } | Event::Shaped { vehicle, duration_s, .. } => {
-                (Some(*vehicle as f64 + 0.5), *duration_s)
-            }
+            Event::Pulse(Pulse { vehicle, duration_s, .. }) => (Some(*vehicle as f64 + 0.5), *duration_s),
             Event::Brake { from, .. } => (from.first().map(|v| *v as f64 + 0.5), 0.0),
             Event::Impact { vehicles, at_head: true, .. } => (Some(*vehicles as f64), 0.0),
             Event::Impact { vehicles, .. } => (Some((self.train.vehicles().len() - vehicles) as f64), 0.0),

@@ -4,7 +4,7 @@ use super::numbers::{brief_time, digits, down, down_to, given_force, percent, ti
 use crate::consist;
 use crate::findings::{self, CaseFindings, CouplerFindings, LoadSearch, ScenarioFindings};
 pub(crate) use crate::train::count;
-use crate::train::{Application, Event, Scenario, Train, more};
+use crate::train::{Application, Event, Pulse, PulseShape, Scenario, Train, more};
 use crate::units::{Dimension, UnitSystem, shown, shown_time};
 
 /// The scenario of the train that a scenario of findings was made from, with its index.
@@ -87,23 +87,20 @@ fn happens(train: &Train, scenario: &Scenario) -> String {
                 format!("{} computed, each at t = 0 and from the intact train{left_out}.", are(couplers.len(), "break"))
             }
         },
-        Event::Pulse { vehicle, force_n, duration_s } => {
+        Event::Pulse(Pulse { vehicle, force_n, duration_s, shape }) => {
             let way = if *force_n < 0.0 { "backward" } else { "forward" };
             let label = &train.vehicles()[*vehicle].label;
             let (size, lasting) = (given_force(train.origin().units, *force_n), shown_time(*duration_s));
-            format!(
-                "A constant force of {size} acts {way} on vehicle {} ({label}) from t = 0 for {lasting}.",
-                vehicle + 1
-            )
-        }
-        Event::Shaped { vehicle, shape, force_n, duration_s, .. } => {
-            let way = if *force_n < 0.0 { "backward" } else { "forward" };
-            let label = &train.vehicles()[*vehicle].label;
-            let (size, lasting) = (given_force(train.origin().units, *force_n), shown_time(*duration_s));
-            format!(
-                "A force pulls vehicle {} ({label}) {way} with up to {size} from t = 0 to {lasting}, its course over time: {shape}.",
-                vehicle + 1
-            )
+            let of = format!("vehicle {} ({label})", vehicle + 1);
+            match shape {
+                PulseShape::Rectangle => {
+                    format!("A constant force of {size} acts {way} on {of} from t = 0 for {lasting}.")
+                }
+                shape => format!(
+                    "A force pulls {of} {way} with up to {size} from t = 0 to {lasting}, its course over time: {}.",
+                    shape.name()
+                ),
+            }
         }
         Event::Brake { from, emergency, application: a } => applied(train, from, *emergency, a),
         Event::Impact { vehicles, at_head, speed_m_per_s } => {
@@ -488,7 +485,7 @@ pub fn worst_case(scenario: &ScenarioFindings) -> Option<(&CaseFindings, &Couple
 /// What a safe factor multiplies: the load, a pulse's force, an impact's speed.
 pub fn cause(event: &Event) -> &'static str {
     match event {
-        Event::Pulse { .. } | Event::Shaped { .. } => "force",
+        Event::Pulse(_) => "force",
         Event::Impact { .. } => "speed",
         Event::Break { .. } => "load",
         Event::Brake { .. } => "brake force",

@@ -81,8 +81,7 @@ fn steady_n(train: &Train, event: &Event) -> Vec<f64> {
 /// Forces from outside that change: of a pulse, of tractive efforts.
 fn forcing(scenario: &Scenario, horizon_s: f64) -> Vec<(usize, Drive)> {
     let pulse = match &scenario.event {
-        Event::Pulse { vehicle, force_n, duration_s } => Some((*vehicle, Drive::rectangle(*force_n, *duration_s))),
-        Event::Shaped { vehicle, drive, .. } => Some((*vehicle, drive.clone())),
+        Event::Pulse(pulse) => Some((pulse.vehicle, pulse.drive())),
         _ => None,
     };
     let held = |f: Forcing| {

@@ -59,10 +59,7 @@ pub fn play(train: &Train, scenario: &Scenario, broken: Option<usize>, horizon_s
     let force = |n: f64| n / scales.force_n;
     let time = |s: f64| s / scales.time_s;
     let (source, drive) = match &scenario.event {
-        Event::Pulse { vehicle, force_n, duration_s } => {
-            (*vehicle, Drive::rectangle(force(*force_n), time(*duration_s)))
-        }
-        Event::Shaped { vehicle, drive, .. } => (*vehicle, drive.scaled(1.0 / scales.time_s, 1.0 / scales.force_n)),
+        Event::Pulse(pulse) => (pulse.vehicle, pulse.drive().scaled(1.0 / scales.time_s, 1.0 / scales.force_n)),
         _ => (usize::from(train.vehicles()[0].held), Drive::none()),
     };
     let unit = scales.force_n * scales.time_s / scales.mass_kg;

@@ -96,6 +96,93 @@ pub struct Forcing {
     pub points: Vec<[f64; 2]>,
 }
 
+/// An outside force on one vehicle from t = 0 on, and none after its end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pulse {
+    /// Index from 0; never a held vehicle.
+    pub vehicle: usize,
+    /// Largest force of either sign, N, forward positive; finite and not 0.
+    pub force_n: f64,
+    /// From t = 0 to its end, s; finite and > 0.
+    pub duration_s: f64,
+    /// Its course over time.
+    pub shape: PulseShape,
+}
+
+/// The course of a pulse over time.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum PulseShape {
+    /// Constant.
+    Rectangle,
+    /// `force sin(pi t / duration)`
+    HalfSine,
+    /// Up to the force at half the duration, and down again.
+    Triangle,
+    /// Up to the force, constant, and down again.
+    Trapezoid {
+        /// How long it rises, s.
+        rise_s: f64,
+        /// How long it falls, s.
+        fall_s: f64,
+    },
+    /// Straight lines between points of a time, s, and a force, N; two at one time are a jump.
+    Record(Vec<[f64; 2]>),
+}
+
+impl PulseShape {
+    /// As the file names it: `"rectangle"`, `"half-sine"`, `"triangle"`, `"trapezoid"` or `"record"`.
+    pub fn name(&self) -> &'static str {
+        match self {
+            PulseShape::Rectangle => "rectangle",
+            PulseShape::HalfSine => "half-sine",
+            PulseShape::Triangle => "triangle",
+            PulseShape::Trapezoid { .. } => "trapezoid",
+            PulseShape::Record(_) => "record",
+        }
+    }
+}
+
+impl Pulse {
+    /// A constant force, N, that lasts some seconds.
+    pub fn rectangle(vehicle: usize, force_n: f64, duration_s: f64) -> Pulse {
+        Pulse { vehicle, force_n, duration_s, shape: PulseShape::Rectangle }
+    }
+
+    /// The force over time, in s and N.
+    pub fn drive(&self) -> Drive {
+        let Pulse { force_n, duration_s, .. } = *self;
+        let lines =
+            |from: f64, to: f64| Drive::Lines(vec![[0.0, 0.0], [from, force_n], [to, force_n], [duration_s, 0.0]]);
+        match &self.shape {
+            PulseShape::Rectangle => Drive::rectangle(force_n, duration_s),
+            PulseShape::HalfSine => Drive::HalfSine { peak: force_n, duration: duration_s },
+            PulseShape::Triangle => lines(0.5 * duration_s, 0.5 * duration_s),
+            // Where the ramps meet, rounding must not put the end of the rise behind the start of the fall.
+            PulseShape::Trapezoid { rise_s, fall_s } => {
+                let full_s = rise_s.min(duration_s);
+                lines(full_s, (duration_s - fall_s).max(full_s))
+            }
+            PulseShape::Record(points) => Drive::Lines(points.clone()),
+        }
+    }
+
+    /// The same course with times and forces multiplied.
+    pub(crate) fn scaled(&self, time: f64, force: f64) -> Pulse {
+        let shape = match &self.shape {
+            PulseShape::Trapezoid { rise_s, fall_s } => {
+                PulseShape::Trapezoid { rise_s: rise_s * time, fall_s: fall_s * time }
+            }
+            PulseShape::Record(points) => {
+                PulseShape::Record(points.iter().map(|p| [p[0] * time, p[1] * force]).collect())
+            }
+            same => same.clone(),
+        };
+        let (force_n, duration_s) = (self.force_n * force, self.duration_s * time);
+        Pulse { vehicle: self.vehicle, force_n, duration_s, shape }
+    }
+}
+
 /// The event at t = 0.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -105,28 +192,8 @@ pub enum Event {
         /// Indices from 0, in the file's order.
         couplers: Vec<usize>,
     },
-    /// A rectangular pulse of outside force on one vehicle.
-    Pulse {
-        /// Index from 0; never a held vehicle.
-        vehicle: usize,
-        /// Outside force on that vehicle, N, forward positive; finite and not 0.
-        force_n: f64,
-        /// How long it acts, s; finite and > 0.
-        duration_s: f64,
-    },
-    /// An outside force of any other course on one vehicle.
-    Shaped {
-        /// Index from 0; never a held vehicle.
-        vehicle: usize,
-        /// `"half-sine"`, `"triangle"`, `"trapezoid"` or `"record"`.
-        shape: &'static str,
-        /// Largest force of either sign, with its sign, N.
-        force_n: f64,
-        /// From t = 0 to its end, s.
-        duration_s: f64,
-        /// Its course, in s and N.
-        drive: Drive,
-    },
+    /// An outside force on one vehicle that ends.
+    Pulse(Pulse),
     /// Vehicles at one end arrive at a speed and couple to the standing ones.
     Impact {
         /// How many arrive; at least one stands.
@@ -152,7 +219,7 @@ impl Event {
     pub fn kind(&self) -> &'static str {
         match self {
             Event::Break { .. } => "break",
-            Event::Pulse { .. } | Event::Shaped { .. } => "pulse",
+            Event::Pulse(_) => "pulse",
             Event::Impact { .. } => "impact",
             Event::Brake { .. } => "brake",
         }
@@ -160,7 +227,11 @@ impl Event {
 
     /// Whether steps of force on a chain at rest cannot represent it.
     pub fn beyond_steps(&self) -> bool {
-        matches!(self, Event::Impact { .. } | Event::Shaped { .. })
+        match self {
+            Event::Impact { .. } => true,
+            Event::Pulse(pulse) => pulse.shape != PulseShape::Rectangle,
+            Event::Break { .. } | Event::Brake { .. } => false,
+        }
     }
 
     /// Of an impact, the coupler that joins the two parts, as an index from 0, in a train of so many vehicles.

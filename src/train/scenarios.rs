@@ -3,10 +3,10 @@
 use std::collections::HashMap;
 
 use super::checks::{number, text};
-use super::{Application, Event, Forcing, Response, Scenario, SpecProblem, Train};
+use super::{Application, Event, Forcing, Pulse, PulseShape, Response, Scenario, SpecProblem, Train};
 use crate::error::quoted;
 use crate::keys::Sign;
-use crate::play::{Drive, Rule};
+use crate::play::Rule;
 
 /// More breaks than this, over all scenarios, are refused.
 pub(crate) const MOST_CASES: usize = 1_000_000;
@@ -103,8 +103,8 @@ fn default_name(event: &Event, left_out: &[usize], vehicles: usize) -> String {
             }
             many => format!("break of {} couplers in turn", many.len()),
         },
-        Event::Pulse { vehicle: 0, .. } | Event::Shaped { vehicle: 0, .. } => "pulse at the head".to_owned(),
-        Event::Pulse { vehicle, .. } | Event::Shaped { vehicle, .. } => match vehicle + 1 {
+        Event::Pulse(pulse) => match pulse.vehicle + 1 {
+            1 => "pulse at the head".to_owned(),
             last if last == vehicles => "pulse at the tail".to_owned(),
             number => format!("pulse at vehicle {number}"),
         },
@@ -161,24 +161,19 @@ impl Check<'_> {
                 let empty = empty.then(|| self.wrong("coupler", "the list of couplers is empty", right));
                 empty.into_iter().chain(self.couplers(couplers)).collect()
             }
-            Event::Pulse { vehicle, force_n, duration_s } => {
+            Event::Pulse(Pulse { vehicle, force_n, duration_s, shape }) => {
+                let of_shape = match shape {
+                    PulseShape::Trapezoid { rise_s, fall_s } => {
+                        vec![("rise", *rise_s, Sign::NotNegative), ("fall", *fall_s, Sign::NotNegative)]
+                    }
+                    _ => vec![],
+                };
                 let numbers = [("force", *force_n, Sign::NonZero), ("duration", *duration_s, Sign::Positive)];
-                let numbers = numbers.into_iter().filter_map(|(key, value, sign)| self.number(key, value, sign));
-                self.struck(*vehicle).into_iter().chain(numbers).collect()
-            }
-            Event::Shaped { vehicle, force_n, duration_s, drive, .. } => {
-                let numbers = [("force", *force_n, Sign::NonZero), ("duration", *duration_s, Sign::Positive)];
-                let numbers = numbers.into_iter().filter_map(|(key, value, sign)| self.number(key, value, sign));
-                let course =
-                    match drive {
-                        Drive::Lines(points) => self.points("record", points),
-                        Drive::HalfSine { peak, duration } => self
-                            .number("force", *peak, Sign::NonZero)
-                            .or(self.number("duration", *duration, Sign::Positive)),
-                    };
+                let numbers = numbers.into_iter().chain(of_shape);
+                let numbers = numbers.filter_map(|(key, value, sign)| self.number(key, value, sign));
                 let mut all: Vec<SpecProblem> = self.struck(*vehicle).into_iter().chain(numbers).collect();
                 if all.is_empty() {
-                    all.extend(course);
+                    all.extend(self.course(shape, *duration_s));
                 }
                 all
             }
@@ -225,6 +220,19 @@ impl Check<'_> {
         let held =
             held.then(|| self.wrong("throttle", "a tractive effort of a held vehicle", "choose another vehicle"));
         self.vehicle(forcing.vehicle).or(held).or_else(|| self.points("throttle", &forcing.points))
+    }
+
+    /// What is wrong with the course of a pulse whose numbers are right.
+    fn course(&self, shape: &PulseShape, duration_s: f64) -> Option<SpecProblem> {
+        match shape {
+            PulseShape::Record(points) => self.points("record", points),
+            // Times written in decimals whose sum is the duration can be a few roundings longer as doubles.
+            PulseShape::Trapezoid { rise_s, fall_s } if rise_s + fall_s > duration_s * (1.0 + 8.0 * f64::EPSILON) => {
+                let help = "together they may be as long as the duration, not longer";
+                Some(self.wrong("rise", "rise and fall are longer than the pulse", help))
+            }
+            _ => None,
+        }
     }
 
     /// Points of a time, s, and a force, N: the times never fall.

@@ -3,7 +3,7 @@
 #![allow(dead_code)] // Each test binary uses its own part.
 
 use trainsafe::play::Rule;
-use trainsafe::train::{CouplerSpec, Event, Load, Scenario, Train, TrainSpec, VehicleSpec};
+use trainsafe::train::{CouplerSpec, Event, Load, Pulse, Scenario, Train, TrainSpec, VehicleSpec};
 
 /// The train of a spec that is right.
 pub fn built(spec: &TrainSpec) -> Train {
@@ -23,7 +23,7 @@ pub fn figure_4() -> TrainSpec {
 pub fn figure_5() -> TrainSpec {
     let mut train = uniform("Paper, figure 5", 101, 1.0, 1.0, 1.0, 0.0);
     train.vehicles[0].held = true;
-    let event = Event::Pulse { vehicle: 100, force_n: -1.0, duration_s: 10.0 };
+    let event = Event::Pulse(Pulse::rectangle(100, -1.0, 10.0));
     train.scenarios = vec![Scenario {
         name: "the free end is pulled".to_owned(),
         event,

@@ -6,7 +6,7 @@ use std::path::Path;
 use proptest::prelude::*;
 use trainsafe::consist::{self, TEMPLATE, describe};
 use trainsafe::doubts::doubts;
-use trainsafe::train::{Event, Train};
+use trainsafe::train::{Event, Pulse, Train};
 
 /// What is doubtful about a train, as it is told.
 fn warnings(train: &Train) -> Vec<String> {
@@ -83,7 +83,7 @@ fn an_ore_train() {
     assert!(train.initial_force_n().iter().all(|&n| n == 0.6e6));
     assert_eq!(train.scenarios()[0].event, Event::Break { couplers: vec![52] });
     assert_eq!((train.scenarios()[0].horizon_s, train.scenarios()[1].horizon_s), (Some(8.0), None));
-    assert_eq!(train.scenarios()[1].event, Event::Pulse { vehicle: 104, force_n: -1.2e6, duration_s: 0.06 });
+    assert_eq!(train.scenarios()[1].event, Event::Pulse(Pulse::rectangle(104, -1.2e6, 0.06)));
 }
 
 #[test]
@@ -145,7 +145,7 @@ fn the_papers_trains_are_the_papers() {
     assert_eq!(four.scenarios()[0].event, Event::Break { couplers: vec![50] });
     let five = consist::read(Path::new("trains/paper-figure-5.toml")).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(five.couplers().len(), 100);
-    assert_eq!(five.scenarios()[0].event, Event::Pulse { vehicle: 100, force_n: -1.0, duration_s: 10.0 });
+    assert_eq!(five.scenarios()[0].event, Event::Pulse(Pulse::rectangle(100, -1.0, 10.0)));
     for train in [four, five] {
         assert!(train.vehicles().iter().all(|v| v.mass_kg == 1.0));
         assert!(train.couplers().iter().all(|c| c.stiffness_n_per_m == 1.0 && c.rated_draft_n == 1.0));
@@ -175,7 +175,7 @@ fn shares_are_of_what_they_say() {
     assert_eq!(ratings(3), (1.5e6, 0.75e6));
     assert_eq!(train.couplers()[2].stiffness_n_per_m, 10e6);
     assert_eq!(train.initial_force_n()[8], -0.36e6, "of the weakest coupler's rating in draft");
-    assert_eq!(train.scenarios()[0].event, Event::Pulse { vehicle: 1, force_n: -0.72e6, duration_s: 1.0 });
+    assert_eq!(train.scenarios()[0].event, Event::Pulse(Pulse::rectangle(1, -0.72e6, 1.0)));
 }
 
 #[test]

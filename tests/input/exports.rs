@@ -5,7 +5,7 @@ use std::fs;
 use trainsafe::Train;
 use trainsafe::consist;
 use trainsafe::doubts::doubts;
-use trainsafe::train::{Doubt, Event};
+use trainsafe::train::{Doubt, Event, Pulse};
 
 const FRONT: &str = "name = \"probe\"\n[coupler]\nstiffness = \"11.1 MN/m\"\nrated_load = \"1.78 MN\"\n";
 
@@ -43,9 +43,7 @@ fn course(bytes: impl AsRef<[u8]>) -> (String, f64, f64, Vec<&'static str>) {
     let text = String::from_utf8_lossy(bytes.as_ref()).into_owned();
     let train = record(bytes).unwrap_or_else(|e| panic!("{text}\n{e}"));
     match &train.scenarios()[0].event {
-        Event::Shaped { force_n, duration_s, drive, .. } => {
-            (format!("{drive:?}"), *force_n, *duration_s, codes(&train))
-        }
+        Event::Pulse(pulse) => (format!("{:?}", pulse.drive()), pulse.force_n, pulse.duration_s, codes(&train)),
         other => panic!("{other:?}"),
     }
 }
@@ -359,7 +357,7 @@ fn a_record_s_obstacle_is_named_once() {
     // The case of a prefix counts: m is milli.
     let train = record("time_s,force_mN\n0,0\n1,5\n2,0\n").expect("millinewtons");
     assert!(
-        matches!(train.scenarios()[0].event, Event::Shaped { force_n: 0.005, .. }),
+        matches!(train.scenarios()[0].event, Event::Pulse(Pulse { force_n: 0.005, .. })),
         "{:?}",
         train.scenarios()[0].event
     );

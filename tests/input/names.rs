@@ -7,7 +7,7 @@ use std::process::Command;
 
 use trainsafe::Train;
 use trainsafe::consist;
-use trainsafe::train::Event;
+use trainsafe::train::{Event, Pulse};
 
 const FRONT: &str = "[coupler]\nstiffness = \"11.1 MN/m\"\nrated_load = \"0.5 MN\"\n[load]\nuniform = \"0.4 MN\"\n";
 
@@ -70,7 +70,7 @@ fn couplers_and_vehicles_are_named_by_label() {
     assert_eq!(train.couplers()[39].rated_draft_n, 0.45e6);
     assert_eq!(train.scenarios()[0].event, Event::Break { couplers: vec![40] });
     assert_eq!(train.scenarios()[1].event, Event::Break { couplers: vec![0, 6] });
-    assert!(matches!(train.scenarios()[2].event, Event::Pulse { vehicle: 51, .. }));
+    assert!(matches!(train.scenarios()[2].event, Event::Pulse(Pulse { vehicle: 51, .. })));
     let said = consist::describe(&train);
     for line in [
         "by label: coupler 40 is behind \"coal car 39\"\n",
@@ -101,7 +101,7 @@ fn a_label_that_names_none_or_several_is_refused() {
     // The end of the train goes before a label, and a doubt says so.
     let train = vehicles(&[("tail", 1), ("car", 2)]);
     let train = read(&format!("{train}[[scenario]]\n{pulse}\"tail\"\n")).expect("a train");
-    assert!(matches!(train.scenarios()[0].event, Event::Pulse { vehicle: 2, .. }));
+    assert!(matches!(train.scenarios()[0].event, Event::Pulse(Pulse { vehicle: 2, .. })));
     assert_eq!(train.origin().doubts[0].code, "label-head-or-tail");
 }
 
@@ -220,9 +220,8 @@ fn rise_and_fall_may_be_the_whole_duration() {
         ("50 ms", "50 ms", "0.1 s"),
     ] {
         let train = pulse(rise, fall, duration).expect("a triangle");
-        let Event::Shaped { drive: trainsafe::play::Drive::Lines(points), .. } = &train.scenarios()[0].event else {
-            panic!("no shape");
-        };
+        let Event::Pulse(pulse) = &train.scenarios()[0].event else { panic!("no pulse") };
+        let trainsafe::play::Drive::Lines(points) = pulse.drive() else { panic!("no lines") };
         assert!(points.windows(2).all(|p| p[0][0] <= p[1][0]), "{points:?}");
     }
     for total in 2..300 {

@@ -2,9 +2,10 @@
 
 use crate::common::{breaks, uniform};
 use trainsafe::law::{Curve, GearRow, Law};
-use trainsafe::play::{Drive, Rule};
+use trainsafe::play::Rule;
 use trainsafe::train::{
-    Application, CouplerSpec, Event, Forcing, Limits, Load, PulledTo, Response, Scenario, TrainSpec, VehicleSpec,
+    Application, CouplerSpec, Event, Forcing, Limits, Load, PulledTo, Pulse, PulseShape, Response, Scenario, TrainSpec,
+    VehicleSpec,
 };
 use trainsafe::{Options, analyze, consist};
 
@@ -67,7 +68,7 @@ fn no_number_can_be_what_it_cannot_be() {
         ("load.pulled_to", |s, x| s.pulled_to = PulledTo::Largest(x)),
         ("scenario[0].horizon", |s, x| s.scenarios = vec![breaks("s", vec![0], Some(x))]),
         ("scenario[0].duration", |s, x| {
-            s.scenarios = vec![scenario(Event::Pulse { vehicle: 0, force_n: 1e5, duration_s: x })];
+            s.scenarios = vec![scenario(Event::Pulse(Pulse::rectangle(0, 1e5, x)))];
         }),
         ("scenario[0].speed", |s, x| {
             s.scenarios = vec![scenario(Event::Impact { vehicles: 2, at_head: true, speed_m_per_s: x })];
@@ -269,7 +270,7 @@ fn scenarios_are_of_vehicles_and_couplers_that_are_there() {
         of(Event::Break { couplers: vec![2, 2] }),
         "scenario[0].coupler: coupler 3 is listed twice; list it once"
     );
-    let pulse = |vehicle, force_n| Event::Pulse { vehicle, force_n, duration_s: 0.1 };
+    let pulse = |vehicle, force_n| Event::Pulse(Pulse::rectangle(vehicle, force_n, 0.1));
     assert_eq!(
         of(pulse(5, 1.0)),
         "scenario[0].at: the train has no vehicle 6; expected a vehicle's number from 1 to 5"
@@ -284,13 +285,20 @@ fn scenarios_are_of_vehicles_and_couplers_that_are_there() {
         "scenario[0].at: the pulse acts on a held vehicle, which no force can move; choose a vehicle that is not held"
     );
     let course = |points: Vec<[f64; 2]>| {
-        let drive = Drive::Lines(points);
-        of(Event::Shaped { vehicle: 1, shape: "record", force_n: 1.0, duration_s: 1.0, drive })
+        let shape = PulseShape::Record(points);
+        of(Event::Pulse(Pulse { vehicle: 1, shape, force_n: 1.0, duration_s: 1.0 }))
     };
     let falls = "scenario[0].record: the times of record fall; no time is less than the one before";
     assert_eq!(course(vec![[0.0, 1.0], [1.0, 0.0], [0.5, 0.0]]), falls);
     let nan = "scenario[0].record: record is not a number; expected a finite number";
     assert_eq!(course(vec![[0.0, 1.0], [1.0, f64::NAN]]), nan);
+    let ramps = |rise_s, fall_s| {
+        let shape = PulseShape::Trapezoid { rise_s, fall_s };
+        of(Event::Pulse(Pulse { vehicle: 1, shape, force_n: 1.0, duration_s: 1.0 }))
+    };
+    let long = "scenario[0].rise: rise and fall are longer than the pulse; together they may be as long as the duration, not longer";
+    assert_eq!(ramps(0.6, 0.5), long);
+    assert!(ramps(0.6, -0.5).starts_with("scenario[0].fall: fall is negative"), "{}", ramps(0.6, -0.5));
     let impact = |vehicles| Event::Impact { vehicles, at_head: false, speed_m_per_s: 1.0 };
     for vehicles in [0, 5] {
         let right = "expected a whole number from 1 to 4: at least one vehicle stands";

@@ -5,7 +5,7 @@ use std::fs;
 use crate::common::{breaks, built, figure_4, figure_5, ore_train, uniform};
 use trainsafe::findings::{CaseFindings, RodFindings};
 use trainsafe::play::Rule;
-use trainsafe::train::{Event, Scenario, TrainSpec};
+use trainsafe::train::{Event, Pulse, Scenario, TrainSpec};
 use trainsafe::{Analysis, Options, analyze, consist, report};
 
 /// An analysis whose times and methods do not change from run to run: they are not the report's to get right.
@@ -61,7 +61,7 @@ fn one_break_of_a_real_train_is_told() {
 
 #[test]
 fn each_break_and_a_shock_have_a_section_each() {
-    let hit = Event::Pulse { vehicle: 11, force_n: 2.4e6, duration_s: 0.06 };
+    let hit = Event::Pulse(Pulse::rectangle(11, 2.4e6, 0.06));
     let mut train = uniform("Yard <cut> | 12 *cars*", 12, 90e3, 11e6, 1.0e6, 0.55e6);
     // Held at one end: in a symmetric train two couplers would share the first place, and rounding would choose.
     train.vehicles[0].held = true;
@@ -217,7 +217,7 @@ fn the_terminal_shows_the_worst() {
 }
 
 fn figure_5_like() -> Scenario {
-    let event = Event::Pulse { vehicle: 104, force_n: -1.2e6, duration_s: 0.5 };
+    let event = Event::Pulse(Pulse::rectangle(104, -1.2e6, 0.5));
     Scenario {
         name: "the rear is pulled".to_owned(),
         event,

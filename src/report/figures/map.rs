@@ -4,7 +4,7 @@ use super::{HEIGHT, RATED, ROD, along, range_of_shares};
 use crate::figures::{Axis, Color, Figure, Point, Sample, Shape, Stroke};
 use crate::findings::{MapFindings, MapPoint};
 use crate::report::numbers::{Unit, force_unit, given_force, time_unit};
-use crate::train::Event;
+use crate::train::{Event, Pulse};
 use crate::units::UnitSystem;
 
 const CHAIN: Stroke = Stroke::solid(Color::Ink, 2.0);
@@ -30,7 +30,7 @@ pub fn map(map: &MapFindings, event: &Event, units: UnitSystem, name: &str) -> S
         return lines.draw(name, (x, y), &threshold, "the load as it is", None);
     }
     let given = match event {
-        Event::Pulse { force_n, duration_s, .. } | Event::Shaped { force_n, duration_s, .. } => {
+        Event::Pulse(Pulse { force_n, duration_s, .. }) => {
             Some((duration_s / clock.size, force_n.abs() / size.size, *force_n))
         }
         Event::Break { .. } | Event::Impact { .. } | Event::Brake { .. } => None,

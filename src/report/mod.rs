@@ -20,6 +20,7 @@ mod cascade;
 pub(crate) mod cells;
 mod content;
 pub(crate) mod couplers_csv;
+mod events;
 pub(crate) mod figures;
 pub(crate) mod files;
 pub(crate) mod folder;
@@ -36,6 +37,7 @@ mod section;
 mod terminal_table;
 mod train_facts;
 mod variants;
+mod verdict;
 pub(crate) mod words;
 
 use std::io;

@@ -8,7 +8,7 @@ use super::numbers::{
     Unit, brief_time, down, force_in, force_unit, given_force_in, interval, percent, small_force, time,
 };
 use super::pictures::Shown;
-use super::{cascade, limits, variants, words};
+use super::{cascade, events, limits, variants, verdict, words};
 use crate::findings::{CaseFindings, CouplerFindings, ScenarioFindings};
 use crate::train::Train;
 use crate::units::UnitSystem;
@@ -91,13 +91,13 @@ fn verdict(train: &Train, scenario: &ScenarioFindings, index: usize, several: bo
         }
     };
     let name = if several { String::new() } else { format!("Scenario \"{}\". ", scenario.name) };
-    let event = source.map(|s| words::event(train, s)).unwrap_or_default();
+    let event = source.map(|s| events::event(train, s)).unwrap_or_default();
     let map = match words::map_of_breaks(scenario) {
         map if map.is_empty() => map,
         map => format!(" {map}"),
     };
-    let mut all = vec![Block::Verdict(index, words::verdict_of(scenario, units), more)];
-    all.extend(titled("Largest forces", words::passage(scenario, units)));
+    let mut all = vec![Block::Verdict(index, verdict::verdict_of(scenario, units), more)];
+    all.extend(titled("Largest forces", verdict::passage(scenario, units)));
     all.extend(titled("What breaks next", next));
     if let [case] = &cases[..] {
         all.extend(sequence(case, units));

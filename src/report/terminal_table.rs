@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use comfy_table::{CellAlignment, LineStyle, Table, presets};
 
 use super::numbers::{force, percent, time};
-use super::words;
+use super::{verdict, words};
 use crate::error::{harmless, printable_path};
 use crate::findings::{Analysis, CaseFindings, CouplerFindings, ScenarioFindings};
 use crate::units::UnitSystem;
@@ -23,10 +23,10 @@ pub fn terminal(analysis: &Analysis, reports: &[PathBuf]) -> String {
         words::count(analysis.couplers, "coupler")
     );
     for scenario in &analysis.scenarios {
-        let verdict = words::verdict_of(scenario, analysis.units);
+        let verdict = verdict::verdict_of(scenario, analysis.units);
         // Writing to a String cannot fail.
         let _ = write!(out, "\n{}\n{}\n", harmless(&scenario.name), harmless(&verdict));
-        let passage = words::passage(scenario, analysis.units);
+        let passage = verdict::passage(scenario, analysis.units);
         if !passage.is_empty() {
             let _ = writeln!(out, "{passage}");
         }

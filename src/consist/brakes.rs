@@ -18,7 +18,7 @@ use super::sheet::{Record, Sheet};
 use super::tree::{Read, Table, Value};
 use crate::error::{InputError, Problem, Problems, printable_path, quoted};
 use crate::train::{Application, Doubt, Forcing, Vehicle, more};
-use crate::units::{self, Amount, Dimension, one_of, shown_time};
+use crate::units::{self, Amount, Dimension, UnitSystem, one_of, shown, shown_time};
 
 /// The named application: an emergency or a service one.
 fn preset(name: &'static str, emergency: bool) -> Application {
@@ -113,6 +113,9 @@ const LATE_S: f64 = 60.0;
 /// If no share is larger, the schedule was probably written in shares of 1.
 const LARGEST_DOUBTFUL_SHARE: f64 = 0.01 + 1e-9;
 
+/// A tractive effort of less, N, is none.
+const FAINT_N: f64 = 1e3;
+
 /// A schedule that starts with a change of more than this share of the largest effort jumps.
 const JUMP: f64 = 0.01;
 
@@ -194,6 +197,13 @@ fn schedule(
     if sheet.columns[1].is_some() && most > 0.0 && most <= LARGEST_DOUBTFUL_SHARE {
         let text =
             format!("no share of the schedule {name} is over 1 %: were shares of 1 meant, such as 0.5 for 50 %?");
+        doubts.push(Doubt::of_train("faint-throttle", text));
+    }
+    let largest_n = courses.iter().flat_map(|c| c.points.iter().map(|p| (traction_n[c.vehicle] + p[1]).abs()));
+    let largest_n = largest_n.fold(0.0, f64::max);
+    if sheet.columns[2].is_some() && largest_n > 0.0 && largest_n < FAINT_N {
+        let force = shown(UnitSystem::Si, largest_n, Dimension::Force);
+        let text = format!("the largest force of the schedule {name} is {force}; check the unit in its heading");
         doubts.push(Doubt::of_train("faint-throttle", text));
     }
     Ok((courses, doubts))

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::overloaded;
+use super::plausible::{brake_wave, faint_build_up};
 use crate::law::Law;
 use crate::scenario::{Motion, horizon_s, initial_force_n, last_change_s, longest_horizon_s, longest_transit_s};
 use crate::train::{Doubt, Event, Pulse, PulseShape, Scenario, Train, more};
@@ -21,8 +22,9 @@ pub(super) fn of_scenario(train: &Train, scenario: &Scenario) -> Vec<Doubt> {
         Event::Impact { .. } => impact(train, scenario),
         Event::Brake { .. } => vec![],
     };
-    let waves = scenario.applications().filter_map(|applied| super::plausible::brake_wave(train, applied.wave_m_per_s));
-    let found = found.into_iter().chain(waves).chain(changes(train, scenario)).chain(stands(train, scenario));
+    let of_application = |applied| [brake_wave(train, applied), faint_build_up(applied)];
+    let applied = scenario.applications().flat_map(of_application).flatten();
+    let found = found.into_iter().chain(applied).chain(changes(train, scenario)).chain(stands(train, scenario));
     let found = found.map(|(code, text)| Doubt::of_scenario(code, scenario, text));
     found.chain(short_horizon(train, scenario)).collect()
 }

@@ -1,12 +1,20 @@
 //! Doubts about slack, gears, the earlier pull and brakes.
 
+use super::plausible::FAINT_SHARE;
 use crate::law::{Curve, Law};
 use crate::train::{Doubt, Scenario, Train, more};
 use crate::units::{Dimension, shown};
 
 /// Every doubt about a train's laws, and keys that change nothing in it.
 pub(super) fn of_train(train: &Train) -> Vec<Doubt> {
-    let found = [closed(train), slack_without_friction(train), soft_solid(train), pulled_to_unused(train)];
+    let found = [
+        closed(train),
+        slack_without_friction(train),
+        soft_solid(train),
+        faint_friction(train),
+        pulled_to_unused(train),
+        pulled_over_rating(train),
+    ];
     found.into_iter().flatten().chain(without_brakes(train)).collect()
 }
 
@@ -74,6 +82,44 @@ fn soft_solid(train: &Train) -> Option<Doubt> {
         more(all.count(), "coupler")
     );
     Some(Doubt::of_train("soft-solid-stiffness", text))
+}
+
+/// Gears that give back almost all: a friction of 0.75 % where 75 % was meant.
+fn faint_friction(train: &Train) -> Option<Doubt> {
+    let lost = |curve: &Curve| {
+        let rows = curve.rows().iter().filter(|row| row.loading_n > 0.0);
+        rows.map(|row| 1.0 - row.unloading_n / row.loading_n).fold(0.0, f64::max)
+    };
+    let faint = |law: &Law| match law {
+        Law::Gear { draft, buff, .. } => {
+            [draft, buff].into_iter().map(lost).find(|lost| (1e-6..FAINT_SHARE).contains(lost))
+        }
+        Law::Elastic { .. } => None,
+    };
+    let mut all = train.extras().laws.iter().enumerate().filter_map(|(i, law)| Some((i, faint(law)?)));
+    let (first, lost) = all.next()?;
+    let text = format!(
+        "the gear of coupler {}{} has a friction of {:.2} % at most: was {:.0} % meant?",
+        first + 1,
+        more(all.count(), "coupler"),
+        100.0 * lost,
+        1e4 * lost
+    );
+    Some(Doubt::of_train("faint-friction", text))
+}
+
+/// An earlier pull over the rating in draft.
+fn pulled_over_rating(train: &Train) -> Option<Doubt> {
+    let pulled = train.extras().pulled_to_n.iter().zip(train.couplers()).enumerate();
+    let mut over = pulled.filter(|(_, (pull, c))| **pull > c.rated_draft_n).map(|(i, (pull, _))| (i, *pull));
+    let (first, pull_n) = over.next()?;
+    let text = format!(
+        "the earlier pull in coupler {}{}, {}, is over its rating: check pulled_to and its unit",
+        first + 1,
+        more(over.count(), "coupler"),
+        shown(train.origin().units, pull_n, Dimension::Force)
+    );
+    Some(Doubt::of_train("pull-over-rating", text))
 }
 
 /// An earlier pull that changes no force.

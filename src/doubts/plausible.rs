@@ -1,7 +1,7 @@
 //! Numbers of a train that no railway has: probably a wrong unit or a slip.
 
 use crate::law::Law;
-use crate::train::{Doubt, Train, Vehicle, more};
+use crate::train::{Application, Doubt, Train, Vehicle, more};
 use crate::units::{Dimension, GRAVITY_M_PER_S2, rounded, shown};
 
 /// Masses of vehicles, kg: 5 t and 400 t.
@@ -13,6 +13,10 @@ const LONG_M: f64 = 100.0;
 /// Stiffness of a connection, and of parts in series with a gear, N/m.
 const SOFT_N_PER_M: f64 = 1e6;
 const STIFF_N_PER_M: f64 = 10e9;
+/// The whole travel of a gear, m.
+const TRAVEL_M: [f64; 2] = [5e-3, 0.5];
+/// A share of 1 % or less, of which the hundredfold was probably meant.
+pub(super) const FAINT_SHARE: f64 = 0.01 + 1e-9;
 /// The least share of the weight that a brake force is.
 const FAINT_BRAKE: f64 = 1e-3;
 /// Speeds of the waves of brake applications, m/s.
@@ -37,7 +41,8 @@ pub(crate) const STEEP: f64 = 0.1;
 
 /// Every doubt about the size of a train's numbers, one a kind.
 pub(super) fn of_train(train: &Train) -> Vec<Doubt> {
-    let couplers = || [soft(train), stiff(train), slack(train), ratings(train), faint_load(train), stretch(train)];
+    let couplers =
+        || [soft(train), stiff(train), slack(train), travel(train), ratings(train), faint_load(train), stretch(train)];
     let vehicles = || [masses(train), vehicle_lengths(train), brake_forces(train)];
     let sizes = || vehicles().into_iter().chain(couplers()).collect();
     let sizes: Vec<_> = if in_own_units(train) { vec![] } else { sizes() };
@@ -128,6 +133,16 @@ fn slack(train: &Train) -> Option<Doubt> {
     outside(train, ["slack", "slack", "coupler"], all, [0.0, STRETCH_M], Dimension::Length)
 }
 
+/// Travel of gears up to the last row of their tables.
+fn travel(train: &Train) -> Option<Doubt> {
+    let of_law = |(i, law): (usize, &Law)| match law {
+        Law::Gear { draft, buff, .. } => [draft, buff].map(|curve| Some((i, curve.rows().last()?.travel_m))),
+        Law::Elastic { .. } => [None; 2],
+    };
+    let all = train.extras().laws.iter().enumerate().flat_map(of_law).flatten();
+    outside(train, ["gear-travel", "whole travel of the gear", "coupler"], all, TRAVEL_M, Dimension::Length)
+}
+
 /// Stiffnesses of couplers, and of the parts in series with gears.
 fn stiff(train: &Train) -> Option<Doubt> {
     let usual = [0.0, STIFF_N_PER_M];
@@ -141,15 +156,22 @@ fn stiff(train: &Train) -> Option<Doubt> {
 }
 
 /// The speed of a brake application's wave, as the words of a doubt.
-pub(super) fn brake_wave(train: &Train, wave_m_per_s: f64) -> Option<(&'static str, String)> {
+pub(super) fn brake_wave(train: &Train, application: &Application) -> Option<(&'static str, String)> {
     let units = train.origin().units;
     let [slow, fast] = WAVE_M_PER_S.map(|speed| rounded(units, speed, Dimension::Speed));
     let text = format!(
         "the wave of the brake application runs at {}, outside the usual {slow} to {fast}; check the number and its unit",
-        shown(units, wave_m_per_s, Dimension::Speed)
+        shown(units, application.wave_m_per_s, Dimension::Speed)
     );
     let [slow, fast] = WAVE_M_PER_S;
-    (!(slow..=fast).contains(&wave_m_per_s)).then_some(("brake-wave", text))
+    (!(slow..=fast).contains(&application.wave_m_per_s)).then_some(("brake-wave", text))
+}
+
+/// The largest share of a brake application's build-up, as the words of a doubt.
+pub(super) fn faint_build_up(application: &Application) -> Option<(&'static str, String)> {
+    let most = application.build_up.iter().map(|row| row[1]).fold(0.0, f64::max);
+    let text = "no share of build_up is over 1 %: were shares of 1 meant, such as 0.5 for 50 %?";
+    (most <= FAINT_SHARE).then(|| ("faint-build-up", text.to_owned()))
 }
 
 /// A doubt about the first of some numbers of vehicles or couplers that are outside a usual range, and how many more are.

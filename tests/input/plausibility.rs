@@ -391,6 +391,15 @@ fn changes_that_are_not_seen_are_doubted() {
         ("UIC P", "UIC G", &["changes-beyond-horizon"]),
         ("after = \"3 s\"", "after = \"30 s\"", &["changes-beyond-horizon"]),
         ("\"0.5 MN\"", "\"2 MN\"", &["pulled-to-unused", "slack-without-friction"]),
+        ("\"0.5 MN\"", "\"1.985 MN\"", &["faint-friction"]),
+        ("80 mm", "550 mm", &["gear-travel"]),
+        ("80 mm", "3 mm", &["gear-travel", "soft-solid-stiffness"]),
+        ("0.8 MN", "1.8 MN", &["pull-over-rating"]),
+        (
+            "\"UIC P\"",
+            "{ wave = \"250 m/s\", build_up = [[\"0 s\", \"0 %\"], [\"4 s\", \"1 %\"]] }",
+            &["faint-build-up"],
+        ),
         ("emergency = \"UIC P\"\n", "", &["emergency-brake-unused", "speed-unused"]),
     ] {
         assert!(BRAKED.contains(from), "{from}");
@@ -399,10 +408,17 @@ fn changes_that_are_not_seen_are_doubted() {
         assert_eq!(found, expected, "{to}");
     }
     let folder = tempfile::tempdir().expect("a folder");
-    std::fs::write(folder.path().join("level.csv"), "time [s],share [%]\n0,100\n10,100\n").expect("a file");
-    let level = BRAKED.replace("cut_power = { after = \"3 s\", over = \"2 s\" }", "throttle = \"level.csv\"");
-    let train = consist::parse(&level, &folder.path().join("train.toml")).unwrap_or_else(|e| panic!("{e}"));
-    assert_eq!(codes(&train), ["efforts-unchanged"]);
+    let scheduled = BRAKED.replace("cut_power = { after = \"3 s\", over = \"2 s\" }", "throttle = \"level.csv\"");
+    for (schedule, expected) in [
+        ("time [s],share [%]\n0,100\n10,100\n", &["efforts-unchanged"][..]),
+        ("time [s],share [%]\n0,1\n10,0.5\n", &["throttle-jumps", "faint-throttle"]),
+        ("time [s],force [N]\n0,400\n10,0\n", &["throttle-jumps", "faint-throttle"]),
+        ("time [s],force [kN]\n0,400\n10,0\n", &[]),
+    ] {
+        std::fs::write(folder.path().join("level.csv"), schedule).expect("a file");
+        let train = consist::parse(&scheduled, &folder.path().join("train.toml")).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(codes(&train), expected, "{schedule}");
+    }
 }
 
 /// Brake forces beside the weight, and the speed of a brake application's wave.

@@ -9,7 +9,7 @@ use crate::chain::{Chain, Scene};
 use crate::train::{Event, Scenario, Train, Vehicle};
 
 pub use marches::march;
-pub(crate) use motion::Motion;
+pub(crate) use motion::{Motion, is_proportional};
 pub(crate) use plays::{break_loads, unbalanced_n};
 pub use plays::{initial_force_n, play};
 

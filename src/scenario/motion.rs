@@ -30,3 +30,9 @@ impl Motion {
         }
     }
 }
+
+/// Whether the forces that an event adds grow in proportion to their cause: with linear couplers and without brakes and changing
+/// tractive efforts. Their error is proven; once parted, their pieces do not push each other.
+pub(crate) fn is_proportional(train: &Train, scenario: &Scenario) -> bool {
+    train.extras().laws.is_empty() && !scenario.applies_brakes() && scenario.response.efforts.is_empty()
+}

@@ -120,3 +120,93 @@ fn cascades() {
         agree(&p);
     }
 }
+
+/// Temporary: random problems through both marches.
+#[test]
+fn temporary_random_comparison() {
+    let mut seed = 11u64;
+    let mut random = move || {
+        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (seed >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let (mut ratio, mut breaks, mut open) = (0.0f64, 0, [0, 0]);
+    for round in 0..400 {
+        let n = 2 + (random() * 30.0) as usize;
+        let springs = n - 1;
+        let held_head = random() < 0.4;
+        let scene = Scene {
+            chain: Chain {
+                mass: (0..n).map(|_| 0.3 + 3.0 * random()).collect(),
+                stiffness: (0..springs).map(|_| 0.3 + 3.0 * random()).collect(),
+                held_head,
+                held_tail: random() < 0.3 && n > 2,
+            },
+            source: (n - 1).min(1 + (random() * springs as f64) as usize).min(if n > 2 { n - 2 } else { 1 }),
+            force: 0.0,
+            duration: 0.0,
+            initial: (0..springs).map(|_| random()).collect(),
+            rated_draft: (0..springs).map(|_| 1.0 + random()).collect(),
+            rated_buff: (0..springs).map(|_| 0.5 + random()).collect(),
+            horizon: 4.0 * n as f64,
+        };
+        let mut scene = scene;
+        if n == 2 { scene.chain.held_tail = false; }
+        let damping = if random() < 0.5 { 0.0 } else { 0.4 * random() };
+        let drives = [Drive::none(), Drive::rectangle(random() - 0.5, 3.0), Drive::HalfSine { peak: 1.5, duration: 2.0 },
+            Drive::Lines(vec![[0.5, 0.0], [1.0, -1.0], [4.0, 0.7]])];
+        let unbalanced = random() < 0.3;
+        let p = Play {
+            drive: drives[(random() * 4.0) as usize].clone(),
+            dashpot: (0..springs).map(|_| damping * random()).collect(),
+            start: (0..springs).map(|_| if unbalanced { 0.5 * (random() - 0.5) } else { 0.0 }).collect(),
+            velocity: (0..n).map(|v| if scene.chain.live(v) { 0.3 * (random() - 0.5) } else { 0.0 }).collect(),
+            broken: if random() < 0.5 { vec![(random() * springs as f64) as usize] } else { vec![] },
+            rule: [Rule::Keep, Rule::InDraft, Rule::InBoth][(random() * 3.0) as usize],
+            break_at: Vec::new(),
+            scene,
+        };
+        let linear = taylor::solve(&p).expect("short");
+        let scene = &p.scene;
+        let mut q = problem(&p);
+        q.held_tail = scene.chain.held_tail;
+        q.contact = false;
+        let steady = |i: usize| scene.initial.get(i).map_or(0.0, |f| f - p.start[i]);
+        q.steady_n = (0..n).map(|v| steady(v) - if v > 0 { steady(v - 1) } else { 0.0 }).collect();
+        let limit = |i: usize| [scene.rated_draft[i], if p.rule == Rule::InBoth { scene.rated_buff[i] } else { f64::INFINITY }];
+        q.break_at_n = if p.rule == Rule::Keep { vec![] } else { (0..springs).map(limit).collect() };
+        let capacity_n: Vec<[f64; 2]> = (0..springs).map(|i| [scene.rated_draft[i], scene.rated_buff[i]]).collect();
+        let ours = solve(&q, &MarchOptions { capacity_n, tolerance_n: Some(1e-6), ..MarchOptions::default() });
+        let Bound::Proven(mine) = ours.bound else { panic!("{round}: {:?}", ours.bound) };
+        ratio = ratio.max(mine / linear.error_bound);
+        let bound = mine + linear.error_bound;
+        for i in (0..springs).filter(|i| !p.broken.contains(i)) {
+            let peaks = linear.springs[i];
+            for (side, mine) in [(peaks.draft, ours.extremes[i].draft), (peaks.buff, ours.extremes[i].buff)] {
+                assert!((side.best.value - mine.force_n.abs().copysign(side.best.value)).abs() <= bound, "{round} {i}: {side:?} {mine:?} {bound:e}");
+            }
+            assert_eq!([peaks.draft.exceeds(), peaks.buff.exceeds()], ours.exceeds[i], "{round} {i}");
+            for (a, b) in [peaks.draft.first_over, peaks.buff.first_over].iter().zip(ours.first_over_s[i]) {
+                assert_eq!(a.is_some(), b.is_some());
+                assert!(a.zip(b).is_none_or(|(a, b)| (a - b).abs() < 1e-7), "{round} {i} {a:?} {b:?}");
+            }
+        }
+        let broken: Vec<(usize, f64, f64)> = linear.breakages.iter().flat_map(|b| b.springs.iter().map(|s| (*s, b.time, b.uncertainty))).collect();
+        let mine: Vec<_> = ours.partings.iter().skip(p.broken.len()).collect();
+        assert_eq!(broken.len(), mine.len(), "{round}");
+        for ((spring, time, off), m) in broken.iter().zip(&mine) {
+            assert_eq!(*spring, m.coupler);
+            assert!((time - m.time_s).abs() <= off + m.uncertainty_s, "{round} {time} {m:?}");
+        }
+        breaks += broken.len();
+        open[0] += usize::from(linear.open.is_some());
+        open[1] += usize::from(ours.undecided.is_some());
+        let apart = match (linear.gap_closes, ours.closures.first()) {
+            (Some(a), Some(b)) => { assert_eq!(a.0, b.0, "{round}"); (a.1 - b.1).abs() }
+            (None, None) => 0.0,
+            _ if p.rule == Rule::Keep => 0.0,
+            (a, b) => panic!("{round} {a:?} {b:?}"),
+        };
+        assert!(apart < 1e-5, "{round} {apart}");
+    }
+    println!("ratio {ratio} breaks {breaks} open {open:?}");
+}

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::{AnalyzeError, Options, ask, cases, chosen, first_passage, general, map, march, safe_speed};
+use super::{AnalyzeError, Options, ask, cases, chosen, first_passage, load_search, map, march, safe_speed};
 use crate::play::Rule;
 use crate::scenario::{self, Motion};
 use crate::solve::{self, SolveError, damped_modes};
@@ -52,7 +52,7 @@ pub fn estimate_s(train: &Train, options: &Options) -> Result<f64, AnalyzeError>
         let sample: Vec<_> = cases.iter().step_by(cases.len().div_ceil(SAMPLE).max(1)).collect();
         let seconds: Result<f64, _> = sample.par_iter().map(|&&b| case_estimate_s(train, scenario, b, options)).sum();
         let seconds = seconds.map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
-        let mapped = if options.map && Motion::of(train, scenario) != Motion::Events {
+        let mapped = if options.map && scenario::is_proportional(train, scenario) {
             map::cases(train, &scenario.event)
         } else {
             0
@@ -72,15 +72,15 @@ pub(crate) fn case_estimate_s(
     let horizon_s = scenario::horizon_s(train, scenario, broken);
     let passage_s = first_passage::end_s(train, scenario, broken, horizon_s);
     let once = solved_s(train, scenario, broken, [horizon_s, passage_s], options)?;
-    if Motion::of(train, scenario) == Motion::Events {
-        return Ok(once);
-    }
-    let mut seconds = 0.0;
+    let mut seconds = once;
     if scenario.cascade != Rule::Keep {
-        seconds += general::estimate_s(train, scenario, broken, horizon_s, scenario.cascade);
+        seconds += march::estimate_s(train, scenario, broken, horizon_s, scenario.cascade, options);
     }
-    let balanced = scenario::unbalanced_n(train, &scenario.event).iter().all(|f| *f == 0.0);
-    seconds += if balanced { once } else { once * (1.0 + safe_speed::USUAL_FACTORS) };
+    if !scenario::is_proportional(train, scenario) {
+        seconds += load_search::estimate_s(train, scenario, broken, horizon_s, options).unwrap_or(0.0);
+    } else if scenario::unbalanced_n(train, &scenario.event).iter().any(|f| *f != 0.0) {
+        seconds += once * safe_speed::USUAL_FACTORS;
+    }
     Ok(seconds)
 }
 
@@ -94,8 +94,7 @@ pub(super) fn solved_s(
 ) -> Result<f64, SolveError> {
     let parts = || scenario::parts(train, &scenario.event, broken, until_s);
     match Motion::of(train, scenario) {
-        Motion::Events => Ok(march::estimate_s(train, scenario, broken, until_s, options)),
-        Motion::Taylor => Ok(general::estimate_s(train, scenario, broken, until_s, Rule::Keep)),
+        Motion::March => Ok(march::estimate_s(train, scenario, broken, until_s, Rule::Keep, options)),
         Motion::DampedModes(_) => Ok(parts().iter().map(|p| damped_modes::estimate_s(&p.scene)).sum()),
         Motion::Steps => {
             let ask = ask(train, options, (mark_s < until_s).then_some(mark_s));

@@ -63,7 +63,7 @@ pub(super) fn find(
 ) -> Option<LoadSearch> {
     estimate_s(train, scenario, broken, until_s, options)?;
     let ask = MarchOptions {
-        capacity_n: train.couplers().iter().map(|c| [c.rated_draft_n, c.rated_buff_n]).collect(),
+        capacity_n: super::march::ratings_n(train),
         ..MarchOptions::default()
     };
     let problem = |factor: f64| {

@@ -1,6 +1,6 @@
-//! A scenario as a march: trains with slack and gears, and forces from outside that change on several vehicles.
+//! A scenario as a march: what steps of force on an undamped linear chain at rest cannot represent.
 
-use super::plays::speed_m_per_s;
+use super::start::speed_m_per_s;
 use super::{brakes, break_loads, initial_force_n, is_proportional};
 use crate::law::{Law, Rest};
 use crate::march::Problem;

@@ -178,6 +178,7 @@ fn temporary_random_comparison() {
         let ours = solve(&q, &MarchOptions { capacity_n, tolerance_n: Some(1e-6), ..MarchOptions::default() });
         let Bound::Proven(mine) = ours.bound else { panic!("{round}: {:?}", ours.bound) };
         ratio = ratio.max(mine / linear.error_bound);
+        if mine / linear.error_bound > 1.3 { println!("{round} {} n {n} unb {unbalanced} damping {damping} rule {:?} breaks {}", mine / linear.error_bound, p.rule, linear.breakages.len()); }
         let bound = mine + linear.error_bound;
         for i in (0..springs).filter(|i| !p.broken.contains(i)) {
             let peaks = linear.springs[i];

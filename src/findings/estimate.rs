@@ -72,19 +72,21 @@ pub(crate) fn case_estimate_s(
     let horizon_s = scenario::horizon_s(train, scenario, broken);
     let passage_s = first_passage::end_s(train, scenario, broken, horizon_s);
     let once = solved_s(train, scenario, broken, [horizon_s, passage_s], options)?;
+    if !scenario::is_proportional(train, scenario) {
+        return Ok(once);
+    }
     let mut seconds = once;
     if scenario.cascade != Rule::Keep {
         seconds += march::estimate_s(train, scenario, broken, horizon_s, scenario.cascade, options);
     }
-    if !scenario::is_proportional(train, scenario) {
-        seconds += load_search::estimate_s(train, scenario, broken, horizon_s, options).unwrap_or(0.0);
-    } else if scenario::unbalanced_n(train, &scenario.event).iter().any(|f| *f != 0.0) {
+    if scenario::unbalanced_n(train, &scenario.event).iter().any(|f| *f != 0.0) {
         seconds += once * safe_speed::USUAL_FACTORS;
     }
     Ok(seconds)
 }
 
-/// Estimated time of solving a case up to an instant, and up to a mark if that is before it, s; of a march with all of its runs.
+/// Estimated time of solving a case up to an instant, and up to a mark if that is before it, s; of gears and brakes with
+/// a cascade and the search for a load.
 pub(super) fn solved_s(
     train: &Train,
     scenario: &Scenario,
@@ -94,7 +96,14 @@ pub(super) fn solved_s(
 ) -> Result<f64, SolveError> {
     let parts = || scenario::parts(train, &scenario.event, broken, until_s);
     match Motion::of(train, scenario) {
-        Motion::March => Ok(march::estimate_s(train, scenario, broken, until_s, Rule::Keep, options)),
+        Motion::March => {
+            let once = march::estimate_s(train, scenario, broken, until_s, Rule::Keep, options);
+            if scenario::is_proportional(train, scenario) {
+                return Ok(once);
+            }
+            let search_s = load_search::estimate_s(train, scenario, broken, until_s, options).unwrap_or(0.0);
+            Ok(search_s + if scenario.cascade == Rule::Keep { once } else { 2.0 * once })
+        }
         Motion::DampedModes(_) => Ok(parts().iter().map(|p| damped_modes::estimate_s(&p.scene)).sum()),
         Motion::Steps => {
             let ask = ask(train, options, (mark_s < until_s).then_some(mark_s));

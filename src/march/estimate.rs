@@ -103,8 +103,11 @@ impl March<'_> {
 
     /// Looks for extremes, and instants above the capacities, from here on, up to the mark first; forces are within the bound.
     fn search(&mut self, ask: &MarchOptions, bound: f64) {
-        let capacity =
-            if ask.capacity_n.is_empty() { vec![[f64::INFINITY; 2]; self.couplers.len()] } else { ask.capacity_n.clone() };
+        let capacity = if ask.capacity_n.is_empty() {
+            vec![[f64::INFINITY; 2]; self.couplers.len()]
+        } else {
+            ask.capacity_n.clone()
+        };
         // What parts at t = 0 begins with the force that its vehicles push with.
         let gone = |i: usize| self.problem.gone.contains(&i);
         let force = |i: usize| self.start[i][1] + if gone(i) { self.state.tension(i) } else { 0.0 };
@@ -170,8 +173,7 @@ fn with_estimate(problem: &Problem, ask: &MarchOptions, mut march: March) -> Mar
     march.search(ask, 0.0);
     let other = |(n, p)| {
         let noise = Some((0x9E37_79B9 + n as u64, NOISE));
-        let mut other =
-            March::new(p, &quiet, RunSettings { phase: OTHER_PHASES[n], noise, margin: OTHER_MARGIN });
+        let mut other = March::new(p, &quiet, RunSettings { phase: OTHER_PHASES[n], noise, margin: OTHER_MARGIN });
         other.search(&quiet, 0.0);
         other
     };
@@ -328,7 +330,8 @@ fn finish(
         }
         seen
     };
-    let sides = |watch: &Option<Watch>| watch.iter().flat_map(|w| &w.peaks).map(|p| [p.draft, p.buff]).collect::<Vec<_>>();
+    let sides =
+        |watch: &Option<Watch>| watch.iter().flat_map(|w| &w.peaks).map(|p| [p.draft, p.buff]).collect::<Vec<_>>();
     let decided = |watch: &Option<Watch>| sides(watch).iter().map(|of| of.map(|side| side.exceeds())).collect();
     let [error_n, error_to_mark_n] = errors;
     MarchOutcome {

@@ -1,4 +1,5 @@
-//! The motion of a train whose couplers have slack and friction, from event to event.
+//! The motion of a train through time, from event to event: dashpots, speeds at the start, forces of any shape, couplers with slack and
+//! friction, couplers that break on the way.
 //!
 //! Between events every coupler's force is linear in its elongation ([`crate::law`]), so that the motion is a Taylor
 //! series. A step ends at each event: a gear that locks or unlocks, a gap that closes, a coupler that breaks, a kink
@@ -6,10 +7,16 @@
 //! draft.
 //!
 //! ```text
-//! q_i' = v_i - v_{i+1}       m_j v_j' = F_{j-1} - F_j + f_j(t)       F_i = law of coupler i (q_i, its travel)
+//! q_i' = v_i - v_{i+1}       m_j v_j' = F_{j-1} - F_j + f_j(t)       F_i = law of coupler i (q_i, its travel) + c_i q_i'
 //! ```
 //!
-//! [`solve`] solves a [`Problem`], in SI units.
+//! The derivatives follow from one another, each from its neighbours: a step costs O(n), its series is the force at every
+//! instant of it, and nothing but the present state is kept. Only the part of the train that moves is computed.
+//!
+//! [`solve`] solves a [`Problem`], in SI units. The error is proven for linear couplers, across breaks as well where parted vehicles
+//! do not push each other, and for constant friction (`proof.rs`); elsewhere it is estimated by two more runs (`estimate.rs`). Which
+//! couplers certainly break is proven in `certain.rs`. The search for peaks and first exceedances is that of
+//! [`crate::solve::watch`].
 
 mod branches;
 mod breaks;

@@ -11,23 +11,24 @@
 //! because `F - h w` is in `r Sgn(w')`, a monotone relation. So `sqrt(W) <= integral of the residual`, the force per root of mass that the
 //! computed motion would need beside the given ones; and `|dF| <= sqrt(kl W)`, with a dashpot `sqrt(k + c^2 (1 / m + 1 / m')) sqrt(W)`.
 //!
-//! **A step's rounding**, in that norm and in units u of half a last place, is at most `28 h S`, with S the norm of the motion's rate
-//! and of all that is added up to it, `S = (1 + 2 r) D + sum J |f|`: D the norm of z' (`dF^2 / kl + h dw^2 = s dq^2` with
-//! `s = h kl / (h + kl)` where the slider slips), r = max c / sqrt(k m) the dashpots' share, J = 1 / sqrt(m) of the vehicle on which
-//! f acts.
+//! **A step's rounding**, in that norm and in units u of half a last place, is at most `29 h S`, with h the step's width and S the norm of
+//! the motion's rate and of all that is added up to it, `S = (1 + 2 r) D + sum J |f|`: D the norm of z' (`dF^2 / kl + h dw^2 = s dq^2`
+//! with `s = h kl / (h + kl)` where the slider slips), r = max c / sqrt(k m) the dashpots' share, J = 1 / sqrt(m) of the vehicle on
+//! which f acts. A step is no longer than `1 / W`, W = largest frequency and damping rate together, so that terms fall as `1 / k!`.
 //!
-//! - First terms: 6 roundings of differences, products and sums, each of at most `h S`; the forces whose differences they are, of the
-//!   spring and of the dashpot, are kept with their own rounding errors. The later terms carry them on, `e - 1` times in all: 10.4.
-//! - Later terms: 5 roundings each, and 1.41 in place of one of them, that of a force by itself and not of a difference:
-//!   `5.4 sum (k - 1) / k! = 5.4`.
-//! - A step that is cut at an event multiplies each term by a rounded power: `sum (k + 1) / k! = 4.4`.
-//! - The sum of the terms from the last to the first: at most `1.72 + 0.72 + 0.22 + ... < 2.8`; the compensated sum with the
-//!   state 1.72; the instant of the step's end, `u t`, another 1.
+//! - First terms: of a speed 7, four differences and sums, `1 / m`, and two products, each of at most `h S`; of an elongation 3. The
+//!   forces whose difference it is, of spring and dashpot, are kept with their own rounding errors; the dashpot's three roundings are
+//!   at most `6 r D`. The later terms carry them on, `e - 1` times in all: 12.1.
+//! - Later terms: of a speed 5 each, and 2 of the force by itself, not of a difference, so that they count `sqrt(2)` times:
+//!   `7.9 sum (k - 1) / k! = 7.9`. Of the dashpot's share of such a force there is one more, which `5 * 2 r D` covers.
+//! - A step that is cut at an event multiplies each term by a power: `sum k / k! = 2.8`.
+//! - The sum of the terms from the last to the first: `1.72 + 0.72 + 0.22 + ... < 2.8`; the compensated sum with the state 1.8;
+//!   the instant of the step's end, `u t`, another 1.
 //!
-//! That is less than 28; the first term left out is 1e-19 of `h S`.
+//! Together that is less than 29; the first term left out is 1e-19 of `h S`.
 //!
 //! **Linear couplers.** D is constant but for the outside forces' own changes: `D <= D(0) + sum J TV(f)`, so that the error is known
-//! before the motion is: `|error| <= 28 u S t` and, for a constant force that the couplers at t = 0 do not balance, the difference of
+//! before the motion is: `|error| <= 29 u S t` and, for a constant force that the couplers at t = 0 do not balance, the difference of
 //! six numbers that were rounded once each, `4 u` of the sum of their magnitudes. What is shown, a force at an instant, rounds 16
 //! times more, by at most as much as the motion's own norm, which grows by no more than D t. Motion under `REST_LIMIT` of
 //! the scale at the edge of the part that moves is set to 0, of at most 22 vehicles and couplers a step and in at most 4 steps for
@@ -56,7 +57,7 @@ use super::mode::{Coupler, Mode};
 use super::step::{March, stiffest};
 
 /// Roundings of a step; see above.
-const ROUNDINGS: f64 = 28.0;
+const ROUNDINGS: f64 = 29.0;
 /// Roundings of a force that is shown, beside those of its state.
 const SHOWN: f64 = 16.0;
 /// Entries that are set to rest in the time of the reciprocal of the largest rate, at most.
@@ -136,7 +137,8 @@ impl Proof {
         };
         let drag = problem.laws.iter().enumerate().map(drag).fold(0.0, f64::max);
         let size = (1.0 + 2.0 * drag) * (rate + varied) + all + unbalanced;
-        let balanced = 4.0 * U * norm(&|v| balance_rounding(problem, &march.start, march.common_m_s2, &state.unbalanced, v));
+        let balanced =
+            4.0 * U * norm(&|v| balance_rounding(problem, &march.start, march.common_m_s2, &state.unbalanced, v));
         self.growth = (ROUNDINGS + SHOWN) * U * size + balanced + RESTED * march.fastest() * march.rest_norm();
         self.motion = motion;
     }

@@ -65,9 +65,8 @@ impl Taken<'_> {
         let Taken { state, series, width, .. } = *self;
         let x = i + 1;
         let (slope, rise) = (state.slope[x], series.q[1][x]);
-        let now = self.couplers[i].start[1]
-            + state.force[x]
-            + slope * ((series.q[0][x] - state.place[x]) + state.q[1][x]);
+        let now =
+            self.couplers[i].start[1] + state.force[x] + slope * ((series.q[0][x] - state.place[x]) + state.q[1][x]);
         // The change of force: by the law's line, and then by the dashpot.
         let mut reach = slope * series.reach[x];
         let mut first = slope * rise;

@@ -1,10 +1,10 @@
 //! The march itself: from event to event.
 
+use super::breaks::Breaks;
 use super::energy::Audit;
 use super::events::{Event, terms, unbalanced};
 use super::forces::Forces;
 use super::mode::{Coupler, End};
-use super::breaks::Breaks;
 use super::proof::Proof;
 use super::record::{Record, Taken};
 use super::series::{Series, State};

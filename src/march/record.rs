@@ -162,32 +162,54 @@ impl Record {
 /// Looks for new extremes and crossings of one coupler in a step.
 fn look(watch: &mut Watch, taken: &Taken, i: usize) {
     let reaches = taken.reaches(i);
-    let open = |watch: &Watch, negative: bool| {
-        watch.at_rating(i, negative) || reaches[usize::from(negative)] > watch.level(i, negative)
-    };
-    if !open(watch, false) && !open(watch, true) {
+    let open = [false, true].map(|negative| reaches[usize::from(negative)] > watch.level(i, negative));
+    let at_rating = [false, true].map(|negative| watch.at_rating(i, negative));
+    if open == [false; 2] && at_rating == [false; 2] {
         return;
     }
     let mut c = [0.0; DEGREE + 1];
     taken.series.tension_of(taken.state, i, taken.width, &mut c);
     let c = &mut c[..=taken.series.terms];
+    let start_n = taken.couplers[i].start[1];
     let push: f64 = c.iter().rev().sum();
-    c[0] += taken.couplers[i].start[1];
-    for negative in [false, true] {
+    c[0] += start_n;
+    let bend: f64 = c.iter().enumerate().skip(2).map(|(k, c)| k as f64 * c.abs()).sum();
+    for side in [0, 1] {
+        let negative = side == 1;
         let sign = if negative { -1.0 } else { 1.0 };
-        let at_rating = watch.at_rating(i, negative);
-        let last = roots::at(c, 1.0);
-        if at_rating {
-            watch.note_push(i, negative, sign * push, sign * last);
+        if at_rating[side] {
+            watch.note_push(i, negative, sign * push, sign * (start_n + push));
         }
-        if reaches[usize::from(negative)] > watch.level(i, negative) && reach(c, sign) > watch.level(i, negative) {
-            let local = Local::of_step(c, taken.from, taken.width);
-            let exact = |t: Dd| roots::at(c, (t - Dd::from(taken.from)).to_f64() / taken.width);
-            watch.note(i, negative, &local, 1.0, exact);
-        } else if at_rating {
-            watch.note_left_rating(i, negative, sign * last);
+        if open[side] && c[1].abs() > bend {
+            note_monotonic(watch, taken, (i, negative), c);
+        } else if open[side] && reach(c, sign) > watch.level(i, negative) {
+            note(watch, taken, (i, negative), c);
+        }
+        if at_rating[side] {
+            watch.note_left_rating(i, negative, sign * (start_n + push));
         }
     }
+}
+
+/// A force that rises or falls all through a step is largest at an end of it.
+fn note_monotonic(watch: &mut Watch, taken: &Taken, (i, negative): (usize, bool), c: &[f64]) {
+    let sign = if negative { -1.0 } else { 1.0 };
+    let (at, value) = if sign * c[1] > 0.0 { (taken.to, sign * roots::at(c, 1.0)) } else { (taken.from, sign * c[0]) };
+    let is_over = watch.peaks[i].side(negative).first_over.is_some();
+    if value <= watch.level(i, negative) {
+        return;
+    }
+    if is_over || value < watch.cautious_rating(i, negative) {
+        watch.note_value(i, negative, at.min(watch.horizon()), value);
+    } else {
+        note(watch, taken, (i, negative), c);
+    }
+}
+
+fn note(watch: &mut Watch, taken: &Taken, (i, negative): (usize, bool), c: &[f64]) {
+    let local = Local::of_step(c, taken.from, taken.width);
+    let exact = |t: Dd| roots::at(c, (t - Dd::from(taken.from)).to_f64() / taken.width);
+    watch.note(i, negative, &local, 1.0, exact);
 }
 
 /// The extremes that a watch has seen.

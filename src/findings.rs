@@ -2,13 +2,13 @@
 
 mod cascade;
 mod case;
+mod damped;
 pub(crate) mod date;
 mod doubts_found;
 mod estimate;
 mod evidence;
 mod field;
 mod first_passage;
-mod general;
 mod history;
 mod idle_options;
 pub(crate) mod limits;

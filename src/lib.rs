@@ -10,9 +10,9 @@
 //! keys         what the keys of a file are: name, kind, sign
 //! law          a coupler's force over its elongation, with slack and friction
 //! chain        masses and linear springs in units of their own, and a step or pulse of force on one mass
-//! play         a chain with dashpots, speeds, forces of any shape, couplers that break one after the other
-//! march        the motion of trains with slack, friction and forces on many vehicles
-//! solve        the largest force in every coupler of a chain, with a bound on its error
+//! play         forces over time on a vehicle, and which couplers break on the way
+//! solve        the largest force in every coupler of a chain under steps of force, with a bound on its error
+//! march        all other motion: dashpots, slack, friction, speeds at the start, forces on many vehicles, couplers that break
 //! rod          the continuous rod that a long chain approaches
 //! train        TrainSpec -> Train: a train is valid by construction, and this is the only way to one
 //! scenario     a train and an event as a problem for solve or march

@@ -1,36 +1,4 @@
-//! What a chain can have beyond one step of force from rest: dashpots, initial speeds, forces of any shape, couplers
-//! that break one after the other.
-
-use crate::chain::Scene;
-
-/// A scene with what the paper's chain does not have.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Play {
-    /// Chain, forces at t = 0, ratings and horizon; its own force and duration are ignored.
-    pub scene: Scene,
-    /// Force from outside on the scene's source, on top of the steady ones.
-    pub drive: Drive,
-    /// Dashpots beside the springs: a coupler's force is `F + dashpot (v_i - v_{i+1})`; none is negative.
-    pub dashpot: Vec<f64>,
-    /// Spring forces at t = 0 beyond the steady ones: the scene's `initial` less the forces that keep balance with the steady forces
-    /// from outside. All 0 where the motion starts from the steady state.
-    pub start: Vec<f64>,
-    /// Speeds of the masses at t = 0 against the steady motion, forward positive; a held mass keeps its own.
-    pub velocity: Vec<f64>,
-    /// Springs that break at t = 0.
-    pub broken: Vec<usize>,
-    /// What breaks later.
-    pub rule: Rule,
-    /// The force at which each spring breaks under the rule, in tension and in compression; empty where that is its rating.
-    pub break_at: Vec<[f64; 2]>,
-}
-
-impl Play {
-    /// A spring's force in the steady state under the steady forces from outside.
-    pub fn steady(&self, spring: usize) -> f64 {
-        self.scene.initial[spring] - self.start[spring]
-    }
-}
+//! Forces over time on a vehicle, and which couplers break on the way.
 
 /// Which springs break when they pass the force that breaks them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,15 +3,15 @@
 pub(crate) mod brakes;
 mod marches;
 mod motion;
-mod plays;
+mod start;
 
 use crate::chain::{Chain, Scene};
 use crate::train::{Event, Scenario, Train, Vehicle};
 
 pub use marches::march;
-pub(crate) use motion::Motion;
-pub(crate) use plays::{break_loads, unbalanced_n};
-pub use plays::{initial_force_n, play};
+pub(crate) use motion::{Motion, is_proportional};
+pub use start::initial_force_n;
+pub(crate) use start::{break_loads, unbalanced_n};
 
 /// A part of the train that stays together after the event, in the solvers' units.
 #[derive(Clone, Debug, PartialEq)]

@@ -221,11 +221,10 @@ pub enum AccuracyError {
 /// refuses.
 pub fn run(train: &Train, scenario_name: Option<&str>, options: &AccuracyOptions) -> Result<Accuracy, AccuracyError> {
     let chosen = choose(train, scenario_name)?;
-    let motion = Motion::of(train, chosen);
-    if motion == Motion::Events {
+    if !scenario::is_proportional(train, chosen) {
         return marches(train, chosen, options);
     }
-    if motion != Motion::Steps {
+    if Motion::of(train, chosen) != Motion::Steps {
         return Err(AccuracyError::BeyondSteps { scenario: chosen.name.clone() });
     }
     let Some((broken, part)) = longest_part(train, chosen) else {

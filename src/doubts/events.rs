@@ -5,7 +5,9 @@ use std::ops::Range;
 use super::overloaded;
 use super::plausible::{brake_wave, faint_build_up};
 use crate::law::Law;
-use crate::scenario::{Motion, horizon_s, initial_force_n, last_change_s, longest_horizon_s, longest_transit_s};
+use crate::scenario::{
+    horizon_s, initial_force_n, is_proportional, last_change_s, longest_horizon_s, longest_transit_s,
+};
 use crate::train::{Doubt, Event, Pulse, PulseShape, Scenario, Train, more};
 use crate::units::{Dimension, shown, shown_time, shown_time_up};
 
@@ -55,7 +57,7 @@ fn breaks(train: &Train, scenario: &Scenario, couplers: &[usize]) -> Vec<(&'stat
     let mut in_buff = couplers.iter().filter(|&&b| load(b) < 0.0);
     if let Some(first) = in_buff.next() {
         let which = format!("coupler {}{}", first + 1, more(in_buff.count(), "coupler"));
-        let text = match Motion::of(train, scenario) == Motion::Events {
+        let text = match !is_proportional(train, scenario) {
             true => {
                 "carries buff: when it breaks its vehicles stay pressed together, and part once the force there turns to draft"
             }
@@ -175,7 +177,7 @@ fn impact(train: &Train, scenario: &Scenario) -> Vec<(&'static str, String)> {
     found.extend(standing_part_moves(train, if *at_head { joint + 1..train.vehicles().len() } else { 0..joint + 1 }));
     let extras = train.extras();
     let loses = extras.laws.iter().any(Law::has_friction) || extras.dashpot_n_s_per_m.iter().any(|c| *c > 0.0);
-    if Motion::of(train, scenario) == Motion::Events && !loses {
+    if !is_proportional(train, scenario) && !loses {
         let text = "no coupler absorbs work, so that the draft after the collision includes the whole rebound of the springs; a real \
                     draft gear absorbs up to 87 % of the work: give the couplers a gear";
         found.push(("elastic-rebound", text.to_owned()));

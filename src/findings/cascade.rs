@@ -4,12 +4,12 @@ use std::collections::BTreeSet;
 
 use serde::Serialize;
 
-use super::{CouplerFindings, CouplerPeaks, GapClosure, Options, PeakForces, coupler_findings, of_number, worst};
-use crate::march;
+use super::march::Period;
+use super::{CouplerFindings, GapClosure, Options, PeakForces, of_number, worst};
+use crate::march::{self, MarchOptions, MarchOutcome};
 use crate::play::Rule;
-use crate::scenario::{self, Motion, Scales};
-use crate::solve::watch::SpringPeaks;
-use crate::solve::{SolveError, taylor};
+use crate::scenario;
+use crate::solve::SolveError;
 use crate::train::{LIMITS, Scenario, Train};
 
 /// The course of a cascade.
@@ -150,69 +150,78 @@ pub(super) fn find(
     if scenario.cascade == Rule::Keep {
         return Ok(None);
     }
-    if Motion::of(train, scenario) == Motion::Events {
-        return Ok(Some(marched(train, scenario, broken, horizon_s, options)));
-    }
-    let scales = Scales::of(train);
-    let mut play = scenario::play(train, scenario, broken, horizon_s, scenario.cascade);
-    // Couplers kept in buff are judged by their breaking load.
-    play.scene.rated_buff = play.break_at.iter().map(|[_, buff]| *buff).collect();
-    let outcome = taylor::solve(&play)?;
+    let proportional = scenario::is_proportional(train, scenario);
+    let problem = scenario::march(train, scenario, broken, [horizon_s; 2], scenario.cascade);
     let loads = |i: usize| scenario::break_loads(train, i);
-    let breaks: Vec<CascadeBreak> = outcome
-        .breakages
-        .iter()
-        .flat_map(|at| at.springs.iter().zip(&at.force).map(move |(&i, force)| (at, i, force * scales.force_n)))
-        .map(|(at, i, force_n)| CascadeBreak {
-            time_s: at.time * scales.time_s,
-            time_uncertainty_s: at.uncertainty * scales.time_s,
-            coupler: i + 1,
-            between: [train.vehicles()[i].label.clone(), train.vehicles()[i + 1].label.clone()],
-            force_n,
-            breaks_at: loads(i)[usize::from(force_n < 0.0)].1,
-            together: at.springs.len() > 1,
-            energy_j: at.energy[at.springs.iter().position(|s| *s == i).unwrap_or(0)]
-                * scales.force_n
-                * (scales.force_n / scales.stiffness_n_per_m),
-        })
-        .collect();
-    let gone = |i: usize| Some(i) == broken || breaks.iter().any(|b| b.coupler == i + 1);
-    let at_its_load = at_breaking_load(train, scenario, broken).map(|i| (i, 0.0));
-    let open = at_its_load.or(outcome.open);
-    // Once the sequence is undecided, nothing is certain.
-    let certain = open.map_or(f64::INFINITY, |(_, t)| t);
-    let over = |i: &usize| !gone(*i) && outcome.springs[*i].buff.first_over.is_some_and(|t| t < certain);
-    let kept_in_buff = (0..train.couplers().len()).filter(over).map(|i| i + 1).collect();
-    let error_bound_n = outcome.error_bound * scales.force_n;
-    let seen = |(i, peaks): (usize, &SpringPeaks)| {
-        let CouplerPeaks { largest, error_n, .. } = CouplerPeaks::new(peaks, &scales, error_bound_n);
-        let ratings = [train.couplers()[i].rated_draft_n, train.couplers()[i].rated_buff_n];
-        let exceeds = [0, 1].map(|side| {
-            let (at_s, over_n) = (largest[side].1, largest[side].0 - ratings[side]);
-            // The force before the event is known as it is given.
-            let is_known = over_n.abs() > error_bound_n || at_s == 0.0;
-            is_known.then_some(over_n > 0.0)
-        });
-        coupler_findings(train, i, &CouplerPeaks { largest, exceeds, first_over_s: [None; 2], error_n }, None)
+    // Couplers kept in buff are judged by their breaking load.
+    let capacity_n = train.couplers().iter().enumerate().map(|(i, c)| [c.rated_draft_n, loads(i)[1].0]).collect();
+    let outcome = march::solve(&problem, &MarchOptions { capacity_n, ..super::march::ask(train, options) });
+    let (error_bound_n, error_estimate_n) = super::march::errors(&outcome.bound);
+    let one = |p: &march::Parting| CascadeBreak {
+        time_s: p.time_s,
+        time_uncertainty_s: p.uncertainty_s,
+        coupler: p.coupler + 1,
+        between: [train.vehicles()[p.coupler].label.clone(), train.vehicles()[p.coupler + 1].label.clone()],
+        force_n: p.force_n,
+        breaks_at: loads(p.coupler)[usize::from(p.force_n < 0.0)].1,
+        together: outcome.partings.iter().any(|other| other != p && other.time_s == p.time_s),
+        energy_j: p.energy_j,
     };
-    let couplers = outcome.springs.iter().enumerate().filter(|(i, _)| Some(*i) != broken).map(seen).collect();
+    let breaks: Vec<CascadeBreak> = outcome.partings.iter().filter(|p| Some(p.coupler) != broken).map(one).collect();
+    let gone = |i: usize| Some(i) == broken || breaks.iter().any(|b| b.coupler == i + 1);
+    let open = if proportional {
+        at_breaking_load(train, scenario, broken).map(|i| (i, 0.0)).or(outcome.undecided)
+    } else {
+        near_breaking_load(train, scenario, &outcome, gone)
+    };
+    let ending_s = super::march::ending(&outcome).map(|end| end.at_s);
+    let undecided_from_s = open.map(|(_, at_s)| at_s).or(ending_s);
+    let kept = |i: &usize| {
+        // Once the sequence is undecided, nothing is certain.
+        let in_time = outcome.first_over_s[*i][1].is_some_and(|at_s| at_s < undecided_from_s.unwrap_or(f64::INFINITY));
+        let over_n = -outcome.extremes[*i].buff.force_n - loads(*i)[1].0;
+        !gone(*i) && in_time && (proportional || over_n > super::march::margin_n(error_bound_n, error_estimate_n))
+    };
+    let closures = || outcome.closures.iter().map(|&(i, time_s)| GapClosure { coupler: i + 1, time_s });
+    let closed = closures().next().filter(|_| proportional);
+    let couplers = super::march::of_couplers(train, scenario, broken, &outcome, Period::Cascade);
     let found = CascadeFindings {
         buff_breaks: scenario.cascade == Rule::InBoth,
         breaks_at: breaks_at(train, scenario.cascade),
         pieces: pieces(train.vehicles().len(), gone),
-        breaks,
-        kept_in_buff,
-        undecided_from_s: open.map(|(_, t)| t * scales.time_s),
+        kept_in_buff: (0..train.couplers().len()).filter(kept).map(|i| i + 1).collect(),
+        undecided_from_s,
         undecided_coupler: open.map(|(i, _)| i + 1),
-        gap_closes_s: outcome.gap_closes.map(|(_, t)| t * scales.time_s),
-        gap_coupler: outcome.gap_closes.map(|(i, _)| i + 1),
-        gap_closures: vec![],
+        gap_closes_s: closed.map(|gap| gap.time_s),
+        gap_coupler: closed.map(|gap| gap.coupler),
+        gap_closures: if proportional { Vec::new() } else { closures().collect() },
         exceeding: 0,
         worst: None,
-        error_estimate_n: None,
         error_bound_n,
+        error_estimate_n,
+        breaks,
     };
     Ok(Some(Found::new(found, couplers)))
+}
+
+/// Of an estimated march, the whole coupler whose peak comes so near to its breaking load that it may break, and when; the first.
+fn near_breaking_load(
+    train: &Train,
+    scenario: &Scenario,
+    outcome: &MarchOutcome,
+    gone: impl Fn(usize) -> bool,
+) -> Option<(usize, f64)> {
+    let (error_bound_n, error_estimate_n) = super::march::errors(&outcome.bound);
+    let margin_n = super::march::margin_n(error_bound_n, error_estimate_n);
+    let senses = if scenario.cascade == Rule::InBoth { 2 } else { 1 };
+    let near = |&i: &usize| {
+        let peaks = &outcome.extremes[i];
+        let largest_n = [peaks.draft.force_n, -peaks.buff.force_n].into_iter().zip(scenario::break_loads(train, i));
+        !gone(i) && largest_n.take(senses).any(|(largest_n, (load_n, _))| (largest_n - load_n).abs() <= margin_n)
+    };
+    let at_s = |i: usize| outcome.extremes[i].draft.time_s.min(outcome.extremes[i].buff.time_s);
+    let all = (0..outcome.extremes.len()).filter(near).map(|i| (i, at_s(i)));
+    all.min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// The first coupler whose load before the event equals the load that breaks it, to the rounding of the load: it may break at t = 0.
@@ -232,53 +241,6 @@ fn breaks_at(train: &Train, rule: Rule) -> Vec<&'static str> {
     let loads = (0..train.couplers().len()).flat_map(|i| scenario::break_loads(train, i).into_iter().take(senses));
     let keys: BTreeSet<_> = loads.map(|l| l.1).collect();
     keys.into_iter().rev().collect()
-}
-
-/// A cascade that is marched: what has parted pushes again where a gap closes.
-fn marched(train: &Train, scenario: &Scenario, broken: Option<usize>, horizon_s: f64, options: &Options) -> Found {
-    let problem = scenario::march(train, scenario, broken, [horizon_s; 2], scenario.cascade);
-    let outcome = march::solve(&problem, &super::march::ask(train, options));
-    let (error_bound_n, error_estimate_n) = super::march::errors(&outcome.bound);
-    let margin_n = super::march::margin_n(error_bound_n, error_estimate_n);
-    let loads = |i: usize| scenario::break_loads(train, i);
-    let one = |p: &march::Parting| CascadeBreak {
-        time_s: p.time_s,
-        time_uncertainty_s: p.uncertainty_s,
-        coupler: p.coupler + 1,
-        between: [train.vehicles()[p.coupler].label.clone(), train.vehicles()[p.coupler + 1].label.clone()],
-        force_n: p.force_n,
-        breaks_at: loads(p.coupler)[usize::from(p.force_n < 0.0)].1,
-        together: outcome.partings.iter().any(|other| other != p && other.time_s == p.time_s),
-        energy_j: p.energy_j,
-    };
-    let breaks: Vec<CascadeBreak> = outcome.partings.iter().filter(|p| Some(p.coupler) != broken).map(one).collect();
-    let gone = |i: usize| Some(i) == broken || breaks.iter().any(|b| b.coupler == i + 1);
-    let whole = || (0..train.couplers().len()).filter(|i| !gone(*i));
-    let over_n = |i: usize, side: usize| {
-        let peaks = &outcome.extremes[i];
-        [(peaks.draft.force_n, peaks.draft.time_s), (-peaks.buff.force_n, peaks.buff.time_s)][side].0 - loads(i)[side].0
-    };
-    let senses: &[usize] = if scenario.cascade == Rule::InBoth { &[0, 1] } else { &[0] };
-    let near = whole().filter(|&i| senses.iter().any(|&side| over_n(i, side).abs() <= margin_n));
-    let at_s = |i: usize| outcome.extremes[i].draft.time_s.min(outcome.extremes[i].buff.time_s);
-    let open = near.min_by(|a, b| at_s(*a).total_cmp(&at_s(*b)));
-    let found = CascadeFindings {
-        buff_breaks: scenario.cascade == Rule::InBoth,
-        breaks_at: breaks_at(train, scenario.cascade),
-        pieces: pieces(train.vehicles().len(), gone),
-        kept_in_buff: whole().filter(|&i| over_n(i, 1) > margin_n).map(|i| i + 1).collect(),
-        undecided_from_s: open.map(at_s).or(super::march::ending(&outcome).map(|end| end.at_s)),
-        undecided_coupler: open.map(|i| i + 1),
-        gap_closes_s: None,
-        gap_coupler: None,
-        gap_closures: outcome.closures.iter().map(|&(i, time_s)| GapClosure { coupler: i + 1, time_s }).collect(),
-        exceeding: 0,
-        worst: None,
-        error_bound_n,
-        error_estimate_n,
-        breaks,
-    };
-    Found::new(found, super::march::of_couplers(train, scenario, broken, &outcome, false))
 }
 
 /// First and last vehicle, counted from 1, of each piece.

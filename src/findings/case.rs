@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use super::general;
+use super::damped;
 use super::solved::{Marched, PeriodFindings, Solved};
 use super::{
     CaseFindings, CouplerFindings, CouplerPeaks, GapClosure, Options, RodFindings, ask, cascade, coupler_findings,
@@ -66,8 +66,7 @@ impl<'a> Case<'a> {
     /// than the case's.
     fn solve_on(&self, train: &Train, [until_s, mark_s]: [f64; 2], options: &Options) -> Result<Solved, SolveError> {
         match self.motion() {
-            Motion::Events => march::solved(train, self.scenario, self.broken, until_s, options),
-            Motion::Taylor => general::solved(train, self.scenario, self.broken, [until_s, mark_s], options),
+            Motion::March => march::solved(train, self.scenario, self.broken, [until_s, mark_s], options),
             Motion::Steps | Motion::DampedModes(_) => {
                 let parts = scenario::parts(train, &self.scenario.event, self.broken, until_s);
                 let ask = ask(train, options, (mark_s < until_s).then_some(mark_s));
@@ -77,19 +76,17 @@ impl<'a> Case<'a> {
     }
 
     /// The largest factor on the load, the force or the speed at which no coupler exceeds; `solved` is up to the horizon. A march
-    /// has none: forces do not grow in proportion to their cause.
-    ///
-    /// # Errors
-    /// As for [`Case::solve`].
-    pub fn safe_load_factor(&self, solved: &Solved) -> Result<Option<f64>, SolveError> {
+    /// of gears has none: forces do not grow in proportion to their cause.
+    pub fn safe_load_factor(&self, solved: &Solved) -> Option<f64> {
         let Case { train, scenario, broken, horizon_s, .. } = *self;
-        if self.motion() == Motion::Events {
-            return Ok(None);
+        if !scenario::is_proportional(train, scenario) {
+            return None;
         }
-        match scenario::unbalanced_n(train, &scenario.event).iter().all(|f| *f == 0.0) {
-            true => Ok(safe_factor::safe_load_factor(train, &scenario.event, &solved.couplers, &solved.left_out)),
-            false => safe_speed::find(&scenario::play(train, scenario, broken, horizon_s, Rule::Keep)).map(Some),
+        if scenario::unbalanced_n(train, &scenario.event).iter().all(|f| *f == 0.0) {
+            return safe_factor::safe_load_factor(train, &scenario.event, &solved.couplers, &solved.left_out);
         }
+        let problem = scenario::march(train, scenario, broken, [horizon_s; 2], Rule::Keep);
+        Some(safe_speed::find(&problem, &march::ratings_n(train)))
     }
 
     /// Result of the elastic rod, where there is one.
@@ -113,7 +110,7 @@ pub(crate) fn case_findings(
     let (horizon_s, passage_s) = (case.horizon_s, case.passage_s);
     let rod = case.rod();
     let solved = case.solve()?;
-    let safe_load_factor = case.safe_load_factor(&solved)?;
+    let safe_load_factor = case.safe_load_factor(&solved);
     let Solved { method, reason, error_bound_n, error_estimate_n, mut couplers, worst, left_out, to_mark, marched } =
         solved;
     let ending = marched.as_ref().and_then(|m| m.ending);
@@ -185,7 +182,7 @@ fn solved_by_parts(
     for part in parts {
         let solution = match train.extras().damping_ratio {
             0.0 => shared.solve(&part.scene, ask)?,
-            ratio => general::damped(&part.scene, ratio, ask)?,
+            ratio => damped::solved(&part.scene, ratio, ask)?,
         };
         let tells = (solution.error_bound > ask.tolerance, part.scene.initial.len());
         if tells > telling {

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::{AnalyzeError, Options, ask, cases, chosen, first_passage, general, map, march, safe_speed};
+use super::{AnalyzeError, Options, ask, cases, chosen, first_passage, load_search, map, march, safe_speed};
 use crate::play::Rule;
 use crate::scenario::{self, Motion};
 use crate::solve::{self, SolveError, damped_modes};
@@ -52,7 +52,7 @@ pub fn estimate_s(train: &Train, options: &Options) -> Result<f64, AnalyzeError>
         let sample: Vec<_> = cases.iter().step_by(cases.len().div_ceil(SAMPLE).max(1)).collect();
         let seconds: Result<f64, _> = sample.par_iter().map(|&&b| case_estimate_s(train, scenario, b, options)).sum();
         let seconds = seconds.map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
-        let mapped = if options.map && Motion::of(train, scenario) != Motion::Events {
+        let mapped = if options.map && scenario::is_proportional(train, scenario) {
             map::cases(train, &scenario.event)
         } else {
             0
@@ -72,19 +72,21 @@ pub(crate) fn case_estimate_s(
     let horizon_s = scenario::horizon_s(train, scenario, broken);
     let passage_s = first_passage::end_s(train, scenario, broken, horizon_s);
     let once = solved_s(train, scenario, broken, [horizon_s, passage_s], options)?;
-    if Motion::of(train, scenario) == Motion::Events {
+    if !scenario::is_proportional(train, scenario) {
         return Ok(once);
     }
-    let mut seconds = 0.0;
+    let mut seconds = once;
     if scenario.cascade != Rule::Keep {
-        seconds += general::estimate_s(train, scenario, broken, horizon_s, scenario.cascade);
+        seconds += march::estimate_s(train, scenario, broken, horizon_s, scenario.cascade, options);
     }
-    let balanced = scenario::unbalanced_n(train, &scenario.event).iter().all(|f| *f == 0.0);
-    seconds += if balanced { once } else { once * (1.0 + safe_speed::USUAL_FACTORS) };
+    if scenario::unbalanced_n(train, &scenario.event).iter().any(|f| *f != 0.0) {
+        seconds += once * safe_speed::USUAL_FACTORS;
+    }
     Ok(seconds)
 }
 
-/// Estimated time of solving a case up to an instant, and up to a mark if that is before it, s; of a march with all of its runs.
+/// Estimated time of solving a case up to an instant, and up to a mark if that is before it, s; of gears and brakes with
+/// a cascade and the search for a load.
 pub(super) fn solved_s(
     train: &Train,
     scenario: &Scenario,
@@ -94,8 +96,14 @@ pub(super) fn solved_s(
 ) -> Result<f64, SolveError> {
     let parts = || scenario::parts(train, &scenario.event, broken, until_s);
     match Motion::of(train, scenario) {
-        Motion::Events => Ok(march::estimate_s(train, scenario, broken, until_s, options)),
-        Motion::Taylor => Ok(general::estimate_s(train, scenario, broken, until_s, Rule::Keep)),
+        Motion::March => {
+            let once = march::estimate_s(train, scenario, broken, until_s, Rule::Keep, options);
+            if scenario::is_proportional(train, scenario) {
+                return Ok(once);
+            }
+            let search_s = load_search::estimate_s(train, scenario, broken, until_s, options).unwrap_or(0.0);
+            Ok(search_s + if scenario.cascade == Rule::Keep { once } else { 2.0 * once })
+        }
         Motion::DampedModes(_) => Ok(parts().iter().map(|p| damped_modes::estimate_s(&p.scene)).sum()),
         Motion::Steps => {
             let ask = ask(train, options, (mark_s < until_s).then_some(mark_s));

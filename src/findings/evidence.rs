@@ -59,7 +59,7 @@ fn evidence(train: &Train, index: usize, case: &CaseFindings, worst: &CouplerFin
     let window_s = window(train, case, worst);
     let times_s = instants(train, case, worst, window_s);
     let several = case.couplers.len() > 1;
-    let (wave, force_n, way) = if Motion::of(train, scenario) == Motion::Events {
+    let (wave, force_n, way) = if Motion::of(train, scenario) == Motion::March {
         marched(train, scenario, case, coupler, &times_s)
     } else {
         let wave = if several { field::field(train, index, case, Of::Event) } else { None };
@@ -90,7 +90,6 @@ fn marched(
     coupler: usize,
     times_s: &[f64],
 ) -> (Option<Field>, Vec<f64>, Vec<[f64; 2]>) {
-    let broken = case.broken_coupler.map(|b| b - 1);
     let peak_s = case.couplers.iter().find(|c| c.coupler == coupler + 1).map(|c| c.peak_time_s);
     let has_way = train.extras().laws.get(coupler).is_some_and(|law| !law.is_linear());
     let even = (0..=ON_WAY).map(|i| case.horizon_s * i as f64 / ON_WAY as f64).chain(peak_s);
@@ -98,19 +97,24 @@ fn marched(
     let mut watched_s = [times_s, &on_way].concat();
     watched_s.sort_by(f64::total_cmp);
     watched_s.dedup();
-    let frame = Frame::new(train, scenario, case);
-    let problem = scenario::march(train, scenario, broken, [case.horizon_s; 2], Rule::Keep);
-    let ask = MarchOptions {
-        history: frame.as_ref().map_or_else(Vec::new, |_| (0..train.couplers().len()).collect()),
-        times_s: frame.as_ref().map_or_else(Vec::new, |f| f.times_s.clone()),
-        watched: Some((coupler, watched_s.clone())),
-        ..MarchOptions::default()
+    let until_s = case.horizon_s;
+    let affordable = field::problem(train, scenario, case, until_s, Of::Event);
+    let frame = affordable.as_ref().and_then(|problem| Some((Frame::new(train, case)?, problem)));
+    let ask = MarchOptions { watched: Some((coupler, watched_s.clone())), ..MarchOptions::default() };
+    let (wave, outcome) = match frame {
+        Some((frame, problem)) => {
+            let (wave, outcome) = frame.of_march(train, case, problem, ask, Of::Event);
+            (Some(wave), outcome)
+        }
+        None => {
+            let broken = case.broken_coupler.map(|b| b - 1);
+            let problem = scenario::march(train, scenario, broken, [until_s; 2], Rule::Keep);
+            (None, march::follow(&problem, &ask, &mut |_, _, _| {}))
+        }
     };
-    let outcome = march::solve(&problem, &ask);
     let at = |t: &f64| outcome.watched[watched_s.partition_point(|w| w < t)];
     let force_n = times_s.iter().map(|t| at(t)[1]).collect();
     let way = if has_way { outcome.watched.clone() } else { Vec::new() };
-    let wave = frame.map(|frame| frame.of_march(train, case, &outcome.history, Of::Event));
     (wave, force_n, way.into_iter().filter(|p| p.iter().all(|x| x.is_finite())).collect())
 }
 

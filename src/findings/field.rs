@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::CaseFindings;
-use crate::march::{self, MarchOptions};
+use crate::march::{self, MarchOptions, MarchOutcome, Problem};
 use crate::play::Rule;
 use crate::rod::Rod;
 use crate::scenario::{self, Motion, Scales};
@@ -18,8 +18,8 @@ const ROWS: usize = 2000;
 const MOST_KEPT: usize = 1600;
 /// Most values computed.
 const MOST_COMPUTED: f64 = 1e8;
-/// The same of a march, whose values are all held in memory.
-const MOST_COMPUTED_IN_MARCH: f64 = 4e6;
+/// Seconds that the march of linear couplers may take for a picture.
+const MOST_SECONDS: f64 = 2.0;
 /// The most instants, for their memory.
 const MOST_INSTANTS: f64 = 4e6;
 /// Instants per unit of time sqrt(m / k): about eight in the period of the fastest vibration of equal vehicles; and the fewest
@@ -129,10 +129,9 @@ pub(super) struct Frame {
 
 impl Frame {
     /// `None` where it would take long.
-    pub fn new(train: &Train, scenario: &Scenario, case: &CaseFindings) -> Option<Frame> {
+    pub fn new(train: &Train, case: &CaseFindings) -> Option<Frame> {
         let couplers = train.couplers().len();
-        let looked = if Motion::of(train, scenario) == Motion::Events { MOST_COMPUTED_IN_MARCH } else { MOST_COMPUTED };
-        let times_s = instants(train, case.horizon_s, looked)?;
+        let times_s = instants(train, case.horizon_s)?;
         let couplers_per_row = couplers.div_ceil(ROWS);
         let rows = couplers.div_ceil(couplers_per_row);
         let instants_per_column = times_s.len().div_ceil((MOST_VALUES / rows).min(MOST_KEPT));
@@ -149,24 +148,31 @@ impl Frame {
         self.field.keep(coupler / couplers_per_row, instant / instants_per_column, use_of(train, coupler, force_n));
     }
 
-    /// From the forces of every coupler at the instants, N; not numbers after the end of the march.
-    pub fn of_march(mut self, train: &Train, case: &CaseFindings, histories_n: &[Vec<f64>], of: Of) -> Field {
+    /// Filled by a march, whose outcome is given as well; `ask` may want more of it.
+    pub fn of_march(
+        mut self,
+        train: &Train,
+        case: &CaseFindings,
+        problem: &Problem,
+        ask: MarchOptions,
+        of: Of,
+    ) -> (Field, MarchOutcome) {
         let broken = case.broken_coupler.map(|b| b - 1).filter(|_| of == Of::Event);
         let breaks = case.cascade.iter().filter(|_| of == Of::Cascade).flat_map(|c| &c.breaks);
         let parted_s: HashMap<usize, f64> = breaks.map(|b| (b.coupler - 1, b.time_s)).collect();
-        for (i, forces_n) in histories_n.iter().enumerate().filter(|(i, _)| Some(*i) != broken) {
-            let parted_s = parted_s.get(&i).copied().unwrap_or(f64::INFINITY);
-            for (t, force_n) in forces_n.iter().enumerate().filter(|(_, f)| f.is_finite()) {
-                // What has parted is not open, and pushes only where its vehicles meet again.
-                if *force_n != 0.0 || self.times_s[t] < parted_s {
-                    self.add(train, t, i, *force_n);
-                }
+        let times_s = self.times_s.clone();
+        let ask = MarchOptions { history: (0..train.couplers().len()).collect(), times_s: times_s.clone(), ..ask };
+        let outcome = march::follow(problem, &ask, &mut |t, i, force_n| {
+            // What has parted is not open, and pushes only where its vehicles meet again.
+            let parted = parted_s.get(&i).is_some_and(|at_s| times_s[t] >= *at_s);
+            if Some(i) != broken && (force_n != 0.0 || !parted) {
+                self.add(train, t, i, force_n);
             }
-        }
+        });
         let has_slack: Vec<bool> = train.extras().laws.iter().map(|law| law.slack_m() > 0.0).collect();
         self.field.slack =
             has_slack.chunks(self.field.couplers_per_row).map(|row| row.iter().all(|has| *has)).collect();
-        self.finish(train, case, of)
+        (self.finish(train, case, of), outcome)
     }
 
     /// Puts the exact largest forces in.
@@ -201,28 +207,36 @@ fn use_of(train: &Train, coupler: usize, force_n: f64) -> f32 {
 /// the instants in between.
 pub fn field(train: &Train, scenario: usize, case: &CaseFindings, of: Of) -> Option<Field> {
     let scenario = train.scenarios().get(scenario)?;
-    let mut frame = Frame::new(train, scenario, case)?;
-    if Motion::of(train, scenario) == Motion::Events {
-        let rule = match of {
-            Of::Event => Rule::Keep,
-            Of::Cascade => scenario.cascade,
-            Of::Rod => return None,
-        };
+    let mut frame = Frame::new(train, case)?;
+    if of != Of::Rod && (of == Of::Cascade || Motion::of(train, scenario) == Motion::March) {
         let until_s = frame.times_s[frame.times_s.len() - 1];
-        let problem = scenario::march(train, scenario, case.broken_coupler.map(|b| b - 1), [until_s; 2], rule);
-        let (history, times_s) = ((0..train.couplers().len()).collect(), frame.times_s.clone());
-        let outcome = march::solve(&problem, &MarchOptions { history, times_s, ..MarchOptions::default() });
-        return Some(frame.of_march(train, case, &outcome.history, of));
+        let problem = problem(train, scenario, case, until_s, of)?;
+        return Some(frame.of_march(train, case, &problem, MarchOptions::default(), of).0);
     }
     let times_s = frame.times_s.clone();
     compute(train, scenario, case, of, &times_s, &mut |t, i, f| frame.add(train, t, i, f))
         .then(|| frame.finish(train, case, of))
 }
 
+/// The march up to an instant that a picture shows; `None` where it would take long.
+pub(super) fn problem(
+    train: &Train,
+    scenario: &Scenario,
+    case: &CaseFindings,
+    until_s: f64,
+    of: Of,
+) -> Option<Problem> {
+    let rule = if of == Of::Cascade { scenario.cascade } else { Rule::Keep };
+    let problem = scenario::march(train, scenario, case.broken_coupler.map(|b| b - 1), [until_s; 2], rule);
+    let takes_long = scenario::is_proportional(train, scenario)
+        && march::estimate_s(&problem, &MarchOptions::default()) > MOST_SECONDS;
+    (!takes_long).then_some(problem)
+}
+
 /// Even instants from 0 to the horizon, or as far as there may be enough of them.
-fn instants(train: &Train, horizon_s: f64, looked: f64) -> Option<Vec<f64>> {
+fn instants(train: &Train, horizon_s: f64) -> Option<Vec<f64>> {
     let unit_s = scenario::wave(train).time_unit_s;
-    let most = (looked / train.couplers().len() as f64).min(MOST_INSTANTS);
+    let most = (MOST_COMPUTED / train.couplers().len() as f64).min(MOST_INSTANTS);
     let units = (horizon_s / unit_s).min(most / SPARSEST);
     let count = (PER_UNIT * units).clamp(FEWEST, most.max(FEWEST));
     let to = horizon_s.min(units * unit_s);
@@ -245,10 +259,8 @@ fn compute(
     let times: Vec<f64> = times_s.iter().map(|t| t / scales.time_s).collect();
     // Nothing beyond the last instant is wanted.
     let until_s = times_s[times_s.len() - 1];
-    if of == Of::Cascade || Motion::of(train, scenario) == Motion::Taylor {
-        let rule = if of == Of::Cascade { scenario.cascade } else { Rule::Keep };
-        let play = scenario::play(train, scenario, broken, until_s, rule);
-        return of != Of::Rod && field::of_play(&play, &times, &mut |t, i, f| see(t, i, f * scales.force_n));
+    if Motion::of(train, scenario) == Motion::March {
+        return false;
     }
     let damping_ratio = train.extras().damping_ratio;
     scenario::parts(train, &scenario.event, broken, until_s).iter().all(|part| {

@@ -5,7 +5,7 @@ use crate::march::{self, MarchOptions};
 use crate::play::Rule;
 use crate::rod::Rod;
 use crate::scenario::{self, Motion, Part, Scales};
-use crate::solve::{self, damped_modes, taylor};
+use crate::solve::{self, damped_modes};
 use crate::train::Train;
 
 /// Force in one coupler at given times, N, draft positive: what a figure shows.
@@ -14,18 +14,13 @@ use crate::train::Train;
 /// width.
 pub fn history(train: &Train, scenario: usize, broken: Option<usize>, coupler: usize, times_s: &[f64]) -> Vec<f64> {
     let motion = Motion::of(train, &train.scenarios()[scenario]);
-    if motion == Motion::Events {
+    if motion == Motion::March {
         let horizon_s = times_s.iter().copied().fold(0.0, f64::max);
         let problem = scenario::march(train, &train.scenarios()[scenario], broken, [horizon_s; 2], Rule::Keep);
         let ask = MarchOptions { history: vec![coupler], times_s: times_s.to_vec(), ..MarchOptions::default() };
-        return march::solve(&problem, &ask).history.pop().unwrap_or_default();
-    }
-    if motion == Motion::Taylor {
-        let (scales, scenario) = (Scales::of(train), &train.scenarios()[scenario]);
-        let horizon_s = scenario::horizon_s(train, scenario, broken);
-        let times: Vec<f64> = times_s.iter().map(|t| t / scales.time_s).collect();
-        let forces = taylor::history(&scenario::play(train, scenario, broken, horizon_s, Rule::Keep), coupler, &times);
-        return forces.into_iter().map(|f| f * scales.force_n).collect();
+        let mut forces_n = vec![f64::NAN; times_s.len()];
+        march::follow(&problem, &ask, &mut |instant, _, force_n| forces_n[instant] = force_n);
+        return forces_n;
     }
     let forces = in_part(train, scenario, broken, coupler, times_s, |scene, i, t| match motion {
         Motion::DampedModes(ratio) => Some(damped_modes::Damped::new(scene, ratio).history(i, t)),

@@ -1,7 +1,7 @@
 //! Options that do nothing for a train.
 
 use super::{Options, limits, march};
-use crate::scenario::Motion;
+use crate::scenario::{Motion, is_proportional};
 use crate::train::{Event, Scenario, Train};
 
 /// What to tell of options that are given and change nothing, scenario by scenario: one sentence each without its full stop.
@@ -13,13 +13,13 @@ pub fn idle_options(train: &Train, options: &Options) -> Vec<String> {
 fn of_scenario(train: &Train, scenario: &Scenario, options: &Options) -> Vec<String> {
     let mut told = vec![];
     if options.map && matches!(scenario.event, Event::Impact { .. }) {
-        let factor = match Motion::of(train, scenario) {
-            Motion::Events => "the factor on its speed from which couplers exceed, which is searched for,",
-            _ => "its safe factor on the speed",
+        let factor = match is_proportional(train, scenario) {
+            true => "its safe factor on the speed",
+            false => "the factor on its speed from which couplers exceed, which is searched for,",
         };
         told.push(format!("--map does nothing for an impact: {factor} says all that a map would"));
     }
-    if Motion::of(train, scenario) == Motion::Events {
+    if !is_proportional(train, scenario) {
         let why = "forces with slack, friction or brakes are not proportional to their cause";
         let event = if train.extras().laws.is_empty() { "brakes and drives" } else { "couplers with slack or gears" };
         for (given, option) in [

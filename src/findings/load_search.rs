@@ -62,10 +62,7 @@ pub(super) fn find(
     options: &Options,
 ) -> Option<LoadSearch> {
     estimate_s(train, scenario, broken, until_s, options)?;
-    let ask = MarchOptions {
-        capacity_n: train.couplers().iter().map(|c| [c.rated_draft_n, c.rated_buff_n]).collect(),
-        ..MarchOptions::default()
-    };
+    let ask = MarchOptions { capacity_n: super::march::ratings_n(train), ..MarchOptions::default() };
     let problem = |factor: f64| {
         let (train, scenario) = multiplied(train, scenario, factor);
         scenario::march(&train, &scenario, broken, [until_s; 2], Rule::Keep)

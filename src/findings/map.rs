@@ -45,7 +45,7 @@ pub struct MapPoint {
 /// # Errors
 /// As for a case.
 pub(super) fn find(train: &Train, scenario: &Scenario, options: &Options) -> Result<Option<MapFindings>, SolveError> {
-    if Motion::of(train, scenario) == Motion::Events {
+    if !scenario::is_proportional(train, scenario) {
         return Ok(None);
     }
     let alone = Scenario { cascade: crate::play::Rule::Keep, ..scenario.clone() };
@@ -72,7 +72,7 @@ pub(super) fn find(train: &Train, scenario: &Scenario, options: &Options) -> Res
             _ => 1.0,
         };
         let case = Case::new(train, &variant, broken, options, Shared::Nothing);
-        let chain = case.safe_load_factor(&case.solve()?)?;
+        let chain = case.safe_load_factor(&case.solve()?);
         let rod = rod_factor(train, &variant, broken);
         let scaled = |factor: Option<f64>| factor.map(|f| f * unit);
         Ok(MapPoint { at, chain: scaled(chain), rod: scaled(rod) })

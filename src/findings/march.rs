@@ -1,19 +1,19 @@
-//! Cases that are marched from event to event: couplers with slack or gears, brakes, changing tractive efforts.
+//! Cases that are marched: dashpots, impacts, forces of any shape, couplers with slack or gears, brakes, changing tractive efforts.
 
 use super::solved::{Marched, PeriodFindings, Solved};
-use super::{
-    CouplerFindings, CouplerPeaks, Ending, Options, coupler_findings, first_passage, largest_rating_n, load_search,
-    worst,
-};
-use crate::march::{self, Bound, Extremes, MarchOptions, MarchOutcome, Problem};
+use super::{CouplerFindings, CouplerPeaks, Ending, Options, coupler_findings, largest_rating_n, worst};
+use crate::march::{self, Bound, MarchOptions, MarchOutcome};
 use crate::play::Rule;
 use crate::scenario;
 use crate::solve::SolveError;
-use crate::train::{Scenario, Train};
+use crate::train::{Event, Scenario, Train};
 
 /// The smallest tolerance of a march, as a share of the largest rating: with a smaller one it would end earlier, because it ends
 /// where its estimate passes the tolerance.
 pub(super) const TOLERANCE: f64 = 1e-6;
+
+/// The longest that a march may take, s.
+const MOST_SECONDS: f64 = 3600.0;
 
 /// A rating that lies so many estimated errors from a peak, or less, is not decided.
 const MARGIN: f64 = 10.0;
@@ -26,50 +26,66 @@ pub(super) fn tolerance_n(train: &Train, options: &Options) -> f64 {
 /// The options of a march: the tolerance that the options give, and the ratings whose first passing is to be found.
 pub(super) fn ask(train: &Train, options: &Options) -> MarchOptions {
     MarchOptions {
-        capacity_n: train.couplers().iter().map(|c| [c.rated_draft_n, c.rated_buff_n]).collect(),
+        capacity_n: ratings_n(train),
         tolerance_n: Some(tolerance_n(train, options)),
         ..MarchOptions::default()
     }
 }
 
-/// The march of a case without a cascade.
-pub(super) fn problem(train: &Train, scenario: &Scenario, broken: Option<usize>, horizon_s: f64) -> Problem {
-    let mark_s = first_passage::end_s(train, scenario, broken, horizon_s);
-    scenario::march(train, scenario, broken, [horizon_s, mark_s], Rule::Keep)
+/// Ratings in draft and in buff, N.
+pub(super) fn ratings_n(train: &Train) -> Vec<[f64; 2]> {
+    train.couplers().iter().map(|c| [c.rated_draft_n, c.rated_buff_n]).collect()
 }
 
-/// Extremes of every coupler but the broken one.
+/// Extremes of every coupler but the broken one, up to a time and up to a mark if that is before it.
 ///
 /// # Errors
-/// [`SolveError::StepsOnly`] when a method for steps is asked for.
+/// [`SolveError::StepsOnly`] when a method for steps is asked for; [`SolveError::TooMuch`].
 pub(super) fn solved(
     train: &Train,
     scenario: &Scenario,
     broken: Option<usize>,
-    horizon_s: f64,
+    [until_s, mark_s]: [f64; 2],
     options: &Options,
 ) -> Result<Solved, SolveError> {
     if let Some(method) = options.method {
         return Err(SolveError::StepsOnly(method.name()));
     }
-    let problem = problem(train, scenario, broken, horizon_s);
-    let outcome = march::solve(&problem, &ask(train, options));
-    let couplers = of_couplers(train, scenario, broken, &outcome, false);
+    let proportional = scenario::is_proportional(train, scenario);
+    let method = method(proportional);
+    let problem = scenario::march(train, scenario, broken, [until_s, mark_s], Rule::Keep);
+    let ask = ask(train, options);
+    let seconds = march::estimate_s(&problem, &ask);
+    if seconds > MOST_SECONDS {
+        let advice = "a shorter horizon takes less, in proportion".to_owned();
+        return Err(SolveError::TooMuch { method, seconds, gigabytes: 0.0, advice });
+    }
+    let outcome = march::solve(&problem, &ask);
     let (error_bound_n, error_estimate_n) = errors(&outcome.bound);
-    let error_n = error_n(error_bound_n, error_estimate_n);
-    let to_mark = of_couplers(train, scenario, broken, &outcome, true);
-    let to_mark = PeriodFindings { worst: worst(&to_mark, 0..to_mark.len(), error_n), couplers: to_mark };
+    let within = |period: Period| {
+        let couplers = of_couplers(train, scenario, broken, &outcome, period);
+        let error_n = error_n(error_bound_n, error_estimate_n);
+        PeriodFindings { worst: worst(&couplers, 0..couplers.len(), error_n), couplers }
+    };
+    let PeriodFindings { couplers, worst } = within(Period::Whole);
     Ok(Solved {
-        method: "march",
-        reason: reason(train, options),
+        method,
+        reason: if proportional { reason_of(train, &scenario.event).to_owned() } else { reason(train, options) },
         error_bound_n,
         error_estimate_n,
-        worst: worst(&couplers, 0..couplers.len(), error_n),
+        worst,
         couplers,
         left_out: Vec::new(),
-        to_mark: Some(to_mark),
-        marched: Some(Marched { ending: ending(&outcome), closures: outcome.closures }),
+        to_mark: (mark_s < until_s).then(|| within(Period::ToMark)),
+        marched: (!proportional).then(|| Marched { ending: ending(&outcome), closures: outcome.closures.clone() }),
     })
+}
+
+/// The name in results: `taylor` where couplers are linear and nothing but the event acts, which is proven and in proportion to the
+/// event, and `march` elsewhere. Both are [`crate::march`]; results had two names when they were two programs, and readers know
+/// from them what to expect.
+fn method(proportional: bool) -> &'static str {
+    if proportional { "taylor" } else { "march" }
 }
 
 /// Where a march ended before its horizon, and why.
@@ -79,26 +95,35 @@ pub(super) fn ending(outcome: &MarchOutcome) -> Option<Ending> {
     [stop, lost].into_iter().flatten().reduce(|a, b| if b.at_s < a.at_s { b } else { a })
 }
 
-/// Every coupler but the one that the event breaks, over all of a march or up to its mark.
+/// What of a march is told.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Period {
+    /// All of it.
+    Whole,
+    /// Up to its mark.
+    ToMark,
+    /// All of it, where couplers break: the capacities of the march are not the ratings.
+    Cascade,
+}
+
+/// Every coupler but the one that the event breaks.
 pub(super) fn of_couplers(
     train: &Train,
     scenario: &Scenario,
     broken: Option<usize>,
     outcome: &MarchOutcome,
-    to_mark: bool,
+    period: Period,
 ) -> Vec<CouplerFindings> {
     let estimated = matches!(outcome.bound, Bound::Estimated(_));
     let before_n = scenario::initial_force_n(train, &scenario.event);
-    let (extremes, error_n) = match to_mark {
-        true => (&outcome.to_mark, &outcome.error_to_mark_n),
-        false => (&outcome.extremes, &outcome.error_n),
-    };
+    let to_mark = period == Period::ToMark;
+    let error_n = if to_mark { &outcome.error_to_mark_n } else { &outcome.error_n };
     let one = |i: usize| CouplerFindings {
         initial_force_n: before_n[i],
         error_estimate_n: error_n.get(i).filter(|_| estimated).map(|n| n[0].max(n[1])),
-        ..coupler_findings(train, i, &coupler_peaks(train, outcome, i, extremes[i], error_n.get(i)), None)
+        ..coupler_findings(train, i, &coupler_peaks(train, outcome, i, period, error_n.get(i)), None)
     };
-    (0..extremes.len()).filter(|i| Some(*i) != broken).map(one).collect()
+    (0..before_n.len()).filter(|i| Some(*i) != broken).map(one).collect()
 }
 
 /// Peaks and verdicts of one coupler.
@@ -106,21 +131,25 @@ fn coupler_peaks(
     train: &Train,
     outcome: &MarchOutcome,
     i: usize,
-    extremes: Extremes,
+    period: Period,
     error_n: Option<&[f64; 2]>,
 ) -> CouplerPeaks {
-    let factor = if matches!(outcome.bound, Bound::Estimated(_)) { MARGIN } else { 1.0 };
+    let proven = matches!(outcome.bound, Bound::Proven(_));
+    let (extremes, decided) = match period {
+        Period::ToMark => (&outcome.to_mark[i], &outcome.exceeds_to_mark[i]),
+        Period::Whole | Period::Cascade => (&outcome.extremes[i], &outcome.exceeds[i]),
+    };
+    let factor = if proven { 1.0 } else { MARGIN };
     let margins = error_n.map_or([f64::INFINITY; 2], |of| of.map(|n| factor * n));
-    let c = &train.couplers()[i];
     let largest = [(extremes.draft.force_n, extremes.draft.time_s), (-extremes.buff.force_n, extremes.buff.time_s)];
-    let ratings = [c.rated_draft_n, c.rated_buff_n];
-    let exceeds = |side: usize| {
-        let over_n = largest[side].0 - ratings[side];
+    let c = &train.couplers()[i];
+    let by_margin = |side: usize| {
+        let over_n = largest[side].0 - [c.rated_draft_n, c.rated_buff_n][side];
         // The force before the event is exact.
-        let exact = largest[side].1 == 0.0 && over_n > 0.0;
+        let exact = largest[side].1 == 0.0 && (proven || over_n > 0.0);
         (exact || over_n.abs() > margins[side]).then_some(over_n > 0.0)
     };
-    let exceeds = [exceeds(0), exceeds(1)];
+    let exceeds = if proven && period != Period::Cascade { *decided } else { [by_margin(0), by_margin(1)] };
     let first = outcome.first_over_s.get(i).copied().unwrap_or_default();
     let last_s = largest.map(|(_, at)| at);
     let over = |side: usize| first[side].filter(|at| exceeds[side] == Some(true) && *at <= last_s[side]);
@@ -146,17 +175,25 @@ pub(super) fn margin_n(bound_n: f64, estimate_n: Option<f64>) -> f64 {
     estimate_n.map_or(bound_n, |n| MARGIN * n)
 }
 
-/// Estimated time of a case, s: its march, a second one where couplers break one after the other, and the search for the load.
+/// Estimated time of a march with all of its runs, s.
 pub(super) fn estimate_s(
     train: &Train,
     scenario: &Scenario,
     broken: Option<usize>,
     horizon_s: f64,
+    rule: Rule,
     options: &Options,
 ) -> f64 {
-    let once = march::estimate_s(&problem(train, scenario, broken, horizon_s), &ask(train, options));
-    let search_s = load_search::estimate_s(train, scenario, broken, horizon_s, options).unwrap_or(0.0);
-    search_s + if scenario.cascade == Rule::Keep { once } else { 2.0 * once }
+    march::estimate_s(&scenario::march(train, scenario, broken, [horizon_s; 2], rule), &ask(train, options))
+}
+
+/// Why a case of linear couplers is marched.
+fn reason_of(event: &Event) -> &'static str {
+    match event {
+        Event::Impact { .. } => "the train is set in motion by speeds, not by a force",
+        Event::Pulse(pulse) if pulse.shape != PulseShape::Rectangle => "the force changes while it acts",
+        _ => "dashpots couple the modes",
+    }
 }
 
 fn reason(train: &Train, options: &Options) -> String {

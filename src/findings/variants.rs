@@ -8,7 +8,7 @@ use super::case::Case;
 use super::solved::Solved;
 use super::{CaseFindings, Options, estimate, worst_case};
 use crate::law::{Curve, Law};
-use crate::scenario::Motion;
+use crate::scenario::is_proportional;
 use crate::solve::responses::Shared;
 use crate::solve::{SolveError, Wanted};
 use crate::train::{Event, Response, Scenario, Train};
@@ -163,7 +163,7 @@ pub(super) fn damping(
     options: &Options,
 ) -> Result<Vec<DampingFindings>, SolveError> {
     let has_losses = train.extras().damping_ratio > 0.0 || !train.extras().dashpot_n_s_per_m.is_empty();
-    let worst = worst_case(cases).filter(|_| !has_losses && Motion::of(train, scenario) != Motion::Events);
+    let worst = worst_case(cases).filter(|_| !has_losses && is_proportional(train, scenario));
     let Some((worst, _)) = worst else { return Ok(Vec::new()) };
     let one = |&damping_ratio: &f64| {
         let critical = (0..train.couplers().len()).map(|i| critical_n_s_per_m(train, i));

@@ -70,6 +70,12 @@ impl Branches {
         Branches::of(law, false)
     }
 
+    /// Of a parted coupler whose vehicles pass each other: no force at all.
+    pub fn nothing() -> Branches {
+        let none = Line { place: 0.0, force: 0.0, slope: 0.0 };
+        Branches { intervals: vec![straight(f64::NEG_INFINITY, f64::INFINITY, none)], compliance: 0.0 }
+    }
+
     fn of(law: &Law, draft_too: bool) -> Branches {
         let half = 0.5 * law.slack_m();
         let mut intervals = Vec::new();

@@ -6,10 +6,11 @@
 //! advance together; the results end where the estimate of any force passes the tolerance.
 
 use super::branches::Branches;
-use super::proof::Proof;
+use super::record::extremes;
 use super::step::{March, RunSettings, stiffest};
 use super::{Bound, Extremes, MarchOptions, MarchOutcome, Problem};
 use crate::law::{Curve, GearRow, Law, Rest};
+use crate::solve::watch::{Watch, bound_of_extremes};
 
 /// Largest step times the largest rate: of the reported run, and of the others.
 const PHASE: f64 = 1.0;
@@ -27,31 +28,92 @@ const COMPARED: usize = 200;
 /// Half a unit in the last place.
 const U: f64 = 0.5 * f64::EPSILON;
 
+/// The run that is reported.
+const SETTINGS: RunSettings = RunSettings { phase: PHASE, noise: None, margin: 1.0 };
+/// Instants between which [`follow`] hands on what it has.
+const HANDED: usize = 64;
+
 /// Follows the motion of a train.
+///
+/// The search for extremes needs the bound on the forces' error. It is known before the motion where linear couplers do not break;
+/// elsewhere a first run without a search finds it.
 ///
 /// # Panics
 /// If a list of the problem does not have one entry for each vehicle or coupler, or a law is not valid
 /// ([`Law::check`]).
 pub fn solve(problem: &Problem, ask: &MarchOptions) -> MarchOutcome {
     check(problem, ask);
-    let settings = RunSettings { phase: PHASE, noise: None, margin: 1.0 };
-    let mut march = March::new(problem, ask, settings);
-    march.proof = Proof::new(&march);
-    if ask.tolerance_n.is_some() && march.proof.is_none() {
-        return with_estimate(problem, ask, march);
+    let mut march = March::new(problem, ask, SETTINGS);
+    march.prove();
+    let bound = match march.bound_known_before() {
+        None if ask.tolerance_n.is_some() && march.proof.is_some() => {
+            let mut first = March::new(problem, &MarchOptions::default(), SETTINGS);
+            first.prove();
+            first.advance_to(problem.horizon_s);
+            first.proven_n()
+        }
+        known => known,
+    };
+    if ask.tolerance_n.is_some() && bound.is_none() {
+        return with_estimate(problem, ask, March::new(problem, ask, SETTINGS));
     }
-    let (mark, horizon) = (problem.mark_s.min(problem.horizon_s), problem.horizon_s);
-    march.advance_to(mark);
-    march.record.mark();
-    march.advance_to(horizon);
-    let proven = march.proof.as_ref().and_then(|p| p.bound(&march));
-    match (ask.tolerance_n, proven) {
-        (Some(_), None) => with_estimate(problem, ask, March::new(problem, ask, settings)),
-        (_, Some(bound)) => {
-            let all = vec![[bound; 2]; problem.laws.len()];
-            finish(march, Bound::Proven(bound), [all.clone(), all], None)
+    march.search(ask, bound.unwrap_or(0.0));
+    march.advance_to(problem.mark_s.min(problem.horizon_s));
+    march.record.mark(problem.horizon_s);
+    march.advance_to(problem.horizon_s);
+    match (ask.tolerance_n, march.proven_n()) {
+        (Some(_), None) => with_estimate(problem, ask, March::new(problem, ask, SETTINGS)),
+        (_, Some(bound_n)) => {
+            let bound_n = bound_of_extremes(bound_n);
+            let all = vec![[bound_n; 2]; problem.laws.len()];
+            finish(march, Bound::Proven(bound_n), [all.clone(), all], None)
         }
         (None, None) => finish(march, Bound::None, [Vec::new(), Vec::new()], None),
+    }
+}
+
+/// One run without a search for extremes and without an error: gives `see` the forces of the couplers of the history at its
+/// instants, by the instant's and the coupler's place in these lists, in place of the outcome; none beyond the end of the march.
+///
+/// # Panics
+/// As for [`solve`].
+pub fn follow(problem: &Problem, ask: &MarchOptions, see: &mut dyn FnMut(usize, usize, f64)) -> MarchOutcome {
+    check(problem, ask);
+    let mut march = March::new(problem, ask, SETTINGS);
+    march.prove();
+    for times in ask.times_s.chunks(HANDED) {
+        march.advance_to(times[times.len() - 1].min(problem.horizon_s));
+        march.record.drain(see);
+    }
+    march.advance_to(problem.horizon_s);
+    march.record.drain(see);
+    finish(march, Bound::None, [Vec::new(), Vec::new()], None)
+}
+
+impl March<'_> {
+    /// The bound on every force, where it is known before the first step.
+    fn bound_known_before(&self) -> Option<f64> {
+        self.proof.filter(|proof| proof.is_known_before() && self.breaks.is_none()).map(|proof| proof.bound_n(self))
+    }
+
+    /// The bound on every force at the end, if it is proven.
+    fn proven_n(&self) -> Option<f64> {
+        self.proof.filter(|proof| proof.has_held(self)).map(|proof| proof.bound_n(self))
+    }
+
+    /// Looks for extremes, and instants above the capacities, from here on, up to the mark first; forces are within the bound.
+    fn search(&mut self, ask: &MarchOptions, bound: f64) {
+        let capacity = if ask.capacity_n.is_empty() {
+            vec![[f64::INFINITY; 2]; self.couplers.len()]
+        } else {
+            ask.capacity_n.clone()
+        };
+        // What parts at t = 0 begins with the force that its vehicles push with.
+        let gone = |i: usize| self.problem.gone.contains(&i);
+        let force = |i: usize| self.start[i][1] + if gone(i) { self.state.tension(i) } else { 0.0 };
+        let forces: Vec<f64> = (0..self.couplers.len()).map(force).collect();
+        let mark = self.problem.mark_s.min(self.problem.horizon_s);
+        self.record.watch = Some(Watch::of_forces(&forces, capacity, mark, bound));
     }
 }
 
@@ -62,11 +124,16 @@ const EVENTS: f64 = 8.0;
 
 /// Estimated time of [`solve`] on one core, s.
 pub fn estimate_s(problem: &Problem, ask: &MarchOptions) -> f64 {
-    let march = March::new(problem, &MarchOptions::default(), RunSettings { phase: PHASE, noise: None, margin: 1.0 });
+    let mut march = March::new(problem, &MarchOptions::default(), SETTINGS);
+    march.prove();
     let linear = problem.laws.iter().filter(|l| l.is_linear()).count();
     let couplers = problem.laws.len();
     let rate = march.fastest() / PHASE + EVENTS * (couplers - linear) as f64;
-    let runs = if ask.tolerance_n.is_some() && Proof::new(&march).is_none() { 3.0 } else { 1.0 };
+    let runs = match (ask.tolerance_n, march.bound_known_before(), march.proof) {
+        (None, ..) | (_, Some(_), _) => 1.0,
+        (_, None, Some(_)) => 2.0,
+        (_, None, None) => 3.0,
+    };
     runs * rate * problem.horizon_s * (couplers + 1) as f64 * COUPLER_STEP_S
 }
 
@@ -86,25 +153,29 @@ fn check(problem: &Problem, ask: &MarchOptions) {
 #[derive(Clone)]
 struct Snapshot {
     at: f64,
-    extremes: Vec<Extremes>,
-    over: Vec<[Option<f64>; 2]>,
+    watch: Option<Watch>,
 }
 
-fn snapshot(march: &March) -> Snapshot {
-    let record = &march.record;
-    Snapshot { at: march.t, extremes: record.extremes.clone(), over: record.first_over_s.clone() }
+impl Snapshot {
+    fn of(march: &March) -> Snapshot {
+        Snapshot { at: march.t, watch: march.record.watch.clone() }
+    }
+
+    fn extremes(&self) -> Vec<Extremes> {
+        self.watch.as_ref().map_or_else(Vec::new, extremes)
+    }
 }
 
 /// The march with two other runs.
 fn with_estimate(problem: &Problem, ask: &MarchOptions, mut march: March) -> MarchOutcome {
     let moved: Vec<Problem> = (1..=2).map(|seed| moved(problem, seed)).collect();
     let quiet = MarchOptions { capacity_n: ask.capacity_n.clone(), ..MarchOptions::default() };
+    march.search(ask, 0.0);
     let other = |(n, p)| {
-        March::new(
-            p,
-            &quiet,
-            RunSettings { phase: OTHER_PHASES[n], noise: Some((0x9E37_79B9 + n as u64, NOISE)), margin: OTHER_MARGIN },
-        )
+        let noise = Some((0x9E37_79B9 + n as u64, NOISE));
+        let mut other = March::new(p, &quiet, RunSettings { phase: OTHER_PHASES[n], noise, margin: OTHER_MARGIN });
+        other.search(&quiet, 0.0);
+        other
     };
     let mut others: Vec<March> = moved.iter().enumerate().map(other).collect();
     let (mark, horizon) = (problem.mark_s.min(problem.horizon_s), problem.horizon_s);
@@ -113,22 +184,23 @@ fn with_estimate(problem: &Problem, ask: &MarchOptions, mut march: March) -> Mar
     instants.sort_by(f64::total_cmp);
     let mut to_mark = Vec::new();
     let mut until = None;
-    let mut last: Vec<Snapshot> = [&march].into_iter().chain(&others).map(snapshot).collect();
+    let mut last: Vec<Snapshot> = [&march].into_iter().chain(&others).map(Snapshot::of).collect();
     for t in instants {
         march.advance_to(t);
         others.iter_mut().for_each(|o| o.advance_to(march.t));
         let error = error_now(&march, &others);
         if ask.tolerance_n.is_some_and(|tolerance| error > tolerance) {
             until = Some(last[0].at);
-            march.record.rewind(last[0].at, last[0].extremes.clone(), last[0].over.clone());
+            march.record.rewind(last[0].at, last[0].watch.clone());
             march.partings.retain(|p| p.time_s <= last[0].at);
             march.closures.retain(|c| c.1 <= last[0].at);
             march.stopped = None;
             break;
         }
-        last = [&march].into_iter().chain(&others).map(snapshot).collect();
+        last = [&march].into_iter().chain(&others).map(Snapshot::of).collect();
         if t == mark {
-            march.record.mark();
+            march.record.mark(horizon);
+            others.iter_mut().for_each(|other| other.record.mark(horizon));
             to_mark = errors(&last);
         }
         if march.stopped.is_some() {
@@ -173,15 +245,16 @@ fn estimate_parting_errors(march: &mut March, others: &[March]) {
 /// The estimates for every coupler's extremes.
 fn errors(kept: &[Snapshot]) -> Vec<[f64; 2]> {
     let of = |e: &Extremes| [e.draft.force_n, e.buff.force_n];
-    let largest = kept[0].extremes.iter().flat_map(of).fold(0.0f64, |a, f| a.max(f.abs()));
+    let kept: Vec<Vec<Extremes>> = kept.iter().map(Snapshot::extremes).collect();
+    let largest = kept[0].iter().flat_map(of).fold(0.0f64, |a, f| a.max(f.abs()));
     let error = |i: usize| {
-        let mine = of(&kept[0].extremes[i]);
+        let mine = of(&kept[0][i]);
         [0, 1].map(|sense| {
-            let difference = |k: &Snapshot| (of(&k.extremes[i])[sense] - mine[sense]).abs();
+            let difference = |k: &Vec<Extremes>| (of(&k[i])[sense] - mine[sense]).abs();
             DIFFERENCES * kept[1..].iter().map(difference).fold(0.0, f64::max) + UNITS * U * largest
         })
     };
-    (0..kept[0].extremes.len()).map(error).collect()
+    (0..kept[0].len()).map(error).collect()
 }
 
 /// The problem with the constants of its laws moved by some units in the last place, each up or down.
@@ -245,24 +318,38 @@ fn finish(
     errors: [Vec<[f64; 2]>; 2],
     predictable_until_s: Option<f64>,
 ) -> MarchOutcome {
-    // An elongation may be twice the margin past a guard, at its largest stiffness.
+    // An elongation may be twice the margin past a guard, at its largest stiffness: peaks under that, which an event can leave, count
+    // as 0.
     let none = |i: usize| 2.0 * march.guard_margin * stiffest(&march.problem.laws[i]);
-    march.record.finish(none);
-    let record = march.record;
+    let [to_mark, whole] = march.record.finish();
+    let seen = |watch: &Option<Watch>| {
+        let mut seen = watch.as_ref().map_or_else(Vec::new, extremes);
+        for (i, e) in seen.iter_mut().enumerate() {
+            let small = [&mut e.draft, &mut e.buff].into_iter().filter(|p| p.force_n.abs() <= none(i));
+            small.for_each(|peak| peak.force_n = 0.0);
+        }
+        seen
+    };
+    let sides =
+        |watch: &Option<Watch>| watch.iter().flat_map(|w| &w.peaks).map(|p| [p.draft, p.buff]).collect::<Vec<_>>();
+    let decided = |watch: &Option<Watch>| sides(watch).iter().map(|of| of.map(|side| side.exceeds())).collect();
     let [error_n, error_to_mark_n] = errors;
     MarchOutcome {
-        extremes: record.extremes,
-        to_mark: record.to_mark.unwrap_or_default(),
-        first_over_s: record.first_over_s,
+        extremes: seen(&whole),
+        to_mark: seen(&to_mark),
+        first_over_s: sides(&whole).iter().map(|of| of.map(|side| side.first_over)).collect(),
+        exceeds: decided(&whole),
+        exceeds_to_mark: decided(&to_mark),
         bound,
         error_n,
         error_to_mark_n,
+        undecided: march.breaks.as_ref().and_then(super::breaks::Breaks::open),
         partings: march.partings,
         closures: march.closures,
         stopped: march.stopped,
         predictable_until_s,
-        history: record.history,
-        watched: record.watched.values,
+        history: march.record.history,
+        watched: march.record.watched.values,
         end_speed_m_s: march.state.v[0].clone(),
         energy: march.audit.map(|a| a.energy),
         events: march.events,

@@ -75,11 +75,12 @@ impl March<'_> {
         }
     }
 
-    /// Couplers that pass the force at which they break.
+    /// Couplers that pass the force at which they break, where no bound is proven.
     fn breaks(&self, width: f64, first: &mut Earliest) {
         let mut c = [0.0; DEGREE + 1];
         let n = self.series.terms;
-        for i in self.state.couplers().filter(|&i| i < self.problem.break_at_n.len() && !self.couplers[i].parted) {
+        let whole = |i: &usize| self.breaks.is_none() && !self.couplers[*i].parted;
+        for i in self.state.couplers().filter(|i| whole(i) && *i < self.problem.break_at_n.len()) {
             self.series.tension_of(&self.state, i, width, &mut c);
             let total = c[0] + self.start[i][1];
             for (sense, limit) in self.problem.break_at_n[i].iter().enumerate() {
@@ -213,4 +214,20 @@ pub fn unbalanced(problem: &Problem, start: &[[f64; 2]]) -> (Vec<f64>, f64) {
     left.iter_mut().filter(|f| f.abs() <= BALANCE * largest).for_each(|f| *f = 0.0);
     let small = common.abs() * problem.mass_kg.iter().copied().fold(0.0, f64::max) <= BALANCE * largest;
     (left, if small { 0.0 } else { common })
+}
+
+/// The magnitudes of what the unbalanced force on a vehicle is the sum of; 0 where that counts as 0.
+pub fn balance_rounding(
+    problem: &Problem,
+    start: &[[f64; 2]],
+    common_m_s2: f64,
+    unbalanced: &[f64],
+    vehicle: usize,
+) -> f64 {
+    if unbalanced[vehicle] == 0.0 {
+        return 0.0;
+    }
+    let tension = |i: Option<usize>| i.and_then(|i| start.get(i)).map_or(0.0, |s| s[1].abs());
+    let inertia = (common_m_s2 * problem.mass_kg[vehicle]).abs();
+    tension(vehicle.checked_sub(1)) + tension(Some(vehicle)) + problem.steady_n[vehicle].abs() + inertia
 }

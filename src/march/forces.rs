@@ -176,6 +176,20 @@ impl Forces {
     }
 }
 
+/// The largest magnitude and the variation of every outside force that changes, with its vehicle; of brakes, whether or not they
+/// are applied.
+pub fn measures(problem: &Problem) -> Vec<(usize, [f64; 2])> {
+    let drives = problem.forcing.iter().map(|(v, drive)| (*v, [drive.measures()[0], drive.measures()[1]]));
+    let applied = problem.application.iter().map(|(brakes, _)| brakes);
+    let brakes = problem.emergency.iter().chain(applied).flat_map(|brakes| {
+        let largest = brakes.build_up.iter().map(|p| p[1].abs()).fold(0.0, f64::max);
+        let first = brakes.build_up.first().map_or(0.0, |p| p[1].abs());
+        let variation = first + brakes.build_up.windows(2).map(|p| (p[1][1] - p[0][1]).abs()).sum::<f64>();
+        brakes.full_n.iter().enumerate().map(move |(v, full)| (v, [full * largest, full * variation]))
+    });
+    drives.chain(brakes).collect()
+}
+
 #[cfg(test)]
 #[allow(clippy::excessive_precision)] // Reference numbers are given with all their digits.
 mod tests {

@@ -1,4 +1,5 @@
-//! The motion of a train whose couplers have slack and friction, from event to event.
+//! The motion of a train through time, from event to event: dashpots, speeds at the start, forces of any shape, couplers with slack and
+//! friction, couplers that break on the way.
 //!
 //! Between events every coupler's force is linear in its elongation ([`crate::law`]), so that the motion is a Taylor
 //! series. A step ends at each event: a gear that locks or unlocks, a gap that closes, a coupler that breaks, a kink
@@ -6,12 +7,20 @@
 //! draft.
 //!
 //! ```text
-//! q_i' = v_i - v_{i+1}       m_j v_j' = F_{j-1} - F_j + f_j(t)       F_i = law of coupler i (q_i, its travel)
+//! q_i' = v_i - v_{i+1}       m_j v_j' = F_{j-1} - F_j + f_j(t)       F_i = law of coupler i (q_i, its travel) + c_i q_i'
 //! ```
 //!
-//! [`solve`] solves a [`Problem`], in SI units.
+//! The derivatives follow from one another, each from its neighbours: a step costs O(n), its series is the force at every
+//! instant of it, and nothing but the present state is kept. Only the part of the train that moves is computed.
+//!
+//! [`solve`] solves a [`Problem`], in SI units. The error is proven for linear couplers, across breaks as well where parted vehicles
+//! do not push each other, and for constant friction (`proof.rs`); elsewhere it is estimated by two more runs (`estimate.rs`). Which
+//! couplers certainly break is proven in `certain.rs`. The search for peaks and first exceedances is that of
+//! [`crate::solve::watch`].
 
 mod branches;
+mod breaks;
+mod certain;
 mod energy;
 mod estimate;
 mod events;
@@ -55,8 +64,11 @@ pub struct Problem {
     pub steady_n: Vec<f64>,
     /// Further forces over time, each on a vehicle; one that does not end needs a last point beyond the horizon.
     pub forcing: Vec<(usize, Drive)>,
-    /// Couplers that part at t = 0. A parted coupler carries no draft; once its gap closes, its law in buff holds.
+    /// Couplers that part at t = 0. A parted coupler carries no draft.
     pub gone: Vec<usize>,
+    /// Once the gap of a parted coupler closes, its law in buff holds. Else it carries nothing ever after, as if the vehicles could
+    /// pass through each other: for linear couplers, whose motion is then proven across breaks.
+    pub contact: bool,
     /// Force in draft and in buff, both positive, above which each coupler parts; infinite for never. Empty for none.
     pub break_at_n: Vec<[f64; 2]>,
     /// Emergency brakes that every parting sets off.
@@ -86,6 +98,7 @@ impl Problem {
             steady_n: vec![0.0; vehicles],
             forcing: Vec::new(),
             gone: Vec::new(),
+            contact: true,
             break_at_n: Vec::new(),
             emergency: None,
             application: None,
@@ -167,8 +180,8 @@ pub struct Parting {
     pub force_n: f64,
     /// Energy that it releases, J; 0 while its vehicles still push each other.
     pub energy_j: f64,
-    /// Estimated error of the instant, from the same runs as for forces; infinite without them, or if it parted in
-    /// some only.
+    /// Error of the instant: proven, or estimated from the same runs as for forces; infinite without either, or if it parted in
+    /// some runs only.
     pub uncertainty_s: f64,
 }
 
@@ -191,8 +204,13 @@ pub struct MarchOutcome {
     pub extremes: Vec<Extremes>,
     /// The same up to the mark.
     pub to_mark: Vec<Extremes>,
-    /// First instants above the capacity, in draft and in buff.
+    /// First instants certainly above the capacity, in draft and in buff.
     pub first_over_s: Vec<[Option<f64>; 2]>,
+    /// Whether each force passes the capacity, in draft and in buff: `None` where a proven bound does not decide it. Without
+    /// a bound known before the search, of the computed forces.
+    pub exceeds: Vec<[Option<bool>; 2]>,
+    /// The same up to the mark.
+    pub exceeds_to_mark: Vec<[Option<bool>; 2]>,
     /// Error of the extremes.
     pub bound: Bound,
     /// Bound or estimate of the error of each coupler's largest draft and buff, up to the horizon; empty where there is none.
@@ -201,8 +219,12 @@ pub struct MarchOutcome {
     pub error_to_mark_n: Vec<[f64; 2]>,
     /// Couplers that parted, in order.
     pub partings: Vec<Parting>,
-    /// Gaps of parted couplers that closed: which, and when.
+    /// Gaps of parted couplers that closed: which, and when. Without contact the first alone, and only where couplers may break:
+    /// the vehicles would push each other from then on.
     pub closures: Vec<(usize, f64)>,
+    /// The first coupler that came within the bound of the force that breaks it and was not seen to pass it, and when: from then on
+    /// what breaks is not decided. Where the proof follows breaks only.
+    pub undecided: Option<(usize, f64)>,
     /// The braked vehicle that would stop, and when; the march ends there.
     pub stopped: Option<(usize, f64)>,
     /// Forces are known up to here only; `None`: to the horizon.
@@ -236,4 +258,4 @@ pub struct Energy {
     pub created_j: f64,
 }
 
-pub use estimate::{estimate_s, solve};
+pub use estimate::{estimate_s, follow, solve};

@@ -66,10 +66,10 @@ impl Coupler {
         coupler
     }
 
-    /// The coupler parts at elongation `q`: from here on it follows the parted form of its law.
-    pub fn part(&mut self, law: &Law, q: f64) {
+    /// The coupler parts at elongation `q`: from here on it follows the parted form of its law, or `None` carries nothing.
+    pub fn part(&mut self, law: Option<&Law>, q: f64) {
         let w = self.travel(q);
-        self.branches = Branches::parted(law);
+        self.branches = law.map_or_else(Branches::nothing, Branches::parted);
         self.parted = true;
         let place = self.start[0] + q;
         let (w, force) = self.branches.at_elongation(w, place);

@@ -1,16 +1,19 @@
 //! Results of a march: extremes, first instants above capacities, forces at chosen instants.
 
+use super::mode::Coupler;
 use super::series::{DEGREE, Series, State};
 use super::{Extremes, MarchOptions, Peak, roots};
+use crate::solve::dd::Dd;
+use crate::solve::local::{Local, reach};
+use crate::solve::watch::Watch;
 
 #[derive(Clone, Debug)]
 pub struct Record {
-    pub extremes: Vec<Extremes>,
-    pub to_mark: Option<Vec<Extremes>>,
-    pub first_over_s: Vec<[Option<f64>; 2]>,
+    /// Extremes and first instants above capacities; `None`: not looked for.
+    pub watch: Option<Watch>,
+    to_mark: Option<Watch>,
     pub history: Vec<Vec<f64>>,
     pub watched: Watched,
-    capacity: Vec<[f64; 2]>,
     wanted: Vec<usize>,
     times: Vec<f64>,
     next: usize,
@@ -28,7 +31,12 @@ pub struct Watched {
 pub struct Taken<'a> {
     pub state: &'a State,
     pub series: &'a Series,
+    pub couplers: &'a [Coupler],
+    /// Whether a parted coupler can carry a force.
+    pub contact: bool,
     pub from: f64,
+    /// The end, as the march goes on from it: not quite `from + width`, which is rounded.
+    pub to: f64,
     pub width: f64,
 }
 
@@ -51,179 +59,164 @@ impl Taken<'_> {
         series(&mut c);
         roots::at(&c[..=self.series.terms], (t - self.from) / self.width.max(f64::MIN_POSITIVE))
     }
+
+    /// Bounds from above on the force of a coupler and its negative over the step, quickly.
+    fn reaches(&self, i: usize) -> [f64; 2] {
+        let Taken { state, series, width, .. } = *self;
+        let x = i + 1;
+        let (slope, rise) = (state.slope[x], series.q[1][x]);
+        let now =
+            self.couplers[i].start[1] + state.force[x] + slope * ((series.q[0][x] - state.place[x]) + state.q[1][x]);
+        // The change of force: by the law's line, and then by the dashpot.
+        let mut reach = slope * series.reach[x];
+        let mut first = slope * rise;
+        if !state.dashpot.is_empty() {
+            let share = state.dashpot[x] / width;
+            first += share * rise;
+            reach += share * (series.reach_of_speed[x] + rise.abs());
+        }
+        [now + first.max(0.0) + reach, -now + (-first).max(0.0) + reach]
+    }
 }
 
 impl Record {
-    /// With the forces before t = 0.
-    pub fn new(start: &[f64], ask: &MarchOptions) -> Record {
-        let at_start = |f: &f64| {
-            let peak = Peak { force_n: *f, time_s: 0.0 };
-            Extremes { draft: peak, buff: peak }
-        };
-        let capacity =
-            if ask.capacity_n.is_empty() { vec![[f64::INFINITY; 2]; start.len()] } else { ask.capacity_n.clone() };
-        let over = |(f, c): (&f64, &[f64; 2])| [(*f > c[0]).then_some(0.0), (-f > c[1]).then_some(0.0)];
+    /// Of the couplers and instants asked for; without a watch of the extremes.
+    pub fn new(ask: &MarchOptions) -> Record {
         Record {
-            extremes: start.iter().map(at_start).collect(),
+            watch: None,
             to_mark: None,
-            first_over_s: start.iter().zip(&capacity).map(over).collect(),
             history: vec![Vec::with_capacity(ask.times_s.len()); ask.history.len()],
             watched: ask.watched.clone().map_or_else(Watched::default, |(coupler, times)| Watched {
                 values: Vec::with_capacity(times.len()),
                 coupler,
                 times,
             }),
-            capacity,
             wanted: ask.history.clone(),
             times: ask.times_s.clone(),
             next: 0,
         }
     }
 
-    /// Coupler `i` parts at t = 0, and begins with the force that is left.
-    pub fn restart_parted(&mut self, i: usize, force_n: f64) {
-        let peak = Peak { force_n, time_s: 0.0 };
-        self.extremes[i] = Extremes { draft: peak, buff: peak };
-        let [draft, buff] = self.capacity[i];
-        self.first_over_s[i] = [(force_n > draft).then_some(0.0), (-force_n > buff).then_some(0.0)];
-    }
-
-    /// Adds a step; `start`: elongations and forces at t = 0.
-    pub fn add_step(&mut self, taken: &Taken, start: &[[f64; 2]]) {
-        let Taken { state, series, from, width } = *taken;
-        let mut c = [0.0; DEGREE + 1];
-        for i in state.couplers() {
-            let x = i + 1;
-            let (slope, rise) = (state.slope[x], series.q[1][x]);
-            let now = start[i][1] + state.force[x] + slope * ((series.q[0][x] - state.place[x]) + state.q[1][x]);
-            // Bounds the change of force: by the law's line, and then by the dashpot.
-            let mut reach = slope * series.reach[x];
-            let mut first = slope * rise;
-            if !state.dashpot.is_empty() && width > 0.0 {
-                let share = state.dashpot[x] / width;
-                first += share * rise;
-                reach += share * (series.reach_of_speed[x] + rise.abs());
-            }
-            let best = &self.extremes[i];
-            let over = self.first_over_s[i];
-            let level =
-                |best: f64, over: Option<f64>, capacity: f64| if over.is_none() { best.min(capacity) } else { best };
-            let draft = now + first.max(0.0) + reach > level(best.draft.force_n, over[0], self.capacity[i][0]);
-            let buff = -now + (-first).max(0.0) + reach > level(-best.buff.force_n, over[1], self.capacity[i][1]);
-            if draft || buff {
-                series.tension_of(state, i, width, &mut c);
-                c[0] += start[i][1];
-                self.update_peaks(i, &mut c[..=series.terms], from, width, [draft, buff]);
+    /// Adds a step.
+    pub fn add_step(&mut self, taken: &Taken) {
+        if taken.width > 0.0
+            && let Some(watch) = &mut self.watch
+        {
+            for i in taken.state.couplers().filter(|&i| taken.contact || !taken.couplers[i].parted) {
+                look(watch, taken, i);
             }
         }
-        self.sample(taken, start);
-    }
-
-    /// Looks for new extremes and crossings of one coupler.
-    fn update_peaks(&mut self, i: usize, c: &mut [f64], from: f64, width: f64, senses: [bool; 2]) {
-        for (sense, wanted) in senses.into_iter().enumerate() {
-            if wanted {
-                let best = if sense == 0 { self.extremes[i].draft.force_n } else { -self.extremes[i].buff.force_n };
-                if let Some((s, force)) = largest(c, best) {
-                    let peak = Peak { force_n: if sense == 0 { force } else { -force }, time_s: from + s * width };
-                    if sense == 0 { self.extremes[i].draft = peak } else { self.extremes[i].buff = peak }
-                }
-                let capacity = self.capacity[i][sense];
-                if capacity.is_finite() && self.first_over_s[i][sense].is_none() {
-                    c[0] -= capacity;
-                    self.first_over_s[i][sense] = roots::first_positive(c).map(|s| from + s * width);
-                    c[0] += capacity;
-                }
-            }
-            c.iter_mut().for_each(|c| *c = -*c);
-        }
+        self.sample(taken);
     }
 
     /// Forces and elongations at the chosen instants in the step.
-    fn sample(&mut self, taken: &Taken, start: &[[f64; 2]]) {
-        let until = taken.from + taken.width;
-        while let Some(t) = self.times.get(self.next).copied().filter(|t| *t <= until) {
+    fn sample(&mut self, taken: &Taken) {
+        while let Some(t) = self.times.get(self.next).copied().filter(|t| *t <= taken.to) {
             for (forces, &i) in self.history.iter_mut().zip(&self.wanted) {
-                forces.push(start[i][1] + taken.tension(i, t));
+                forces.push(taken.couplers[i].start[1] + taken.tension(i, t));
             }
             self.next += 1;
         }
         let Watched { values, coupler, times } = &mut self.watched;
-        while let Some(t) = times.get(values.len()).copied().filter(|t| *t <= until) {
-            let [elongation, force] = start[*coupler];
+        while let Some(t) = times.get(values.len()).copied().filter(|t| *t <= taken.to) {
+            let [elongation, force] = taken.couplers[*coupler].start;
             values.push([elongation + taken.elongation(*coupler, t), force + taken.tension(*coupler, t)]);
         }
     }
 
-    /// Keeps the extremes so far as those up to the mark.
-    pub fn mark(&mut self) {
-        self.to_mark = Some(self.extremes.clone());
+    /// Gives the histories so far to `see`, by instant and place in the list of those asked for, and forgets them.
+    pub fn drain(&mut self, see: &mut dyn FnMut(usize, usize, f64)) {
+        for (k, forces) in self.history.iter_mut().enumerate() {
+            let first = self.next - forces.len();
+            forces.drain(..).enumerate().for_each(|(n, force)| see(first + n, k, force));
+        }
     }
 
-    /// Removes what is later than an instant; `extremes` and `over` are those up to it.
-    pub fn rewind(&mut self, until: f64, extremes: Vec<Extremes>, over: Vec<[Option<f64>; 2]>) {
-        (self.extremes, self.first_over_s) = (extremes, over);
+    /// Keeps what was seen so far as that up to the mark, and goes on to the horizon.
+    pub fn mark(&mut self, horizon_s: f64) {
+        self.to_mark = self.watch.clone();
+        self.watch = self.watch.take().map(|watch| watch.until(horizon_s));
+    }
+
+    /// Removes what is later than an instant; `watch` is what was seen up to it.
+    pub fn rewind(&mut self, until: f64, watch: Option<Watch>) {
+        self.watch = watch;
         let known = self.times.iter().take_while(|t| **t <= until).count();
         self.history.iter_mut().for_each(|h| h.truncate(known));
         self.watched.values.truncate(self.watched.times.iter().take_while(|t| **t <= until).count());
     }
 
-    /// Fills unknown values with NaN; peaks under `none(coupler)`, which an event can leave, become 0.
-    pub fn finish(&mut self, none: impl Fn(usize) -> f64) {
-        for (i, e) in self.extremes.iter_mut().enumerate().chain(self.to_mark.iter_mut().flatten().enumerate()) {
-            for peak in [&mut e.draft, &mut e.buff].into_iter().filter(|p| p.force_n.abs() <= none(i)) {
-                peak.force_n = 0.0;
-            }
-        }
+    /// Decides what is open, and fills unknown values with NaN; returns what was seen up to the mark and to the end.
+    pub fn finish(&mut self) -> [Option<Watch>; 2] {
         self.history.iter_mut().for_each(|h| h.resize(self.times.len(), f64::NAN));
         self.watched.values.resize(self.watched.times.len(), [f64::NAN; 2]);
-        if self.to_mark.is_none() {
-            self.to_mark = Some(self.extremes.clone());
+        let decided = |mut watch: Watch| {
+            watch.decide_all_at_rating();
+            watch
+        };
+        let whole = self.watch.take().map(decided);
+        [self.to_mark.take().map(decided).or_else(|| whole.clone()), whole]
+    }
+}
+
+/// Looks for new extremes and crossings of one coupler in a step.
+fn look(watch: &mut Watch, taken: &Taken, i: usize) {
+    let reaches = taken.reaches(i);
+    let open = [false, true].map(|negative| reaches[usize::from(negative)] > watch.level(i, negative));
+    let at_rating = [false, true].map(|negative| watch.at_rating(i, negative));
+    if open == [false; 2] && at_rating == [false; 2] {
+        return;
+    }
+    let mut c = [0.0; DEGREE + 1];
+    taken.series.tension_of(taken.state, i, taken.width, &mut c);
+    let c = &mut c[..=taken.series.terms];
+    let start_n = taken.couplers[i].start[1];
+    let push: f64 = c.iter().rev().sum();
+    c[0] += start_n;
+    let bend: f64 = c.iter().enumerate().skip(2).map(|(k, c)| k as f64 * c.abs()).sum();
+    for side in [0, 1] {
+        let negative = side == 1;
+        let sign = if negative { -1.0 } else { 1.0 };
+        if at_rating[side] {
+            watch.note_push(i, negative, sign * push, sign * (start_n + push));
+        }
+        if open[side] && c[1].abs() > bend {
+            note_monotonic(watch, taken, (i, negative), c);
+        } else if open[side] && reach(c, sign) > watch.level(i, negative) {
+            note(watch, taken, (i, negative), c);
+        }
+        if at_rating[side] {
+            watch.note_left_rating(i, negative, sign * (start_n + push));
         }
     }
 }
 
-/// Where in 0..=1 the polynomial is largest, and its value, if above `best`.
-fn largest(c: &[f64], best: f64) -> Option<(f64, f64)> {
-    let mut found: Option<(f64, f64)> = None;
-    let mut take = |s: f64| {
-        let value = roots::at(c, s);
-        if value > found.map_or(best, |f| f.1) {
-            found = Some((s, value));
-        }
+/// A force that rises or falls all through a step is largest at an end of it.
+fn note_monotonic(watch: &mut Watch, taken: &Taken, (i, negative): (usize, bool), c: &[f64]) {
+    let sign = if negative { -1.0 } else { 1.0 };
+    let (at, value) = if sign * c[1] > 0.0 { (taken.to, sign * roots::at(c, 1.0)) } else { (taken.from, sign * c[0]) };
+    let is_over = watch.peaks[i].side(negative).first_over.is_some();
+    if value <= watch.level(i, negative) {
+        return;
+    }
+    if is_over || value < watch.cautious_rating(i, negative) {
+        watch.note_value(i, negative, at.min(watch.horizon()), value);
+    } else {
+        note(watch, taken, (i, negative), c);
+    }
+}
+
+fn note(watch: &mut Watch, taken: &Taken, (i, negative): (usize, bool), c: &[f64]) {
+    let local = Local::of_step(c, taken.from, taken.width);
+    let exact = |t: Dd| roots::at(c, (t - Dd::from(taken.from)).to_f64() / taken.width);
+    watch.note(i, negative, &local, 1.0, exact);
+}
+
+/// The extremes that a watch has seen.
+pub fn extremes(watch: &Watch) -> Vec<Extremes> {
+    let of = |peaks: &crate::solve::watch::SpringPeaks| Extremes {
+        draft: Peak { force_n: peaks.draft.best.value, time_s: peaks.draft.best.at },
+        buff: Peak { force_n: -peaks.buff.best.value, time_s: peaks.buff.best.at },
     };
-    take(0.0);
-    take(1.0);
-    // At a maximum inside, the slope turns from positive to negative: all are tried, from left to right.
-    let mut slope = [0.0; DEGREE + 1];
-    let n = c.len();
-    let bend: f64 = c.iter().enumerate().skip(2).map(|(k, c)| k as f64 * c.abs()).sum();
-    if c.get(1).is_none_or(|c| c.abs() > bend) {
-        return found;
-    }
-    let (mut at, mut falling) = (0.0, false);
-    for _ in 0..n {
-        for (k, s) in slope[..n - 1].iter_mut().enumerate() {
-            *s = (k + 1) as f64 * c[k + 1];
-        }
-        if at == 0.0 {
-            falling = slope[0] < 0.0;
-        } else {
-            roots::restrict_to(&mut slope[..n - 1], at, 1.0);
-            slope[0] = 0.0;
-        }
-        // Looks for the next instant at which the slope has the other sign.
-        let sign = if falling { 1.0 } else { -1.0 };
-        slope[..n - 1].iter_mut().for_each(|s| *s *= sign);
-        let Some(s) = roots::first_positive(&slope[..n - 1]) else { break };
-        at += s * (1.0 - at);
-        if !falling {
-            take(at);
-        }
-        falling = !falling;
-        if at >= 1.0 {
-            break;
-        }
-    }
-    found
+    watch.peaks.iter().map(of).collect()
 }

@@ -33,7 +33,8 @@ pub struct Series {
     pub terms: usize,
     /// Outside forces in time: vehicle and coefficient of each power.
     pub outside: Vec<Vec<(usize, f64)>>,
-    tension: Vec<f64>,
+    /// Forces less those at t = 0, and at the beginning of a step what their rounding has left.
+    tension: [Vec<f64>; 2],
     /// Per coupler: sum of the magnitudes of the powers from 2 on, and of each times its power.
     pub reach: Vec<f64>,
     pub reach_of_speed: Vec<f64>,
@@ -83,13 +84,16 @@ impl Series {
             v: rows(vehicles),
             terms: DEGREE,
             outside: vec![Vec::new(); DEGREE + 1],
-            tension: vec![0.0; vehicles + 1],
+            tension: [vec![0.0; vehicles + 1], vec![0.0; vehicles + 1]],
             reach: vec![0.0; vehicles + 1],
             reach_of_speed: vec![0.0; vehicles + 1],
         }
     }
 
     /// Computes `terms` powers of the series over a width; `outside` is already that of the same step.
+    ///
+    /// The force of a line through the state at t = 0, and the dashpot's share of it, are kept with their rounding errors, so
+    /// that the difference of two such forces is rounded by a share of itself, not of the forces.
     ///
     /// ```text
     /// q_i^(k+1) = (v_i - v_{i+1})^(k)        v_j^(k+1) = (F_{j-1} - F_j + f_j)^(k) / m_j
@@ -99,35 +103,36 @@ impl Series {
         self.q[0][from..=to].copy_from_slice(&state.q[0][from..=to]);
         self.v[0][from..to].copy_from_slice(&state.v[0][from..to]);
         for x in from..=to {
-            self.tension[x] = state.force[x] + state.slope[x] * ((state.q[0][x] - state.place[x]) + state.q[1][x]);
+            let (product, left) = two_product(state.slope[x], state.q[0][x] - state.place[x]);
+            self.tension[0][x] = state.force[x] + product;
+            self.tension[1][x] = left + state.slope[x] * state.q[1][x];
         }
         for k in 0..self.terms {
             let share = width / (k + 1) as f64;
             if k > 0 {
                 let (tension, q, slope) =
-                    (&mut self.tension[from..=to], &self.q[k][from..=to], &state.slope[from..=to]);
+                    (&mut self.tension[0][from..=to], &self.q[k][from..=to], &state.slope[from..=to]);
                 tension.iter_mut().zip(q).zip(slope).for_each(|((t, q), s)| *t = s * q);
             }
             let next = &mut self.q[k + 1];
             speed_difference(&self.v[k], if k == 0 { Some(&state.v[1]) } else { None }, [from, to], next);
             if !state.dashpot.is_empty() {
-                let pairs = state.dashpot[from..=to].iter().zip(&next[from..=to]);
-                self.tension[from..=to]
-                    .iter_mut()
-                    .zip(pairs)
-                    .for_each(|(t, (c, speed_difference))| *t += c * speed_difference);
+                add_drag(&mut self.tension, state, next, k == 0, [from, to]);
             }
             next[from..=to].iter_mut().for_each(|x| *x *= share);
             let next = &mut self.v[k + 1][from..to];
-            let pairs = self.tension[from..to].iter().zip(&self.tension[from + 1..=to]);
-            for ((v, m), (ahead, behind)) in next.iter_mut().zip(&state.inverse_mass[from..to]).zip(pairs) {
-                *v = share * m * (ahead - behind);
-            }
-            if k == 0 {
-                for (v, (m, f)) in
-                    next.iter_mut().zip(state.inverse_mass[from..to].iter().zip(&state.unbalanced[from..to]))
-                {
-                    *v += share * m * f;
+            let [tension, left] = &self.tension;
+            let pairs = tension[from..to].iter().zip(&tension[from + 1..=to]);
+            let masses = state.inverse_mass[from..to].iter();
+            if k > 0 {
+                for ((v, m), (ahead, behind)) in next.iter_mut().zip(masses).zip(pairs) {
+                    *v = share * m * (ahead - behind);
+                }
+            } else {
+                let left = left[from..to].iter().zip(&left[from + 1..=to]);
+                let forces = pairs.zip(left).zip(&state.unbalanced[from..to]);
+                for ((v, m), (((ahead, behind), (of_ahead, of_behind)), f)) in next.iter_mut().zip(masses).zip(forces) {
+                    *v = share * m * (((ahead - behind) + (of_ahead - of_behind)) + f);
                 }
             }
             for &(v, f) in &self.outside[k] {
@@ -232,6 +237,36 @@ fn speed_difference(v: &[f64], rest: Option<&Vec<f64>>, [from, to]: [usize; 2], 
     if let Some(rest) = rest {
         differences(rest, out);
     }
+}
+
+/// Adds the dashpots' forces; at the `beginning` of a step with the rounding errors of the sums.
+fn add_drag(
+    [tension, left]: &mut [Vec<f64>; 2],
+    state: &State,
+    difference: &[f64],
+    beginning: bool,
+    [from, to]: [usize; 2],
+) {
+    for x in from..=to {
+        let drag = state.dashpot[x] * difference[x];
+        if beginning {
+            let (sum, rest) = two_sum(tension[x], drag);
+            (tension[x], left[x]) = (sum, left[x] + rest);
+        } else {
+            tension[x] += drag;
+        }
+    }
+}
+
+/// The product and its rounding error (Dekker, with Veltkamp's halves).
+fn two_product(a: f64, b: f64) -> (f64, f64) {
+    let halves = |x: f64| {
+        let high = 134_217_729.0 * x;
+        let high = high - (high - x);
+        (high, x - high)
+    };
+    let (product, (a, a_low), (b, b_low)) = (a * b, halves(a), halves(b));
+    (product, ((a * b - product) + a * b_low + a_low * b) + a_low * b_low)
 }
 
 /// The sum and its rounding error (Knuth).

@@ -1,5 +1,6 @@
 //! The march itself: from event to event.
 
+use super::breaks::Breaks;
 use super::energy::Audit;
 use super::events::{Event, terms, unbalanced};
 use super::forces::Forces;
@@ -50,6 +51,8 @@ pub struct March<'a> {
     pub stopped: Option<(usize, f64)>,
     pub audit: Option<Audit>,
     pub proof: Option<Proof>,
+    /// Where the proof follows couplers that break.
+    pub breaks: Option<Breaks>,
     pub t: f64,
     pub events: u64,
     pub steps: u64,
@@ -104,12 +107,13 @@ impl<'a> March<'a> {
             state,
             series: Series::new(n),
             forces: Forces::of(problem),
-            record: Record::new(&problem.start.iter().map(|r| r.force_n).collect::<Vec<f64>>(), ask),
+            record: Record::new(ask),
             partings: Vec::new(),
             closures: Vec::new(),
             stopped: None,
             audit: None,
             proof: None,
+            breaks: None,
             t: 0.0,
             events: 0,
             steps: 0,
@@ -126,8 +130,7 @@ impl<'a> March<'a> {
         march.set_scales();
         march.audit = ask.audit.then(|| Audit::new(&march));
         for &i in &problem.gone {
-            march.part(i);
-            march.record.restart_parted(i, march.start[i][1] + march.state.tension(i));
+            march.part(i, f64::INFINITY);
         }
         march.shrink();
         march
@@ -170,12 +173,12 @@ impl<'a> March<'a> {
             (line.place, line.force, line.slope);
     }
 
-    /// Coupler `i` parts now.
-    fn part(&mut self, i: usize) {
+    /// Coupler `i` parts now, or by so much earlier or later.
+    pub fn part(&mut self, i: usize, uncertainty_s: f64) {
         let force_n = self.start[i][1] + self.state.tension(i);
         let q = self.state.elongation(i);
         let before_j = self.couplers[i].energy(q);
-        self.couplers[i].part(&self.problem.laws[i], q);
+        self.couplers[i].part(Some(&self.problem.laws[i]).filter(|_| self.problem.contact), q);
         let energy_j = before_j - self.couplers[i].energy(q);
         if let Some(audit) = &mut self.audit {
             audit.release(energy_j);
@@ -184,7 +187,7 @@ impl<'a> March<'a> {
             *c = 0.0;
         }
         self.set_line(i);
-        self.partings.push(Parting { coupler: i, time_s: self.t, force_n, energy_j, uncertainty_s: f64::INFINITY });
+        self.partings.push(Parting { coupler: i, time_s: self.t, force_n, energy_j, uncertainty_s });
         if let Some(emergency) = &self.problem.emergency {
             self.forces.apply_from_coupler(emergency, self.problem.direction(), i, self.t);
         }
@@ -211,14 +214,24 @@ impl<'a> March<'a> {
         self.width = width;
         self.expand(width);
         let found: Vec<Event> = self.first_event(width);
+        let broken = self.find_breaks();
         let mut next = if width == left { kink } else { self.t + width };
-        if let Some(share) = found.iter().map(|e| e.0).reduce(f64::min) {
+        if let Some(share) = found.iter().map(|e| e.0).chain(broken.as_ref().map(|b| b.share)).reduce(f64::min) {
             width *= share;
             next = self.t + width;
             self.series.cut(&self.state, share);
         }
-        let taken = Taken { state: &self.state, series: &self.series, from: self.t, width };
-        self.record.add_step(&taken, &self.start);
+        let taken = Taken {
+            state: &self.state,
+            series: &self.series,
+            couplers: &self.couplers,
+            contact: self.problem.contact,
+            from: self.t,
+            to: next,
+            width,
+        };
+        self.record.add_step(&taken);
+        self.follow_gaps(width);
         if let Some(audit) = &mut self.audit {
             audit.work(&self.state, &self.series, &self.start, width);
         }
@@ -239,6 +252,10 @@ impl<'a> March<'a> {
         self.audit_step();
         for (_, i, what) in found {
             self.happens(i, what);
+        }
+        if let Some(broken) = broken {
+            self.events += broken.couplers.len() as u64;
+            self.break_now(&broken);
         }
         self.shrink();
     }
@@ -263,7 +280,7 @@ impl<'a> March<'a> {
                 }
                 self.set_line(i);
             }
-            EventKind::Breaks => self.part(i),
+            EventKind::Breaks => self.part(i, f64::INFINITY),
             EventKind::Stops => self.stopped = Some((i, self.t)),
         }
     }

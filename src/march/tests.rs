@@ -28,6 +28,7 @@ fn train(laws: Vec<Law>, start: Vec<Rest>, speed_m_s: Vec<f64>) -> Problem {
         steady_n: vec![0.0; n],
         forcing: vec![(n - 1, crate::play::Drive::HalfSine { peak: 7e5, duration: 0.8 })],
         gone: Vec::new(),
+        contact: true,
         break_at_n: Vec::new(),
         emergency: None,
         application: None,

@@ -2,7 +2,7 @@
 
 use crate::law::Law;
 use crate::play::Rule;
-use crate::scenario::Motion;
+use crate::scenario::is_proportional;
 use crate::train::{Event, Scenario, Train};
 
 /// An assumption with its effect: what it is, the real draft and the real buff against those of the report, and why.
@@ -51,7 +51,7 @@ pub fn rows(train: &Train, scenarios: &[&Scenario]) -> Vec<Row> {
         "no emergency brake after a parting"
     };
     let powered = scenarios.iter().all(|s| s.response.efforts.is_empty());
-    let marched = scenarios.iter().all(|s| Motion::of(train, s) == Motion::Events);
+    let marched = scenarios.iter().all(|s| !is_proportional(train, s));
     let when = |bears: bool, row: Row| bears.then_some(row);
     let rows = [
         when(!damped && !gears && !impact, ["no losses in the couplers", LESS, LESS, REFLECTIONS]),

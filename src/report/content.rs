@@ -8,7 +8,7 @@ use super::section::{overview, section};
 use super::train_facts::train_facts;
 use super::{assumptions, words};
 use crate::findings::Analysis;
-use crate::scenario::Motion;
+use crate::scenario::is_proportional;
 use crate::train::Train;
 
 /// The whole report; `shown` is what is drawn of each scenario.
@@ -94,7 +94,7 @@ fn model(train: &Train, analysis: &Analysis) -> [Block; 3] {
         _ => SPRINGS,
     };
     let cascades = analysis.scenarios.iter().flat_map(|s| &s.cases).any(|c| c.cascade.is_some());
-    let marched = ran.iter().any(|s| Motion::of(train, s) == Motion::Events);
+    let marched = ran.iter().any(|s| !is_proportional(train, s));
     let breaks = match (cascades, marched) {
         (true, true) => CASCADE.to_owned() + MEETING,
         (true, false) => CASCADE.to_owned() + NO_MEETING,

@@ -1,7 +1,7 @@
-//! A scenario as a march: trains with slack and gears, and forces from outside that change on several vehicles.
+//! A scenario as a march: what steps of force on an undamped linear chain at rest cannot represent.
 
-use super::plays::speed_m_per_s;
-use super::{brakes, break_loads, initial_force_n};
+use super::start::speed_m_per_s;
+use super::{brakes, break_loads, initial_force_n, is_proportional};
 use crate::law::{Law, Rest};
 use crate::march::Problem;
 use crate::play::{Drive, Rule};
@@ -30,6 +30,7 @@ pub fn march(train: &Train, scenario: &Scenario, broken: Option<usize>, until_s:
         steady_n: steady_n(train, event),
         forcing: forcing(scenario, horizon_s),
         gone: broken.into_iter().collect(),
+        contact: !is_proportional(train, scenario),
         break_at_n: if rule == Rule::Keep { vec![] } else { (0..last).map(breaks).collect() },
         emergency: brakes::of_partings(train, scenario),
         application: brakes::of_event(train, scenario),

@@ -9,24 +9,27 @@ pub(crate) enum Motion {
     Steps,
     /// The same with this damping ratio in every mode: by [`crate::solve::damped_modes`].
     DampedModes(f64),
-    /// Linear couplers with dashpots, forces of other shapes, or speeds at the start: by [`crate::solve::taylor`].
-    Taylor,
-    /// Couplers that are not linear, or brakes and tractive efforts that change after the event: by [`crate::march`].
-    Events,
+    /// All else, from event to event: by [`crate::march`].
+    March,
 }
 
 impl Motion {
     /// That of a scenario of a train.
     pub(crate) fn of(train: &Train, scenario: &Scenario) -> Motion {
         let extras = train.extras();
-        if !extras.laws.is_empty() || scenario.applies_brakes() || !scenario.response.efforts.is_empty() {
-            Motion::Events
-        } else if extras.dashpot_n_s_per_m.iter().any(|c| *c > 0.0) || scenario.event.beyond_steps() {
-            Motion::Taylor
+        let damped = extras.dashpot_n_s_per_m.iter().any(|c| *c > 0.0);
+        if !is_proportional(train, scenario) || damped || scenario.event.beyond_steps() {
+            Motion::March
         } else if extras.damping_ratio > 0.0 {
             Motion::DampedModes(extras.damping_ratio)
         } else {
             Motion::Steps
         }
     }
+}
+
+/// Whether the forces that an event adds grow in proportion to their cause: with linear couplers and without brakes and changing
+/// tractive efforts. Their error is proven; once parted, their pieces do not push each other.
+pub(crate) fn is_proportional(train: &Train, scenario: &Scenario) -> bool {
+    train.extras().laws.is_empty() && !scenario.applies_brakes() && scenario.response.efforts.is_empty()
 }

@@ -1,15 +1,12 @@
 //! Forces of every spring at many instants, for pictures: right to a line's width, and no error bound.
 
-use super::{closed_form, damped_modes::Damped, modal, observers, propagator, sums, taylor};
+use super::{closed_form, damped_modes::Damped, modal, observers, propagator, sums};
 use crate::chain::Scene;
-use crate::play::Play;
 
 /// Most springs times steps, or products, for a picture: under a second.
 const MOST: f64 = 2e8;
 /// A step of fewer springs takes as long as one of this many.
 const FEWEST: f64 = 32.0;
-/// Seconds that a march by Taylor series may take.
-const MOST_SECONDS: f64 = 2.0;
 /// Steps are so many times finer than the method needs, as far as they are affordable: the cubic between their ends is then
 /// right to 5 / 384 (1.5 / 3)^4 = 8e-4 of the fastest mode's amplitude.
 const FINER: [f64; 3] = [3.0, 2.0, 1.0];
@@ -42,13 +39,4 @@ pub(crate) fn of_scene(scene: &Scene, damping_ratio: f64, times: &[f64], see: Si
         sums::field(scene, &modes, times, see);
     }
     by_modes
-}
-
-/// The same of a play; a broken spring's force is NaN.
-pub(crate) fn of_play(play: &Play, times: &[f64], see: Sink) -> bool {
-    let affordable = taylor::estimate_s(play) <= MOST_SECONDS;
-    if affordable {
-        taylor::field(play, times, see);
-    }
-    affordable
 }

@@ -44,6 +44,23 @@ struct Piece {
 }
 
 impl Local {
+    /// A polynomial over a step from 0 to 1, lowest power first, about the middle of the step.
+    pub fn of_step(c: &[f64], from: f64, width: f64) -> Local {
+        let mut shifted = [0.0; COEFFICIENTS];
+        shifted[..c.len()].copy_from_slice(c);
+        for j in 0..c.len() {
+            for k in (j..c.len() - 1).rev() {
+                shifted[k] += 0.5 * shifted[k + 1];
+            }
+        }
+        let mut half = 1.0;
+        for s in &mut shifted {
+            *s *= half;
+            half *= 0.5;
+        }
+        Local { coefficient: shifted, terms: c.len(), center: from + 0.5 * width, radius: 0.5 * width }
+    }
+
     /// The same with the sign turned: its largest value is minus the smallest of `self`.
     pub(crate) fn negated(&self) -> Local {
         Local { coefficient: self.coefficient.map(|c| -c), ..*self }
@@ -236,6 +253,13 @@ impl Piece {
         let top = hermite_top(self.b - self.a, [self.fa, self.da], [self.fb, self.db]);
         Point { at: self.a + top.at, value: top.value }
     }
+}
+
+/// A quick bound from above on `sign` times a polynomial over a step from 0 to 1, lowest power first.
+pub(crate) fn reach(c: &[f64], sign: f64) -> f64 {
+    let end: f64 = c.iter().rev().sum();
+    let bend: f64 = c.iter().enumerate().skip(2).map(|(k, c)| (k * (k - 1)) as f64 * c.abs()).sum();
+    (sign * c[0]).max(sign * end) + 0.125 * bend
 }
 
 /// The largest value over [0, h] of the cubic with value and slope `left` at 0 and `right` at h.

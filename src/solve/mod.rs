@@ -6,9 +6,8 @@
 //! | [`Method::Modal`] | sums over modes, by the paper's formula or found numerically | no | springs x modes x instants, and the modes |
 //! | [`Method::Propagator`] | steps that are exact in time | no | springs behind the front x steps |
 //!
-//! Beyond steps of force on undamped chains: [`taylor`] follows dashpots, initial speeds, forces of any shape and couplers that
-//! break on the way; [`damped_modes`] sums modes that all have the same damping ratio. Many loads and ratings of a chain are judged from its
-//! [`response`] to a unit force, marched once.
+//! Beyond steps of force on undamped chains [`damped_modes`] sums modes that all have the same damping ratio; all else is marched, by
+//! [`crate::march`]. Many loads and ratings of a chain are judged from its [`response`] to a unit force, marched once.
 
 pub mod between;
 pub mod closed_form;
@@ -30,7 +29,6 @@ pub mod search;
 pub mod series;
 pub mod statics;
 pub mod sums;
-pub mod taylor;
 pub mod watch;
 
 use crate::chain::Scene;

@@ -113,18 +113,32 @@ pub struct Watch {
 impl Watch {
     /// Before the event, with the error bound of the forces to come.
     pub fn new(scene: &Scene, bound: f64) -> Watch {
-        let ratings: Vec<[f64; 2]> =
-            (0..scene.initial.len()).map(|i| [scene.rated_draft[i], scene.rated_buff[i]]).collect();
-        // A forward force first pushes what is before it together and pulls at what is behind it. Without a force the
-        // first push is not known here: the caller notes it ([`Watch::note_push`]).
+        let ratings = (0..scene.initial.len()).map(|i| [scene.rated_draft[i], scene.rated_buff[i]]).collect();
+        // A forward force first pushes what is before it together and pulls at what is behind it.
         let pushes =
             |i: usize, negative: bool| scene.force != 0.0 && ((i >= scene.source) == (scene.force > 0.0)) != negative;
+        Watch::with_pushes(&scene.initial, ratings, scene.horizon, bound, pushes)
+    }
+
+    /// The same from forces and ratings alone: which way a spring is first pushed is not known, and the caller notes it
+    /// ([`Watch::note_push`]).
+    pub(crate) fn of_forces(initial: &[f64], ratings: Vec<[f64; 2]>, horizon: f64, bound: f64) -> Watch {
+        Watch::with_pushes(initial, ratings, horizon, bound, |_, _| false)
+    }
+
+    fn with_pushes(
+        initial: &[f64],
+        ratings: Vec<[f64; 2]>,
+        horizon: f64,
+        bound: f64,
+        pushes: impl Fn(usize, bool) -> bool,
+    ) -> Watch {
         let at_rest = |(i, r): (usize, &[f64; 2])| SpringPeaks {
-            draft: Side::at_rest(scene.initial[i], r[0], bound, pushes(i, false)),
-            buff: Side::at_rest(-scene.initial[i], r[1], bound, pushes(i, true)),
+            draft: Side::at_rest(initial[i], r[0], bound, pushes(i, false)),
+            buff: Side::at_rest(-initial[i], r[1], bound, pushes(i, true)),
         };
         let peaks = ratings.iter().enumerate().map(at_rest).collect();
-        Watch { peaks, ratings, horizon: scene.horizon, bound, min_rise: MIN_RISE * bound }
+        Watch { peaks, ratings, horizon, bound, min_rise: MIN_RISE * bound }
     }
 
     /// A copy that ends at an instant before the horizon.

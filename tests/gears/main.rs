@@ -5,7 +5,6 @@ mod cli;
 mod gears;
 mod hard;
 mod invariants;
-mod linear;
 mod oracles;
 mod published;
 mod tables;

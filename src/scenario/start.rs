@@ -1,11 +1,8 @@
-//! A scenario as a problem of the whole train, in the solvers' units.
+//! How a train stands at t = 0: forces in its couplers, speeds of its vehicles, and the loads that would break it.
 
 use std::ops::Range;
 
-use super::{Scales, chain_of};
-use crate::chain::Scene;
-use crate::play::{Drive, Play, Rule};
-use crate::train::{Event, LIMITS, Limits, Scenario, Train, steady_forces};
+use crate::train::{Event, LIMITS, Limits, Train, steady_forces};
 
 /// The loads at which coupler `i` breaks in a cascade, N, in draft and in buff, each with the key that gives it: its ultimate
 /// load where it has one in that sense, else its rating.
@@ -50,44 +47,6 @@ pub(crate) fn unbalanced_n(train: &Train, event: &Event) -> Vec<f64> {
     }
     let before = initial_force_n(train, event);
     before.iter().zip(train.initial_force_n()).map(|(before, steady)| before - steady).collect()
-}
-
-/// The whole train with an event; `broken` is the coupler that breaks in a case of a break.
-pub fn play(train: &Train, scenario: &Scenario, broken: Option<usize>, horizon_s: f64, rule: Rule) -> Play {
-    let scales = Scales::of(train);
-    let last = train.vehicles().len() - 1;
-    let force = |n: f64| n / scales.force_n;
-    let time = |s: f64| s / scales.time_s;
-    let (source, drive) = match &scenario.event {
-        Event::Pulse(pulse) => (pulse.vehicle, pulse.drive().scaled(1.0 / scales.time_s, 1.0 / scales.force_n)),
-        _ => (usize::from(train.vehicles()[0].held), Drive::none()),
-    };
-    let unit = scales.force_n * scales.time_s / scales.mass_kg;
-    let velocity = (0..=last).map(|v| speed_m_per_s(&scenario.event, v, last) / unit).collect();
-    let damping = scales.stiffness_n_per_m * scales.time_s;
-    let dashpot = train.extras().dashpot_n_s_per_m.iter().map(|c| c / damping);
-    let mut dashpot: Vec<f64> = dashpot.collect();
-    dashpot.resize(last, 0.0);
-    let start = unbalanced_n(train, &scenario.event).into_iter().map(force).collect();
-    Play {
-        scene: Scene {
-            chain: chain_of(train, 0, last, &scales),
-            source,
-            force: 0.0,
-            duration: 0.0,
-            initial: initial_force_n(train, &scenario.event).into_iter().map(force).collect(),
-            rated_draft: train.couplers().iter().map(|c| force(c.rated_draft_n)).collect(),
-            rated_buff: train.couplers().iter().map(|c| force(c.rated_buff_n)).collect(),
-            horizon: time(horizon_s),
-        },
-        drive,
-        dashpot,
-        start,
-        velocity,
-        broken: broken.into_iter().collect(),
-        rule,
-        break_at: (0..last).map(|i| break_loads(train, i).map(|(n, _)| force(n))).collect(),
-    }
 }
 
 /// Speed of a vehicle relative to the standing ones at t = 0, forward positive: arriving ones move toward them.

@@ -1,8 +1,9 @@
-//! Steps by Taylor series against closed forms and against the methods for undamped chains.
+//! The march of linear chains against closed forms and against the methods for undamped chains.
 
+use crate::linear::{Linear, bound, sides};
 use trainsafe::chain::{Chain, Scene};
-use trainsafe::play::{Drive, Play, Rule};
-use trainsafe::solve::taylor::{self, TaylorOutcome};
+use trainsafe::march::{Bound, MarchOutcome};
+use trainsafe::play::{Drive, Rule};
 use trainsafe::solve::{Ask, Method, solve};
 
 const PI: f64 = std::f64::consts::PI;
@@ -34,37 +35,30 @@ fn uneven(masses: usize, held_head: bool, held_tail: bool) -> Scene {
     scene
 }
 
-fn play(scene: Scene) -> Play {
-    let (springs, masses) = (scene.initial.len(), scene.chain.mass.len());
-    Play {
-        scene,
-        drive: Drive::none(),
-        dashpot: vec![0.0; springs],
-        start: vec![0.0; springs],
-        velocity: vec![0.0; masses],
-        broken: Vec::new(),
-        rule: Rule::Keep,
-        break_at: Vec::new(),
-    }
+fn linear(scene: &Scene) -> Linear {
+    let rated = scene.rated_draft.iter().zip(&scene.rated_buff).map(|(d, b)| [*d, *b]).collect();
+    Linear::new(&scene.chain, &scene.initial, rated, scene.horizon)
 }
 
-fn run(play: &Play) -> TaylorOutcome {
-    taylor::solve(play).expect("short")
+/// The largest F and -F of coupler 0, and when.
+fn both(out: &MarchOutcome) -> Extremes {
+    let [draft, buff] = sides(out, 0);
+    Extremes { draft, buff }
 }
 
 /// [P] figure 4 as one chain of which a coupler breaks: numbers from the closed form in 40-digit arithmetic.
 #[test]
 fn the_papers_break() {
-    let mut p = play(equal(52, true, true, 1.0));
-    p.scene.horizon = 200.0;
-    p.broken = vec![50];
-    let out = run(&p);
-    let buff = out.springs[0].buff;
-    assert!((buff.first_over.expect("over") - 53.152_089_806_626_6).abs() < 1e-11, "the number's last digits");
-    let draft = out.springs[0].draft.best;
-    assert!((draft.value - 1.508_352_695_662_44).abs() < out.error_bound + 1e-14, "{draft:?} {buff:?}");
-    assert!((draft.at - 157.917_356_441_113).abs() < 1e-5, "flat: the root of the bound");
-    assert!(out.error_bound < 1e-11, "{:e}", out.error_bound);
+    let mut p = linear(&equal(52, true, true, 1.0));
+    (p.problem.horizon_s, p.problem.mark_s) = (200.0, 200.0);
+    p.problem.gone = vec![50];
+    let out = p.run();
+    let buff = out.first_over_s[0][1].expect("over");
+    assert!((buff - 53.152_089_806_626_6).abs() < 1e-11, "the number's last digits");
+    let draft = both(&out).draft;
+    assert!((draft.0 - 1.508_352_695_662_44).abs() < bound(&out) + 1e-14, "{draft:?} {buff:?}");
+    assert!((draft.1 - 157.917_356_441_113).abs() < 1e-5, "flat: the root of the bound");
+    assert!(bound(&out) < 1e-11, "{:e}", bound(&out));
 }
 
 /// Breaks in the middle and rectangular pulses on uneven chains, each against a sum over modes with its own bound.
@@ -73,8 +67,8 @@ fn undamped_chains_agree_with_sums_over_modes() {
     let ask = Ask { tolerance: 1e-9, method: Some(Method::Modal), ..Ask::default() };
     for (held_head, held_tail) in [(false, false), (true, false), (false, true), (true, true)] {
         for pulse in [false, true] {
-            let mut p = play(uneven(24, held_head, held_tail));
-            let whole = p.scene.clone();
+            let whole = uneven(24, held_head, held_tail);
+            let mut p = linear(&whole);
             let initial = whole.initial.clone();
             let part = |from: usize, to: usize, source: usize, force: f64, duration: f64| {
                 let mut scene = whole.clone();
@@ -87,26 +81,26 @@ fn undamped_chains_agree_with_sums_over_modes() {
                 (from, solve(&scene, &ask).expect("small"))
             };
             let others = if pulse {
-                p.scene.source = 9;
-                p.drive = Drive::rectangle(-0.7, 6.4);
+                p.problem.forcing = vec![(9, Drive::rectangle(-0.7, 6.4))];
                 vec![part(0, 23, 9, -0.7, 6.4)]
             } else {
-                p.broken = vec![14];
+                p.problem.gone = vec![14];
                 let lost = initial[14];
                 vec![part(0, 14, 14, lost, f64::INFINITY), part(15, 23, 15, -lost, f64::INFINITY)]
             };
-            let out = run(&p);
+            let out = p.run();
             for (from, other) in others {
-                let bound = out.error_bound + other.error_bound;
+                let bound = bound(&out) + other.error_bound;
                 for (i, peaks) in other.springs.iter().enumerate() {
-                    let (a, b) = (out.springs[from + i], peaks.expect("all are asked for"));
-                    for negative in [false, true] {
-                        let (a, b) = (a.side(negative), b.side(negative));
-                        assert!((a.best.value - b.best.value).abs() <= bound, "{i} {a:?} {b:?} {bound:e}");
-                        assert_eq!(a.exceeds(), b.exceeds());
-                        let apart = a.first_over.zip(b.first_over).map_or(0.0, |(x, y)| (x - y).abs());
+                    let b = peaks.expect("all are asked for");
+                    for (side, b) in [b.draft, b.buff].into_iter().enumerate() {
+                        let a = sides(&out, from + i)[side];
+                        assert!((a.0 - b.best.value).abs() <= bound, "{i} {a:?} {b:?} {bound:e}");
+                        assert_eq!(out.exceeds[from + i][side], b.exceeds());
+                        let first = out.first_over_s[from + i][side];
+                        let apart = first.zip(b.first_over).map_or(0.0, |(x, y)| (x - y).abs());
                         // Where the slope at the crossing is not small the bound in force is a bound in time.
-                        assert!(apart < 1e-9, "{a:?} {b:?}");
+                        assert!(apart < 1e-9, "{first:?} {b:?}");
                     }
                 }
             }
@@ -121,30 +115,22 @@ fn two_vehicles_meet() {
     let mut scene = equal(2, false, false, 0.0);
     (scene.chain.mass, scene.chain.stiffness) = (vec![m; 2], vec![k]);
     scene.horizon = 4.0;
-    let mut p = play(scene);
-    p.velocity = vec![-v, 0.0];
-    let out = run(&p);
+    let mut p = linear(&scene);
+    p.problem.speed_m_s = vec![-v, 0.0];
+    let out = p.run();
     let (force, half) = (v * (k * m / 2.0f64).sqrt(), PI * (m / (2.0 * k)).sqrt());
     let Extremes { draft, buff } = both(&out);
-    assert!((buff.0 - force).abs() < out.error_bound && (draft.0 - force).abs() < out.error_bound);
+    assert!((buff.0 - force).abs() < bound(&out) && (draft.0 - force).abs() < bound(&out));
     // At a flat peak an error of the bound in force is one of its root in time.
-    let flat = (out.error_bound / force).sqrt() * half;
+    let flat = (bound(&out) / force).sqrt() * half;
     assert!((buff.1 - 0.5 * half).abs() < flat && (draft.1 - 1.5 * half).abs() < flat);
-    let zero = taylor::history(&p, 0, &[half, 2.0 * half]);
-    assert!(zero.iter().all(|f| f.abs() < out.error_bound), "{zero:?}");
+    let zero = p.history(0, &[half, 2.0 * half]);
+    assert!(zero.iter().all(|f| f.abs() < bound(&out)), "{zero:?}");
 }
 
 struct Extremes {
     draft: (f64, f64),
     buff: (f64, f64),
-}
-
-fn both(out: &TaylorOutcome) -> Extremes {
-    let side = |negative: bool| {
-        let best = out.springs[0].side(negative).best;
-        (best.value, best.at)
-    };
-    Extremes { draft: side(false), buff: side(true) }
 }
 
 /// One vehicle behind a held head, forces of any shape: the convolution with sin in closed form, at resonance and off it.
@@ -153,10 +139,10 @@ fn shapes_of_pulse_on_one_spring() {
     let scene = |horizon: f64| Scene { horizon, ..equal(2, true, false, 0.0) };
     let times: Vec<f64> = (1..200).map(|i| 0.1 * f64::from(i)).collect();
     let check = |drive: Drive, expected: &dyn Fn(f64) -> f64| {
-        let mut p = play(scene(20.0));
-        p.drive = drive;
-        let bound = taylor::solve(&p).expect("short").error_bound;
-        for (t, f) in times.iter().zip(taylor::history(&p, 0, &times)) {
+        let mut p = linear(&scene(20.0));
+        p.problem.forcing = vec![(1, drive)];
+        let bound = bound(&p.run());
+        for (t, f) in times.iter().zip(p.history(0, &times)) {
             // The closed forms below round a few times themselves.
             assert!((f - expected(*t)).abs() < bound + 4e-15, "{t}: {f} is not {}", expected(*t));
         }
@@ -186,12 +172,12 @@ fn shapes_of_pulse_on_one_spring() {
 #[test]
 fn one_damped_spring() {
     for z in [0.05, 0.2, 1.0, 6.0] {
-        let mut p = play(Scene { horizon: 30.0, ..equal(2, true, false, 0.0) });
-        p.dashpot = vec![2.0 * z];
-        p.drive = Drive::rectangle(-1.0, 40.0);
-        let bound = run(&p).error_bound;
+        let mut p = linear(&Scene { horizon: 30.0, ..equal(2, true, false, 0.0) });
+        p.problem.dashpot_n_s_per_m = vec![2.0 * z];
+        p.problem.forcing = vec![(1, Drive::rectangle(-1.0, 40.0))];
+        let bound = bound(&p.run());
         let times: Vec<f64> = (0..300).map(|i| 0.1 * f64::from(i)).collect();
-        for (t, f) in times.iter().zip(taylor::history(&p, 0, &times)) {
+        for (t, f) in times.iter().zip(p.history(0, &times)) {
             // F = x + 2 z x'; x = 1 - e^(-z t) (C + z S), x' = e^(-z t) S with C, S of sqrt(|1 - z^2|) t.
             let d = (1.0 - z * z).abs().sqrt();
             let (c, s) = match z {
@@ -213,27 +199,28 @@ fn one_damped_spring() {
 #[test]
 fn a_coupler_breaks_in_its_swing() {
     let swing = 2f64.sqrt();
-    let mut p = play(equal(2, false, false, 0.0));
-    p.velocity = vec![0.0, 3.0];
+    let mut p = linear(&equal(2, false, false, 0.0));
+    p.problem.speed_m_s = vec![0.0, 3.0];
     let force = 3.0 / swing;
-    p.scene.rated_draft = vec![1.5];
+    p.rated = vec![[1.5, 1.0]];
     for (rule, rating, from) in [(Rule::InBoth, 1.0, 0.0), (Rule::InDraft, 1.5, PI / swing)] {
-        p.rule = rule;
-        let out = run(&p);
-        let broken = &out.breakages[0];
+        let p = p.breaking(rule);
+        let out = p.run();
+        let broken = &out.partings[0];
         let phase = (rating / force).asin();
         let time = from + phase / swing;
         let slope = force * swing * phase.cos();
-        assert!((broken.time - time).abs() <= broken.uncertainty, "{} {time} {:e}", broken.time, broken.uncertainty);
-        assert!(broken.uncertainty < 3.0 * out.error_bound / slope + 1e-13, "{:e}", broken.uncertainty);
-        assert_eq!((broken.springs.as_slice(), out.breakages.len(), out.open), (&[0][..], 1, None));
-        assert!((broken.force[0].abs() - rating).abs() < out.error_bound);
-        // Energy: all of 9/2 is in the speeds and the spring; the spring's is lost. Rounding of a few squares.
-        assert!((broken.kinetic + broken.strain[0] - 4.5).abs() < 1e-12);
-        assert!((broken.strain[0] - 0.5 * rating * rating).abs() < 1e-12 && broken.strain[1] == 0.0);
+        assert!((broken.time_s - time).abs() <= broken.uncertainty_s, "{time} {broken:?}");
+        assert!(broken.uncertainty_s < 3.0 * bound(&out) / slope + 1e-13, "{broken:?}");
+        assert_eq!((broken.coupler, out.partings.len(), out.undecided), (0, 1, None));
+        assert!((broken.force_n.abs() - rating).abs() < bound(&out));
+        // Of all energy, 9/2, the spring's is lost. Rounding of a few squares.
+        assert!((broken.energy_j - 0.5 * rating * rating).abs() < 1e-12);
         let speeds = [1.5 * (1.0 - (swing * time).cos()), 1.5 * (1.0 + (swing * time).cos())];
-        assert!((broken.kinetic - 0.5 * (speeds[0].powi(2) + speeds[1].powi(2))).abs() < 1e-12);
-        let after = taylor::history(&p, 0, &[broken.time + 0.1, 4.0]);
+        for (v, speed) in out.end_speed_m_s.iter().zip(speeds) {
+            assert!((v - speed).abs() < 1e-12, "{v} {speed}");
+        }
+        let after = p.history(0, &[broken.time_s + 0.1, 4.0]);
         assert_eq!(after, [0.0, 0.0]);
     }
 }
@@ -241,20 +228,20 @@ fn a_coupler_breaks_in_its_swing() {
 /// A rating as near to the peak as can be told: whether the coupler breaks is not decided, and from when on is said.
 #[test]
 fn a_rating_at_the_peak_is_not_decided() {
-    let mut p = play(equal(2, false, false, 0.0));
-    p.velocity = vec![0.0, 3.0];
+    let mut p = linear(&equal(2, false, false, 0.0));
+    p.problem.speed_m_s = vec![0.0, 3.0];
     let (swing, force) = (2f64.sqrt(), 3.0 / 2f64.sqrt());
-    (p.scene.rated_draft, p.scene.rated_buff, p.rule) = (vec![9.0], vec![force], Rule::InBoth);
-    let out = run(&p);
-    assert_eq!((out.springs[0].buff.exceeds(), out.breakages.len()), (None, 0));
-    let (spring, since) = out.open.expect("open");
+    p.rated = vec![[9.0, force]];
+    let out = p.breaking(Rule::InBoth).run();
+    assert_eq!((out.exceeds[0][1], out.partings.len()), (None, 0));
+    let (spring, since) = out.undecided.expect("open");
     // Within the bound of the peak since sqrt(2 bound / force) of a radian before it, twice over for the rounded rating.
-    let early = 2.0 * (2.0 * out.error_bound / force).sqrt() / swing;
+    let early = 2.0 * (2.0 * bound(&out) / force).sqrt() / swing;
     assert!(spring == 0 && (since - 0.5 * PI / swing).abs() < early, "{since}");
     for (rating, breaks) in [(1.0 - 1e-9, 1), (1.0 + 1e-9, 0)] {
-        p.scene.rated_buff = vec![force * rating];
-        let out = run(&p);
-        assert_eq!((out.breakages.len(), out.open), (breaks, None));
+        p.rated = vec![[9.0, force * rating]];
+        let out = p.breaking(Rule::InBoth).run();
+        assert_eq!((out.partings.len(), out.undecided), (breaks, None));
     }
 }
 
@@ -275,35 +262,36 @@ fn random_chains_agree_with_a_matrix_exponential() {
         scene.chain.mass.iter_mut().for_each(|m| *m = between(0.1, 10.0));
         scene.chain.stiffness.iter_mut().for_each(|k| *k = between(0.1, 10.0));
         scene.horizon = 6.0;
-        let mut p = play(scene);
-        p.dashpot.iter_mut().for_each(|c| *c = between(1e-3, 5.0));
-        for v in (0..masses).filter(|&v| p.scene.chain.live(v)) {
-            p.velocity[v] = between(1.0, 4.0) - 2.0;
+        let mut p = linear(&scene);
+        p.problem.dashpot_n_s_per_m = scene.initial.iter().map(|_| between(1e-3, 5.0)).collect();
+        for v in (0..masses).filter(|&v| scene.chain.live(v)) {
+            p.problem.speed_m_s[v] = between(1.0, 4.0) - 2.0;
         }
-        p.drive = Drive::rectangle(between(0.5, 2.0), 7.0);
-        let out = run(&p);
+        p.problem.forcing = vec![(scene.source, Drive::rectangle(between(0.5, 2.0), 7.0))];
+        let out = p.run();
+        let bound = bound(&out);
         let times = [0.7, 3.1, 5.9];
-        for (t, exact) in times.iter().map(|t| (t, exponential(&p, *t))) {
+        for (t, exact) in times.iter().map(|t| (t, exponential(&scene.chain, &p, *t))) {
             for (i, exact) in exact.iter().enumerate() {
-                let found = taylor::history(&p, i, &[*t])[0];
+                let found = p.history(i, &[*t])[0];
                 // Scaling and squaring of a matrix of norm 100 or so loses three digits or four.
-                assert!((found - exact).abs() < out.error_bound + 1e-11, "{round} {i} {t}: {found} {exact}");
-                let peaks = out.springs[i];
-                assert!(found <= peaks.draft.best.value + out.error_bound, "{round} {i} {t}");
-                assert!(-found <= peaks.buff.best.value + out.error_bound, "{round} {i} {t}");
+                assert!((found - exact).abs() < bound + 1e-11, "{round} {i} {t}: {found} {exact}");
+                let [draft, buff] = sides(&out, i);
+                assert!(found <= draft.0 + bound, "{round} {i} {t}");
+                assert!(-found <= buff.0 + bound, "{round} {i} {t}");
             }
         }
     }
 }
 
 /// Coupler forces from the exponential of the matrix of displacements, speeds and a constant.
-fn exponential(p: &Play, time: f64) -> Vec<f64> {
-    let chain = &p.scene.chain;
+fn exponential(chain: &Chain, p: &Linear, time: f64) -> Vec<f64> {
+    let p = &p.problem;
     let n = chain.mass.len();
     let row = |i: usize| {
         let mut row = nalgebra::RowDVector::zeros(2 * n + 1);
         (row[i], row[i + 1]) = (chain.stiffness[i], -chain.stiffness[i]);
-        (row[n + i], row[n + i + 1]) = (p.dashpot[i], -p.dashpot[i]);
+        (row[n + i], row[n + i + 1]) = (p.dashpot_n_s_per_m[i], -p.dashpot_n_s_per_m[i]);
         row
     };
     let mut rates = nalgebra::DMatrix::zeros(2 * n + 1, 2 * n + 1);
@@ -318,11 +306,53 @@ fn exponential(p: &Play, time: f64) -> Vec<f64> {
             }
         }
     }
-    let source = p.scene.source;
-    rates[(n + source, 2 * n)] = p.drive.value(0.0) / chain.mass[source];
+    let (source, drive) = &p.forcing[0];
+    rates[(n + source, 2 * n)] = drive.value(0.0) / chain.mass[*source];
     let mut start = nalgebra::DVector::zeros(2 * n + 1);
-    start.rows_mut(n, n).copy_from_slice(&p.velocity);
+    start.rows_mut(n, n).copy_from_slice(&p.speed_m_s);
     start[2 * n] = 1.0;
     let now = (rates * time).exp() * start;
     (0..n - 1).map(|i| (row(i) * &now)[0]).collect()
+}
+
+/// Couplers that break one after the other under a pulse: up to the first gap that closes it is all the same whether vehicles
+/// push each other where they meet again, and both marches tell when that is.
+#[test]
+fn contact_makes_a_difference_once_a_gap_closes() {
+    let wave = |i: usize, f: f64| 1.0 + 0.6 * (f * (i * i) as f64).sin();
+    for damping in [0.0, 0.1] {
+        let mut scene = uneven(16, true, false);
+        scene.horizon = 30.0;
+        scene.rated_draft = (0..15).map(|i| 2.0 * wave(i + 2, 0.9)).collect();
+        let mut p = linear(&scene);
+        p.problem.dashpot_n_s_per_m = (0..15).map(|i| damping * wave(i + 5, 1.1)).collect();
+        p.problem.speed_m_s = (0..16).map(|v| if v == 0 { 0.0 } else { 0.3 * (wave(v, 0.4) - 1.0) }).collect();
+        p.problem.forcing = vec![(9, Drive::rectangle(-4.0, 6.0))];
+        let mut p = p.breaking(Rule::InDraft);
+        let proven = p.run();
+        let (coupler, closes) = proven.closures[0];
+        let mut touching = p.clone();
+        touching.problem.contact = true;
+        let touched = touching.run();
+        assert_eq!(touched.closures[0].0, coupler);
+        // Without contact a gap counts as closed where it is so by more than its bound.
+        let late = closes - touched.closures[0].1;
+        assert!((0.0..2e-9).contains(&late), "{late}");
+        for q in [&mut p, &mut touching] {
+            (q.problem.horizon_s, q.problem.mark_s) = (0.999 * closes, 0.999 * closes);
+        }
+        let (proven, touched) = (p.run(), touching.run());
+        assert!(matches!(touched.bound, Bound::Estimated(n) if n < 1e-9));
+        assert!(proven.partings.len() >= 2 && proven.partings.len() == touched.partings.len());
+        for (a, b) in proven.partings.iter().zip(&touched.partings) {
+            assert_eq!(a.coupler, b.coupler);
+            assert!((a.time_s - b.time_s).abs() <= a.uncertainty_s + b.uncertainty_s, "{a:?} {b:?}");
+        }
+        for i in 0..15 {
+            for (a, b) in sides(&proven, i).iter().zip(sides(&touched, i)) {
+                // What has parted carries nothing, which counts with contact and not without.
+                assert!((a.0.max(0.0) - b.0.max(0.0)).abs() <= bound(&proven) + 1e-10, "{i} {a:?} {b:?}");
+            }
+        }
+    }
 }

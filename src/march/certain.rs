@@ -1,0 +1,198 @@
+//! Which couplers certainly break, whatever else may have broken shortly before.
+//!
+//! A side of a coupler *may* be over its limit from the instant at which its computed force comes within the bound of it, and
+//! *certainly* is once it is over it by more than the bound. Between the two, the true train may be without that coupler, where the
+//! computed one still has it. The forces T_j of such couplers, put on their masses for the times tau_j that have passed since each
+//! may be over, move another one's force by no more than
+//!
+//! ```text
+//! drift_i = J_i sum_j T_j J_j (k_i tau_j^2 / 2 + c_i tau_j)        J = sqrt(1 / m + 1 / m')
+//! ```
+//!
+//! for the energy of the difference, `|z| <= sum T_j J_j tau_j`, bounds the difference of every relative speed by `J_i |z|`. So all
+//! bounds are widened by the drift. A coupler that passes its limit by more than the widened bound before the end of these times breaks in the
+//! true train as well; couplers of which that holds and whose times overlap break together. Where it holds of none, the sequence is
+//! not decided from the beginning of that time on.
+
+use super::breaks::{Breaks, Found, SIGN, at};
+use super::proof::{U, root_inverse_mass};
+use super::series::DEGREE;
+use super::step::{March, stiffest};
+use crate::solve::local::{Local, reach};
+
+/// The least push over a limit at which a coupler stood that counts, in bounds: ahead of the front rounding is far
+/// smaller.
+const PUSH: f64 = 1e-8;
+/// Attempts to find a drift that covers its result.
+const ROUNDS: usize = 40;
+
+/// The coefficients of a force over a step.
+type Course = [f64; DEGREE + 1];
+
+/// A step as tried, and the bound on every force up to the horizon, N, if nothing breaks.
+pub struct Step<'a> {
+    pub march: &'a March<'a>,
+    pub bound: f64,
+}
+
+/// A side of a coupler within a step: since when it may be over its limit, from when on it certainly is, and when it
+/// passes it.
+#[derive(Clone)]
+pub struct Passing {
+    pub coupler: usize,
+    pub side: usize,
+    pub from: f64,
+    until: Option<f64>,
+    at: f64,
+    force: Course,
+}
+
+impl Step<'_> {
+    /// The force of a coupler over the step.
+    pub fn force(&self, i: usize) -> Course {
+        let mut c = self.change(i);
+        c[0] += self.march.start[i][1];
+        c
+    }
+
+    /// The same less that at t = 0.
+    fn change(&self, i: usize) -> Course {
+        let (march, mut c) = (self.march, [0.0; DEGREE + 1]);
+        if march.state.couplers().contains(&i) {
+            march.series.tension_of(&march.state, i, march.width, &mut c);
+            c[march.series.terms + 1..].fill(0.0);
+        }
+        c
+    }
+
+    /// The couplers that break, from the sides that pass.
+    pub fn found<'p>(&self, broken: impl Iterator<Item = &'p Passing> + Clone) -> Found {
+        let time = broken.clone().map(|p| p.at).fold(f64::INFINITY, f64::min);
+        let share = ((time - self.march.t) / self.march.width).clamp(0.0, 1.0);
+        let apart = |p: &Passing| (p.until.unwrap_or(time) - time).max(time - p.from) + 4.0 * U * time;
+        Found { share, couplers: broken.map(|p| (p.coupler, at(&p.force, share), apart(p))).collect() }
+    }
+}
+
+impl Breaks {
+    /// All sides that may be over their limits within a step, with each bound widened by its drift; none for an empty one.
+    pub fn passing(&self, step: &Step, drift: &[f64]) -> Vec<Passing> {
+        let mut passing = Vec::new();
+        for i in step.march.state.couplers().filter(|&i| !step.march.couplers[i].parted) {
+            let force = step.force(i);
+            let bound = step.bound + drift.get(i).unwrap_or(&0.0);
+            for side in [0, 1] {
+                if reach(&force, SIGN[side]) > step.march.limit_n(i, side) - bound {
+                    passing.extend(self.passes(step, [i, side], force, bound));
+                }
+            }
+        }
+        passing
+    }
+
+    /// When a side passes the levels around its limit within a step.
+    ///
+    /// One that stood at its limit, and is not pushed on, does not count before it has come back.
+    fn passes(&self, step: &Step, [coupler, side]: [usize; 2], force: Course, bound: f64) -> Option<Passing> {
+        let (from, width) = (step.march.t, step.march.width);
+        let local = Local::of_step(&force.map(|c| SIGN[side] * c), from, width);
+        let over = |level: f64| local.first_over(-1.0, 1.0, level).map(|x| from + 0.5 * (x + 1.0) * width);
+        let limit = step.march.limit_n(coupler, side);
+        let mut earliest = over(limit - bound)?;
+        if !self.left_limit[coupler][side] {
+            if !is_pushed_on(step, coupler, side) {
+                return None;
+            }
+            earliest = 0.0;
+        }
+        let earliest = self.near[coupler][side].map_or(earliest, |t| t.min(earliest));
+        let until = over(limit + bound);
+        let at = until.and_then(|_| over(limit)).unwrap_or(from);
+        Some(Passing { coupler, side, from: earliest, until, at, force })
+    }
+    /// The sides that may be over, and which certainly break first.
+    ///
+    /// Where nothing is certain, the first to be over by the bound breaks, and the sequence is undecided from then on.
+    pub fn decide(&mut self, step: &Step, plain: Vec<Passing>) -> (Vec<Passing>, Vec<usize>) {
+        if self.undecided.is_none() {
+            let overlooked = plain.iter().any(|p| self.was_overlooked(p));
+            let proven = [true, false].into_iter().find_map(|together| self.proven(step, &plain, together));
+            if let Some(proven) = proven.filter(|_| !overlooked) {
+                return proven;
+            }
+            let before = self.near.iter().enumerate().flat_map(|(i, n)| n.iter().flatten().map(move |t| (i, *t)));
+            let now = plain.iter().map(|p| (p.coupler, p.from));
+            self.undecided = before.chain(now).min_by(|a, b| a.1.total_cmp(&b.1));
+        }
+        let untils = plain.iter().enumerate().filter_map(|(n, p)| Some((n, p.until?)));
+        let first = untils.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(n, _)| n);
+        (plain, first.into_iter().collect())
+    }
+
+    /// Whether a side may have been over before something else broke, and was not considered then.
+    fn was_overlooked(&self, p: &Passing) -> bool {
+        let last = self.last;
+        p.from < last && self.near[p.coupler][p.side].is_none()
+    }
+
+    /// Couplers that certainly break by the end of a time that begins when the first may have: all whose own times begin before
+    /// the first is certain, or the first alone. `None` where no drift is found that covers its result.
+    fn proven(&self, step: &Step, plain: &[Passing], together: bool) -> Option<(Vec<Passing>, Vec<usize>)> {
+        let was_certain = plain.iter().any(|p| p.until.is_some());
+        let mut drift = vec![0.0; self.near.len()];
+        let mut passing = plain.to_vec();
+        for _ in 0..ROUNDS {
+            let first = passing.iter().filter_map(|p| p.until).reduce(f64::min);
+            let broken =
+                |p: &Passing| p.until.is_some_and(|u| if together { Some(p.from) <= first } else { Some(u) == first });
+            let end = passing.iter().filter(|p| broken(p)).filter_map(|p| p.until).reduce(f64::max);
+            if was_certain && end.is_none() {
+                return None;
+            }
+            let due = self.drift(step, &passing, end.unwrap_or(step.march.t + step.march.width));
+            if due.iter().zip(&drift).all(|(due, has)| due <= has) {
+                let broken = (0..passing.len()).filter(|&n| broken(&passing[n])).collect();
+                return Some((passing, broken));
+            }
+            // The time grows with the drift: doubling soon covers it.
+            drift.iter_mut().zip(due).for_each(|(has, due)| *has = has.max(2.0 * due));
+            passing = self.passing(step, &drift);
+        }
+        None
+    }
+
+    /// How far each force may have been moved at `end` by the absence of couplers that may have broken before.
+    fn drift(&self, step: &Step, passing: &[Passing], end: f64) -> Vec<f64> {
+        let march = step.march;
+        // Of each coupler `T J tau` and `T J tau^2`.
+        let mut push = vec![[0.0f64; 2]; self.near.len()];
+        let now = passing.iter().filter(|p| p.from <= end).map(|p| (p.coupler, p.from));
+        let before = self.near.iter().enumerate().flat_map(|(i, n)| n.iter().flatten().map(move |t| (i, *t)));
+        for (i, from) in before.chain(now) {
+            let course = step.force(i);
+            let force = SIGN.map(|sign| reach(&course, sign)).into_iter().fold(0.0, f64::max);
+            let limits = [0, 1].map(|side| march.limit_n(i, side)).into_iter().filter(|limit| limit.is_finite());
+            let (size, tau) = (limits.fold(force, f64::max) * root_inverse_mass(march, i), end - from);
+            push[i] = [push[i][0].max(size * tau), push[i][1].max(size * tau * tau)];
+        }
+        let all = push.iter().fold([0.0; 2], |sum, p| [sum[0] + p[0], sum[1] + p[1]]);
+        let moved = |i: usize| {
+            if march.couplers[i].parted {
+                return 0.0;
+            }
+            let [once, twice] = [0, 1].map(|q| (all[q] - push[i][q]).max(0.0));
+            let dashpot = march.problem.dashpot_n_s_per_m.get(i).unwrap_or(&0.0);
+            root_inverse_mass(march, i) * (dashpot * once + 0.5 * stiffest(&march.problem.laws[i]) * twice)
+        };
+        (0..push.len()).map(moved).collect()
+    }
+}
+
+/// Whether a side that stood at its limit is first, or at an end of the step, pushed on. Only the motion is used:
+/// added to the load a small push would be lost.
+fn is_pushed_on(step: &Step, coupler: usize, side: usize) -> bool {
+    let moved = step.change(coupler).map(|c| SIGN[side] * c);
+    let first = if step.march.t == 0.0 { moved.iter().find(|c| **c != 0.0) } else { None };
+    let least = PUSH * step.bound;
+    first.is_some_and(|c| *c > 0.0) || moved[0] > least || at(&moved, 1.0) > least
+}

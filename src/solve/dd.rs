@@ -212,30 +212,31 @@ impl Row {
     }
 }
 
-macro_rules! lane_by_lane {
-    ($type:ident: $($operator:ident $method:ident $of:expr;)*) => {$(
+macro_rules! operators {
+    ($type:ident: $($operator:ident $method:ident ($a:ident, $b:ident) $body:expr;)*) => {$(
         impl $operator for $type {
             type Output = $type;
             #[inline(always)]
-            fn $method(self, other: $type) -> $type {
-                $of(self, other)
+            fn $method(self, $b: $type) -> $type {
+                let $a = self;
+                $body
             }
         }
     )*};
 }
 
-lane_by_lane! { Row:
-    Add add |a: Row, b| a.zip(b, |a, b| a + b);
-    Sub sub |a: Row, b| a.zip(b, |a, b| a - b);
-    Mul mul |a: Row, b| a.zip(b, |a, b| a * b);
-    Div div |a: Row, b| a.zip(b, |a, b| a / b);
+operators! { Row:
+    Add add (a, b) a.zip(b, |a, b| a + b);
+    Sub sub (a, b) a.zip(b, |a, b| a - b);
+    Mul mul (a, b) a.zip(b, |a, b| a * b);
+    Div div (a, b) a.zip(b, |a, b| a / b);
 }
 
-lane_by_lane! { Lanes:
-    Add add |a: Lanes, b: Lanes| Lanes(sum(a.0, b.0));
-    Sub sub |a: Lanes, b: Lanes| a + -b;
-    Mul mul |a: Lanes, b: Lanes| Lanes(product(a.0, b.0));
-    Div div |a: Lanes, b: Lanes| Lanes(quotient(a.0, b.0));
+operators! { Lanes:
+    Add add (a, b) Lanes(sum(a.0, b.0));
+    Sub sub (a, b) a + -b;
+    Mul mul (a, b) Lanes(product(a.0, b.0));
+    Div div (a, b) Lanes(quotient(a.0, b.0));
 }
 
 impl Neg for Row {

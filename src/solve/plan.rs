@@ -27,7 +27,7 @@ const MAX_WORK_RATIO: f64 = 10.0;
 const NEAR_FACTOR: f64 = 10.0;
 const FINE_SHARE: f64 = 1e-9;
 /// Of a coarser tolerance, the share that is ignored.
-const IGNORED_SHARE: f64 = 0.1;
+const IGNORED_SHARE: f64 = 0.9;
 /// The longest that a scene may take, and the memory that its modes may fill.
 const MOST_SECONDS: f64 = 3600.0;
 const MOST_GIGABYTES: f64 = 4.0;

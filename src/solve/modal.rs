@@ -19,6 +19,8 @@ use super::path::{Mode, Path};
 use super::sums::Modes;
 use crate::chain::{Chain, Scene};
 
+/// Nanoseconds to find one entry of one mode.
+pub(super) const MODE_ENTRY: f64 = 250.0;
 /// Frequencies relatively closer than this have vectors that are made orthogonal to each other.
 const CLUSTER: f64 = 1e-12;
 

@@ -11,7 +11,7 @@
 //! lies below another step's lower bound are dropped; the few that are left are looked into at the end.
 
 use super::Wanted;
-use super::local::{COEFFICIENTS, Local};
+use super::local::{COEFFICIENTS, Local, Point};
 use super::motion::{BLOCK, Motion, bracket, least_slope};
 use super::series::{DEGREE, POWERS, table};
 use super::watch::{SpringPeaks, Watch};
@@ -215,7 +215,7 @@ impl<'a> Search<'a> {
             let level = self.levels[usize::from(negative)][spring];
             let [[a, b, c], [d, e, f]] = ends;
             let ends = [[sign * a, sign * b, sign * c], [sign * d, sign * e, sign * f]];
-            let [mut lower, upper] = bracket(ends, remainder);
+            let [mut lower, upper, at] = bracket(ends, remainder);
             if self.is_cut(step) {
                 // What lies behind the horizon does not count.
                 lower = ends[0][0];
@@ -225,8 +225,10 @@ impl<'a> Search<'a> {
             }
             let initial = sign * self.scene.initial[spring];
             // Rounding can make the lower bound the larger one.
-            let upper = upper.max(lower) + initial;
-            if self.reach(spring, negative, step, [lower + initial, upper]) {
+            let [lower, upper] = [lower, upper.max(lower)].map(|bound| bound + initial);
+            if self.is_narrow(spring, negative, step, [lower, upper]) {
+                self.take(spring, negative, Point { at: step.from + at * step.width, value: lower });
+            } else if self.reach(spring, negative, step, [lower, upper]) {
                 let window = Box::new(windows(self.sides.len(), spring, |end, s| force[end][s + 1]));
                 self.keep(spring, negative, Open { step: *step, upper, window });
             }
@@ -265,17 +267,41 @@ impl<'a> Search<'a> {
                 self.last_to_cross = self.last_to_cross.min(step.number + 1);
             }
         }
-        if lower > side.reached {
-            side.reached = lower;
-            let mut open = std::mem::take(&mut side.open);
-            open.retain(|o| self.matters(spring, negative, &o.step, o.upper));
-            self.sides[spring][usize::from(negative)].open = open;
-        }
+        self.raise(spring, negative, lower);
         let matters = self.matters(spring, negative, step, upper);
         if !matters {
             self.set_level(spring, negative);
         }
         matters
+    }
+
+    /// Raises what a side's largest force certainly passes, and drops the steps that do not matter then.
+    fn raise(&mut self, spring: usize, negative: bool, reached: f64) {
+        let side = &mut self.sides[spring][usize::from(negative)];
+        if reached > side.reached {
+            side.reached = reached;
+            let mut open = std::mem::take(&mut side.open);
+            open.retain(|o| self.matters(spring, negative, &o.step, o.upper));
+            self.sides[spring][usize::from(negative)].open = open;
+        }
+    }
+
+    /// Whether a side's largest force in a step is known as closely as differences matter, and no verdict depends on it.
+    fn is_narrow(&self, spring: usize, negative: bool, step: &Step, [lower, upper]: [f64; 2]) -> bool {
+        let min_rise = self.watch.min_rise();
+        min_rise > self.watch.bound()
+            && upper - lower <= min_rise
+            && !self.may_cross(spring, negative, step, upper)
+            && !self.sides[spring][usize::from(negative)].at_rating
+            && !self.is_cut(step)
+    }
+
+    /// Takes a value that a side certainly reaches as its largest in a step; what is larger by no more than is ignored does not
+    /// matter from here on.
+    fn take(&mut self, spring: usize, negative: bool, reached: Point) {
+        self.watch.note_reached(spring, negative, reached);
+        self.raise(spring, negative, reached.value + self.watch.min_rise());
+        self.set_level(spring, negative);
     }
 
     /// Whether a step may decide a side's largest force, or when or whether it passes its rating.

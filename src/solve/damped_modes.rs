@@ -23,9 +23,8 @@ use crate::chain::Scene;
 const ROUNDOFF: f64 = f64::EPSILON / 2.0;
 /// Largest half width of a cell times frequency.
 const PHASE: f64 = 1.0;
-/// Nanoseconds for a product of the matrix products, and to find an entry of a mode.
+/// Nanoseconds for a product of the matrix products.
 const PRODUCT: f64 = 0.5;
-const MODE_ENTRY: f64 = 600.0;
 
 /// A scene whose modes are damped alike.
 pub struct Damped<'a> {
@@ -55,7 +54,7 @@ impl Stretch {
 pub fn estimate_s(scene: &Scene) -> f64 {
     let n = scene.initial.len() as f64;
     let cells = scene.horizon * super::propagator::omega_max(scene) / (2.0 * PHASE) + 2.0;
-    1e-9 * n * n * (MODE_ENTRY + PRODUCT * cells * COEFFICIENTS as f64)
+    1e-9 * n * n * (modal::MODE_ENTRY + PRODUCT * cells * COEFFICIENTS as f64)
 }
 
 impl<'a> Damped<'a> {

@@ -4,8 +4,8 @@
 //! a_ij = sqrt(k_i) u_ij v_sj / (sqrt(m_s) omega_j)        s: the mass on which the force acts
 //! ```
 //!
-//! with u_j and v_j the left and right singular vectors of the bidiagonal B ([`Path`]). All of it is in double-double
-//! until the a_ij are rounded once, so that what limits the result is the sum over modes, not the eigenproblem.
+//! with u_j and v_j the left and right singular vectors of the bidiagonal B ([`Path`]). They and the omega_j are found in double-double
+//! and the a_ij are products of five rounded numbers, so that what limits the result is the sum over modes, not the eigenproblem.
 //!
 //! The error of the computed modes is measured, not assumed: the residual of each in the equations of motion, and the
 //! part of the force that all together miss. The energy norm of the error grows no faster than the norm of both times
@@ -14,11 +14,13 @@
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::dd::Dd;
+use super::dd::{Dd, LANES, Lanes};
 use super::path::{Mode, Path};
 use super::sums::Modes;
 use crate::chain::{Chain, Scene};
 
+/// Nanoseconds to find one entry of one mode.
+pub(super) const MODE_ENTRY: f64 = 250.0;
 /// Frequencies relatively closer than this have vectors that are made orthogonal to each other.
 const CLUSTER: f64 = 1e-12;
 
@@ -26,26 +28,17 @@ const CLUSTER: f64 = 1e-12;
 pub fn modes(scene: &Scene) -> Modes {
     let chain = &scene.chain;
     let path = Path::new(chain);
-    let omega = path.frequencies();
-    let vectors = vectors(&path, &omega);
+    let modes = separate(&path, path.modes());
     let (springs, source) = (chain.stiffness.len(), path.mass_node(scene.source));
     let root_mass = Dd::from(chain.mass[scene.source]).sqrt();
-    let drive: Vec<Dd> = vectors.iter().map(|m| m.node[source] / root_mass).collect();
-    let columns: Vec<Vec<f64>> = (0..omega.len())
-        .into_par_iter()
-        .map(|j| {
-            let push = drive[j] / omega[j];
-            let share = |i: usize| {
-                let force = Dd::from(chain.stiffness[i]).sqrt() * vectors[j].node[path.spring_node(i)] * push;
-                sign(i, scene.source) * force.to_f64()
-            };
-            (0..springs).map(share).collect()
-        })
-        .collect();
-    let share = DMatrix::from_fn(springs, omega.len(), |i, j| columns[j][i]);
-    let rate = defect(chain, scene.source, &path, &vectors, &drive);
+    let drive: Vec<Dd> = modes.iter().map(|m| m.node[source] / root_mass).collect();
+    let push: Vec<f64> = modes.iter().zip(&drive).map(|(m, d)| (*d / m.omega).to_f64()).collect();
+    let root: Vec<f64> = (0..springs).map(|i| sign(i, scene.source) * chain.stiffness[i].sqrt()).collect();
+    let share = |i: usize, j: usize| root[i] * modes[j].node[path.spring_node(i)].to_f64() * push[j];
+    let share = DMatrix::from_fn(springs, modes.len(), share);
+    let rate = defect(chain, scene.source, &path, &modes, &drive);
     let defect = chain.stiffness.iter().map(|k| k.sqrt() * rate).collect();
-    Modes { omega, share, defect }
+    Modes { omega: modes.iter().map(|m| m.omega).collect(), share, defect }
 }
 
 /// The path takes all weights as positive; B has a minus before the mass behind each spring.
@@ -53,24 +46,22 @@ fn sign(spring: usize, mass: usize) -> f64 {
     if (spring + mass).is_multiple_of(2) { 1.0 } else { -1.0 }
 }
 
-fn vectors(path: &Path, omega: &[Dd]) -> Vec<Mode> {
-    let first_of_cluster = |j: usize| {
-        let mut first = j;
-        while first > 0 && (omega[first] - omega[first - 1]).hi <= CLUSTER * omega[first].hi {
-            first -= 1;
+/// Makes modes of nearly one frequency orthogonal to each other.
+fn separate(path: &Path, mut modes: Vec<Mode>) -> Vec<Mode> {
+    let mut first = 0;
+    for j in 1..modes.len() {
+        let (omega, before) = (modes[j].omega, modes[j - 1].omega);
+        if (omega - before).hi > CLUSTER * omega.hi {
+            first = j;
+            continue;
         }
-        first
-    };
-    let cluster: Vec<usize> = (0..omega.len()).map(first_of_cluster).collect();
-    let mut modes: Vec<Mode> = (0..omega.len()).into_par_iter().map(|j| path.mode(omega[j], 0)).collect();
-    for j in 0..modes.len() {
         let (done, rest) = modes.split_at_mut(j);
-        let others = &done[cluster[j]..];
+        let others = &done[first..];
         // Modes of one frequency belong to separate places of the train; each try begins at another place, until a
         // mode is found that is no mix of those before it.
-        let tries = (0..=4 * others.len()).map(|place| match place {
-            0 => orthogonalized(rest[0].clone(), others),
-            _ => orthogonalized(path.mode(omega[j], place), others),
+        let tries = (0..=4 * others.len()).filter_map(|place| match place {
+            0 => Some(orthogonalized(rest[0].clone(), others)),
+            _ => Some(orthogonalized(path.mode(omega, place)?, others)),
         });
         let (mut best, mut most) = (None, 0.0);
         for (mode, left) in tries {
@@ -125,24 +116,42 @@ fn defect(chain: &Chain, source: usize, path: &Path, modes: &[Mode], drive: &[Dd
     let live = |v: &usize| !(*v == 0 && chain.held_head || *v + 1 == chain.mass.len() && chain.held_tail);
     let total: Dd = chain.mass.iter().fold(Dd::ZERO, |sum, &m| sum + Dd::from(m));
     let rigid = !chain.held_head && !chain.held_tail;
-    let missed = |v: usize| {
-        let root = Dd::from(chain.mass[v]).sqrt();
-        let node = path.mass_node(v);
-        let mut sum = modes.iter().zip(drive).fold(Dd::ZERO, |sum, (m, &d)| sum + m.node[node] * d);
-        if rigid {
+    let masses: Vec<usize> = (0..chain.mass.len()).filter(live).collect();
+    let squares = |masses: &[usize]| {
+        let nodes = masses.iter().map(|&v| path.mass_node(v)).collect::<Vec<_>>();
+        let sum = pulp::Arch::new().dispatch(Sum { nodes: &nodes, modes, drive });
+        let missed = |(lane, &v): (usize, &usize)| {
+            let root = Dd::from(chain.mass[v]).sqrt();
             // The path's own sign convention: masses alternate.
-            sum = sum + Dd::from(sign(v, source)) * root / total;
-        }
-        if v == source { sum - Dd::ONE / root } else { sum }
+            let moved = if rigid { Dd::from(sign(v, source)) * root / total } else { Dd::ZERO };
+            let asked = if v == source { Dd::ONE / root } else { Dd::ZERO };
+            (sum.get(lane) + moved - asked).hi.powi(2)
+        };
+        masses.iter().enumerate().map(missed).sum::<f64>()
     };
-    let missing: f64 = (0..chain.mass.len())
-        .filter(live)
-        .collect::<Vec<_>>()
-        .par_iter()
-        .map(|&v| missed(v).hi.powi(2))
-        .collect::<Vec<_>>()
-        .iter()
-        .sum();
+    let missing: f64 = masses.par_chunks(LANES).map(squares).collect::<Vec<_>>().iter().sum();
     let residual: f64 = modes.iter().zip(drive).map(|(m, d)| m.residual * (d.hi / m.omega.hi).abs()).sum();
     missing.sqrt() + residual
+}
+
+/// What all modes do at some nodes under a unit force, one node in each lane; compiled for the widest vector unit at hand.
+struct Sum<'a> {
+    nodes: &'a [usize],
+    modes: &'a [Mode],
+    drive: &'a [Dd],
+}
+
+impl pulp::WithSimd for Sum<'_> {
+    type Output = Lanes;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Lanes {
+        let mut sum = Lanes::ZERO;
+        for (mode, drive) in self.modes.iter().zip(self.drive) {
+            let mut at = Lanes::ZERO;
+            self.nodes.iter().enumerate().for_each(|(lane, &node)| at.set(lane, mode.node[node]));
+            sum = sum + at * Lanes::splat(*drive);
+        }
+        sum
+    }
 }

@@ -179,9 +179,10 @@ pub(crate) fn any_positive<const L: usize>(open: [f64; L]) -> bool {
     any
 }
 
-/// Lower and upper bound of the largest value over a step, from `G`, `h^2 G''`, `h^4 G''''` at both ends and the remainder.
+/// Lower and upper bound of the largest value over a step, from `G`, `h^2 G''`, `h^4 G''''` at both ends and the remainder;
+/// and where in the step the force reaches the lower one, from 0 to 1.
 #[inline(always)]
-pub(crate) fn bracket([left, right]: [[f64; 3]; 2], remainder: f64) -> [f64; 2] {
+pub(crate) fn bracket([left, right]: [[f64; 3]; 2], remainder: f64) -> [f64; 3] {
     let rise = right[0] - left[0];
     // Slopes of the cubic that has these values and second derivatives.
     let slopes = [rise - left[1] / 3.0 - right[1] / 6.0, rise + left[1] / 6.0 + right[1] / 3.0];
@@ -189,7 +190,8 @@ pub(crate) fn bracket([left, right]: [[f64; 3]; 2], remainder: f64) -> [f64; 2] 
     let second = |x: f64| x * (7.0 + x * x * (3.0 * x * x - 10.0)) / 360.0;
     let there = top.value + second(1.0 - top.at) * left[2] + second(top.at) * right[2] - remainder;
     let lower = there.max(left[0]).max(right[0]);
-    [lower, top.value + SECOND * (left[2].max(0.0) + right[2].max(0.0)) + remainder]
+    let at = if there >= lower { top.at } else { f64::from(u8::from(right[0] >= lower)) };
+    [lower, top.value + SECOND * (left[2].max(0.0) + right[2].max(0.0)) + remainder, at]
 }
 
 /// Lower bound of the slope over a step, rounding included.
@@ -247,7 +249,7 @@ mod tests {
                 [g, -theta.powi(2) * g, theta.powi(4) * g]
             };
             let remainder = 61.0 / 46_080.0 * theta.powi(6);
-            let [lower, upper] = bracket([even_derivatives(0.0), even_derivatives(1.0)], remainder);
+            let [lower, upper, _] = bracket([even_derivatives(0.0), even_derivatives(1.0)], remainder);
             let top = (0..=1000).map(|k| even_derivatives(f64::from(k) / 1000.0)[0]).fold(-1.0, f64::max);
             assert!(lower <= top + 1e-15 && top <= upper, "{lower} {top} {upper}");
             assert!(upper - lower <= 2.0 * remainder + 2.0 * SECOND * theta.powi(4));

@@ -11,11 +11,16 @@
 //! every eigenvalue, however small, by a few units in its own last place (J. Demmel, W. Kahan, *SIAM J. Sci. Stat. Comput.*
 //! 11 (1990) 873-912). No product `B B^T` is ever formed: it would square the ratio of stiff to soft.
 
-use super::dd::Dd;
+use rayon::prelude::*;
+
+use super::dd::{Dd, LANES, Lanes};
 use crate::chain::Chain;
 
-/// Shifts counted side by side, one in each lane of the widest vector unit.
-const LANES: usize = 8;
+/// A frequency is alone where others are further away than this share of it: a thousand times a bracket's width.
+const ALONE: f64 = 1e-9;
+/// A step of the iteration under this share of a frequency is none, and after this many steps it does not converge.
+const NO_CHANGE: f64 = 1e-28;
+const MOST_ROUNDS: usize = 5;
 
 /// The weighted path of a chain.
 #[derive(Clone, Debug)]
@@ -85,7 +90,7 @@ impl Path {
         for _ in 0..3 {
             let step = (hi - lo) / (LANES + 1) as f64;
             let shift = std::array::from_fn(|k| lo + (k + 1) as f64 * step);
-            let found = pulp::Arch::new().dispatch(|| below(&weight, &shift));
+            let found = below(&weight, &shift);
             let all = found.iter().take_while(|&&n| n < self.nodes()).count();
             (lo, hi) = (lo + all as f64 * step, if all < LANES { shift[all] } else { hi });
         }
@@ -94,31 +99,70 @@ impl Path {
 
     /// All frequencies, ascending, each to about 30 digits of its own size.
     pub fn frequencies(&self) -> Vec<Dd> {
-        let brackets = pulp::Arch::new().dispatch(|| self.bisect());
-        (0..brackets.len())
-            .map(|j| {
-                let [lo, hi] = brackets[j];
-                let width = 1e-5 * hi;
-                let alone = (j == 0 || lo - brackets[j - 1][1] > width)
-                    && (j + 1 == brackets.len() || brackets[j + 1][0] - hi > width);
-                pulp::Arch::new().dispatch(|| self.refine(j, lo, hi, alone))
-            })
-            .collect()
+        self.modes().into_iter().map(|mode| mode.omega).collect()
     }
 
-    /// The mode of a frequency from [`Path::frequencies`]; `copy` counts modes of the same frequency before it.
-    pub fn mode(&self, omega: Dd, copy: usize) -> Mode {
-        pulp::Arch::new().dispatch(|| {
-            let (gamma, node) = self.twisted(omega, copy);
-            let norm = norm_squared(&node).sqrt();
-            let scale = Dd::from(2.0).sqrt() / norm;
-            let node = node.into_iter().map(|z| z * scale).collect();
-            Mode { omega, node, residual: (gamma.abs() * scale).hi + 1e-31 * omega.hi }
-        })
+    /// All modes, by ascending frequency.
+    pub fn modes(&self) -> Vec<Mode> {
+        let brackets = self.bisect();
+        let first: Vec<usize> = (0..brackets.len()).step_by(LANES).collect();
+        let group = |first: usize| pulp::Arch::new().dispatch(Group { path: self, brackets: &brackets, first });
+        first.into_par_iter().flat_map_iter(group).collect()
+    }
+
+    /// The mode of a frequency from [`Path::modes`] about another place of the train: `copy` counts these.
+    pub fn mode(&self, omega: Dd, copy: usize) -> Option<Mode> {
+        let omega = Lanes::splat(omega);
+        self.normalized(&self.twisted(&omega, copy), &omega, 1).pop()
+    }
+
+    /// The modes of at most [`LANES`] brackets, side by side.
+    ///
+    /// With no other frequency near: Rayleigh quotient iteration, whose error is cubed each time. With others near, or when that
+    /// iteration leaves the bracket: bisection in double-double, which always converges.
+    #[inline(always)]
+    fn group(&self, brackets: &[[f64; 2]], first: usize) -> Vec<Mode> {
+        let count = (brackets.len() - first).min(LANES);
+        let index = |lane: usize| first + lane.min(count - 1);
+        let bisected = |lane: usize| {
+            let [lo, hi] = brackets[index(lane)];
+            self.bisect_in_dd(index(lane), Dd::from(lo * (1.0 - 1e-14)), Dd::from(hi * (1.0 + 1e-14)))
+        };
+        let alone = |lane: usize| {
+            let (j, [lo, hi]) = (index(lane), brackets[index(lane)]);
+            (j == 0 || lo - brackets[j - 1][1] > ALONE * hi)
+                && brackets.get(j + 1).is_none_or(|next| next[0] - hi > ALONE * hi)
+        };
+        let mut open = [0; LANES].map(|_| true);
+        let mut omega = Lanes::ZERO;
+        for lane in 0..LANES {
+            let [lo, hi] = brackets[index(lane)];
+            open[lane] = alone(lane);
+            omega.set(lane, if open[lane] { Dd::from(0.5 * (lo + hi)) } else { bisected(lane) });
+        }
+        let mut rounds = 0;
+        loop {
+            let twisted = self.twisted(&omega, 0);
+            let change = twisted.gamma / twisted.norm_squared;
+            for lane in 0..LANES {
+                let (now, change) = (omega.get(lane), change.get(lane));
+                open[lane] &= change.hi.abs() > NO_CHANGE * now.hi;
+                if open[lane] {
+                    let next = now + change;
+                    let [lo, hi] = brackets[index(lane)];
+                    let converges =
+                        rounds < MOST_ROUNDS && next.hi >= lo * (1.0 - 1e-15) && next.hi <= hi * (1.0 + 1e-15);
+                    omega.set(lane, if converges { next } else { bisected(lane) });
+                }
+            }
+            if open == [false; LANES] || rounds > MOST_ROUNDS {
+                return self.normalized(&twisted, &omega, count);
+            }
+            rounds += 1;
+        }
     }
 
     /// Brackets of all frequencies, ascending, by counting sign changes (Sturm), eight at a time.
-    #[inline(always)]
     fn bisect(&self) -> Vec<[f64; 2]> {
         let count = self.nodes() / 2;
         let not_positive = self.nodes() - count;
@@ -152,29 +196,6 @@ impl Path {
         brackets
     }
 
-    /// A bracketed frequency to double-double accuracy.
-    ///
-    /// With no other frequency near: Rayleigh quotient iteration, whose error is cubed each time. With others near, or when that
-    /// iteration leaves the bracket: bisection in double-double, which always converges.
-    #[inline(always)]
-    fn refine(&self, index: usize, lo: f64, hi: f64, alone: bool) -> Dd {
-        if alone {
-            let mut omega = Dd::from(0.5 * (lo + hi));
-            for _ in 0..4 {
-                let (gamma, node) = self.twisted(omega, 0);
-                let change = gamma / norm_squared(&node);
-                omega = omega + change;
-                if !(omega.hi >= lo * (1.0 - 1e-15) && omega.hi <= hi * (1.0 + 1e-15)) {
-                    break;
-                }
-                if change.hi.abs() < 1e-11 * omega.hi {
-                    return omega;
-                }
-            }
-        }
-        self.bisect_in_dd(index, Dd::from(lo * (1.0 - 1e-14)), Dd::from(hi * (1.0 + 1e-14)))
-    }
-
     #[inline(always)]
     fn bisect_in_dd(&self, index: usize, mut lo: Dd, mut hi: Dd) -> Dd {
         let target = self.nodes() - self.nodes() / 2 + index;
@@ -183,7 +204,8 @@ impl Path {
             let mut d = -middle;
             let mut negative = usize::from(d.hi < 0.0);
             for &w in &self.weight {
-                d = -middle - w / nonzero(d, middle);
+                let pivot = if d.hi == 0.0 { middle * Dd::from(-1e-60) } else { d };
+                d = -middle - w / pivot;
                 negative += usize::from(d.hi < 0.0);
             }
             *(if negative > target { &mut hi } else { &mut lo }) = middle;
@@ -191,66 +213,183 @@ impl Path {
         (lo + hi) * Dd::from(0.5)
     }
 
-    /// The vector z that solves `(T - omega) z = gamma e_r` exactly, with z_r = 1, for a node r where |gamma| is least.
+    /// In each lane, the vector z that solves `(T - omega) z = gamma e_r` exactly, with z_r = 1, for a node r where |gamma| is least.
     ///
     /// Twisted factorisation (K. V. Fernando, *SIAM J. Matrix Anal. Appl.* 18 (1997) 1013-1034; B. N. Parlett, I. S. Dhillon,
     /// *Linear Algebra Appl.* 267 (1997) 247-279): no component is a difference, so small ones are as accurate as large
     /// ones. Modes of one frequency in separate places of the train are distinguished: for the copy-th of them, r is
     /// the copy-th least local minimum of |gamma|.
     #[inline(always)]
-    fn twisted(&self, omega: Dd, copy: usize) -> (Dd, Vec<Dd>) {
+    fn twisted(&self, omega: &Lanes, copy: usize) -> Twisted {
         let n = self.nodes();
-        let (mut left, mut right) = (vec![-omega; n], vec![-omega; n]);
+        // From either end: a pivot, and by it a node's component over that of the next one.
+        let (mut left, mut right) = (-*omega, -*omega);
+        let (mut from_left, mut from_right) = (vec![Lanes::ZERO; n], vec![Lanes::ZERO; n]);
+        let (mut gamma, mut other) = (vec![left; n], vec![right; n]);
         for l in 1..n {
-            left[l] = -omega - self.weight[l - 1] / nonzero(left[l - 1], omega);
             let r = n - 1 - l;
-            right[r] = -omega - self.weight[r] / nonzero(right[r + 1], omega);
+            let (g, h) = (Lanes::splat(self.root[l - 1]), Lanes::splat(self.root[r]));
+            let (p, q) = (-(g / nonzero(&left, omega)), -(h / nonzero(&right, omega)));
+            (from_left[l - 1], from_right[r + 1]) = (p, q);
+            (left, right) = (g * p - *omega, h * q - *omega);
+            (gamma[l], other[r]) = (left, right);
         }
-        let gamma: Vec<Dd> = left.iter().zip(&right).map(|(&p, &q)| p + q + omega).collect();
-        let twist = choose_twist(&gamma, copy);
-        let mut z = vec![Dd::ONE; n];
-        for l in (0..twist).rev() {
-            z[l] = -(self.root[l] * z[l + 1]) / nonzero(left[l], omega);
+        gamma.iter_mut().zip(&other).for_each(|(p, q)| *p = *p + *q + *omega);
+        let twist: [usize; LANES] = std::array::from_fn(|lane| choose_twist(&gamma, lane, copy));
+        let mut least = Lanes::ZERO;
+        (0..LANES).for_each(|lane| least.set(lane, gamma[twist[lane]].get(lane)));
+        // The rows of gamma become z.
+        let mut z = gamma;
+        let one = Lanes::splat(Dd::ONE);
+        z[n - 1] = one;
+        for l in (0..n - 1).rev() {
+            z[l] = one.where_or(from_left[l] * z[l + 1], |lane| l >= twist[lane]);
         }
-        for l in twist + 1..n {
-            z[l] = -(self.root[l - 1] * z[l - 1]) / nonzero(right[l], omega);
+        let mut before = z[0];
+        let mut norm_squared = before * before;
+        for l in 1..n {
+            before = z[l].where_or(from_right[l] * before, |lane| l <= twist[lane]);
+            z[l] = before;
+            norm_squared = norm_squared + before * before;
         }
-        (gamma[twist], z)
+        Twisted { gamma: least, node: z, norm_squared }
     }
+
+    /// The first modes of the lanes, of norm sqrt 2.
+    #[inline(always)]
+    fn normalized(&self, twisted: &Twisted, omega: &Lanes, count: usize) -> Vec<Mode> {
+        let rounding = 1e-31 * self.omega_bound();
+        let mode = |lane: usize| {
+            let scale = (Dd::from(2.0) / twisted.norm_squared.get(lane)).sqrt();
+            let node = twisted.node.iter().map(|z| z.get(lane) * scale).collect();
+            Mode { omega: omega.get(lane), node, residual: (twisted.gamma.get(lane).abs() * scale).hi + rounding }
+        };
+        (0..count).map(mode).collect()
+    }
+}
+
+/// The modes of a group of brackets, compiled for the widest vector unit at hand.
+struct Group<'a> {
+    path: &'a Path,
+    brackets: &'a [[f64; 2]],
+    first: usize,
+}
+
+impl pulp::WithSimd for Group<'_> {
+    type Output = Vec<Mode>;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Vec<Mode> {
+        self.path.group(self.brackets, self.first)
+    }
+}
+
+/// Vectors z of [`Path::twisted`], node by node, one in each lane.
+struct Twisted {
+    gamma: Lanes,
+    node: Vec<Lanes>,
+    norm_squared: Lanes,
 }
 
 /// The pivot, or a tiny number in place of 0.
 #[inline(always)]
-fn nonzero(pivot: Dd, omega: Dd) -> Dd {
-    if pivot.hi == 0.0 { omega * Dd::from(-1e-60) } else { pivot }
+fn nonzero(pivot: &Lanes, omega: &Lanes) -> Lanes {
+    let mut out = *pivot;
+    let [hi, omega] = [pivot.0[0].0, omega.0[0].0];
+    for l in 0..LANES {
+        out.0[0].0[l] = if hi[l] == 0.0 { -1e-60 * omega[l] } else { hi[l] };
+    }
+    out
 }
 
-#[inline(always)]
-fn norm_squared(z: &[Dd]) -> Dd {
-    z.iter().fold(Dd::ZERO, |sum, &x| sum + x * x)
-}
-
-/// The node of the `copy`-th least local minimum of |gamma|.
-fn choose_twist(gamma: &[Dd], copy: usize) -> usize {
-    let size = |l: usize| gamma[l].abs();
+/// The node of the `copy`-th least local minimum of |gamma| in a lane.
+fn choose_twist(gamma: &[Lanes], lane: usize, copy: usize) -> usize {
+    let size = |l: usize| gamma[l].get(lane).hi.abs();
+    if copy == 0 {
+        return (1..gamma.len()).fold(0, |least, l| if size(l) < size(least) { l } else { least });
+    }
     let mut minima: Vec<usize> = (0..gamma.len())
         .filter(|&l| (l == 0 || size(l) <= size(l - 1)) && (l + 1 == gamma.len() || size(l) < size(l + 1)))
         .collect();
-    minima.sort_by(|&a, &b| size(a).partial_cmp(&size(b)).unwrap_or(std::cmp::Ordering::Equal));
+    minima.sort_by(|&a, &b| size(a).total_cmp(&size(b)));
     minima.get(copy).or(minima.first()).copied().unwrap_or(0)
 }
 
 /// How many eigenvalues of the path lie below each shift.
-#[inline(always)]
 fn below(weight: &[f64], shift: &[f64; LANES]) -> [usize; LANES] {
-    let mut d = shift.map(|s| -s);
-    let mut negative = [1.0f64; LANES];
-    for &w in weight {
-        for k in 0..LANES {
-            let pivot = if d[k] == 0.0 { -1e-60 * shift[k] } else { d[k] };
-            d[k] = -shift[k] - w / pivot;
-            negative[k] += f64::from(u8::from(d[k] < 0.0));
+    pulp::Arch::new().dispatch(Below { weight, shift })
+}
+
+struct Below<'a> {
+    weight: &'a [f64],
+    shift: &'a [f64; LANES],
+}
+
+impl pulp::WithSimd for Below<'_> {
+    type Output = [usize; LANES];
+
+    /// Counts sign changes (Sturm).
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> [usize; LANES] {
+        let shift = *self.shift;
+        let mut d = shift.map(|s| -s);
+        let mut negative = [1.0f64; LANES];
+        for &w in self.weight {
+            for k in 0..LANES {
+                let pivot = if d[k] == 0.0 { -1e-60 * shift[k] } else { d[k] };
+                d[k] = -shift[k] - w / pivot;
+                negative[k] += if d[k] < 0.0 { 1.0 } else { 0.0 };
+            }
+        }
+        negative.map(|n| n as usize)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn chain(springs: usize, mass: impl Fn(usize) -> f64, stiffness: impl Fn(usize) -> f64) -> Chain {
+        let (mass, stiffness) = ((0..=springs).map(mass).collect(), (0..springs).map(stiffness).collect());
+        Chain { mass, stiffness, held_head: true, held_tail: false }
+    }
+
+    /// Equal chains with an odd vehicle, stiff couplers, and two that are linked so weakly that frequencies coincide.
+    fn chains() -> Vec<Chain> {
+        let mut chains = vec![chain(60, |v| if v == 20 { 0.3 } else { 1.0 }, |_| 1.0), chain(1, |_| 1.0, |_| 1.0)];
+        for stiff in [1e4, 1e8] {
+            let square = |i: usize| (i * i) as f64;
+            let stiffness = |i: usize| (1.0 + 0.4 * (2.3 * square(i)).cos()) * if i % 10 == 5 { stiff } else { 1.0 };
+            chains.push(chain(37, |v| 1.0 + 0.6 * (1.7 * square(v)).sin(), stiffness));
+            chains.push(chain(41, |_| 1.0, |i| if i == 20 { 1.0 / stiff } else { 1.0 }));
+        }
+        // Light vehicles between soft couplers, each with a frequency of its own that is the same for all.
+        chains.push(chain(20, |v| if v % 4 == 2 { 1e-6 } else { 1.0 }, |_| 1.0));
+        chains
+    }
+
+    /// Against bisection by counting, which needs neither a start nor a gap; every mode's equations hold to its residual.
+    #[test]
+    fn modes_are_those_of_the_chain() {
+        for chain in chains() {
+            let path = Path::new(&chain);
+            let (modes, top) = (path.modes(), Dd::from(2.0 * path.omega_bound()));
+            assert_eq!(modes.len(), path.nodes() / 2);
+            for (j, mode) in modes.iter().enumerate() {
+                let counted = path.bisect_in_dd(j, Dd::from(1e-9), top);
+                assert!((mode.omega - counted).abs().hi < 1e-28 * counted.hi, "{j}: {:?} {counted:?}", mode.omega);
+                assert!(mode.residual < 1e-27 * path.omega_bound(), "{j}: {:e}", mode.residual);
+                let at = |l: Option<usize>| l.and_then(|l| mode.node.get(l)).copied().unwrap_or(Dd::ZERO);
+                let pull = |l: usize| {
+                    let before = l.checked_sub(1).map_or(Dd::ZERO, |p| path.root[p] * at(Some(p)));
+                    let after = path.root.get(l).map_or(Dd::ZERO, |&g| g * at(Some(l + 1)));
+                    before + after - mode.omega * at(Some(l))
+                };
+                let residual = (0..path.nodes()).map(|l| pull(l).hi.powi(2)).sum::<f64>().sqrt();
+                assert!(residual <= mode.residual, "{j}: {residual:e} {:e}", mode.residual);
+                let norm = mode.node.iter().fold(Dd::ZERO, |sum, &z| sum + z * z);
+                assert!((norm - Dd::from(2.0)).abs().hi < 1e-28);
+            }
         }
     }
-    negative.map(|n| n as usize)
 }

@@ -16,9 +16,8 @@ const STEP: f64 = 4.0;
 const FRONT: f64 = 480.0;
 const PAIR: f64 = 40.0;
 const ORDERS: f64 = 0.2;
-/// Nanoseconds to find one entry of one vibration mode by its formula, for equal chains, and in double-double.
+/// Nanoseconds to find one entry of one vibration mode by its formula, for equal chains.
 const EQUAL_ENTRY: f64 = 20.0;
-const MODE_ENTRY: f64 = 600.0;
 /// Nanoseconds to look into one spring's forces between instants.
 const LOOK: f64 = 3000.0;
 /// A better bound may cost this many times the cheapest method whose bound is within 10 times the tolerance, or within
@@ -27,7 +26,7 @@ const MAX_WORK_RATIO: f64 = 10.0;
 const NEAR_FACTOR: f64 = 10.0;
 const FINE_SHARE: f64 = 1e-9;
 /// Of a coarser tolerance, the share that is ignored.
-const IGNORED_SHARE: f64 = 0.1;
+const IGNORED_SHARE: f64 = 0.9;
 /// The longest that a scene may take, and the memory that its modes may fill.
 const MOST_SECONDS: f64 = 3600.0;
 const MOST_GIGABYTES: f64 = 4.0;
@@ -279,7 +278,7 @@ fn stands_at_rating(scene: &Scene) -> bool {
 /// Nanoseconds to find all modes, and every spring's share of them.
 fn price_of_modes(scene: &Scene) -> f64 {
     let springs = scene.initial.len() as f64;
-    let entry = if closed_form::equal(&scene.chain).is_some() { EQUAL_ENTRY } else { MODE_ENTRY };
+    let entry = if closed_form::equal(&scene.chain).is_some() { EQUAL_ENTRY } else { modal::MODE_ENTRY };
     entry * springs * springs
 }
 

@@ -12,7 +12,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::dd::Dd;
+use super::dd::{Dd, LANES};
 use super::local::{COEFFICIENTS, Local};
 use super::statics;
 use crate::chain::Scene;
@@ -195,8 +195,8 @@ impl<'a> Field<'a> {
     /// While the force acts, `1 - cos` is computed as `2 sin^2` of half the phase: short pulses lose no digits.
     pub(super) fn coordinates(&self, stretch: &Stretch, t: Dd) -> Vec<Coordinates> {
         let tau = t - Dd::from(stretch.reference);
-        let at = |(w, &a): (&Dd, &f64)| {
-            let phase = w.phase_of(tau);
+        let phases = pulp::Arch::new().dispatch(Phases { omega: &self.modes.omega, time: tau });
+        let at = |(phase, &a): (f64, &f64)| {
             let (sin, cos) = phase.sin_cos();
             if stretch.sine {
                 [a * sin, a * sin, a * cos]
@@ -204,7 +204,7 @@ impl<'a> Field<'a> {
                 [-2.0 * a * (0.5 * phase).sin().powi(2), a * cos, -a * sin]
             }
         };
-        self.modes.omega.iter().zip(&stretch.amplitude).map(at).collect()
+        phases.into_iter().zip(&stretch.amplitude).map(at).collect()
     }
 
     /// One spring's force at an instant, all modes, to rounding.
@@ -224,24 +224,91 @@ impl<'a> Field<'a> {
         center: f64,
         radius: f64,
     ) -> (Local, f64) {
-        let mut coefficient = [0.0; COEFFICIENTS];
+        let share = self.modes.share.row(spring);
+        let mut modes = vec![[[0.0; LANES]; 5]; resolved.div_ceil(LANES)];
         for (j, &[added, c, s]) in coordinates.iter().enumerate().take(resolved) {
-            let x = self.omega[j] * radius;
-            let mut power = self.modes.share[(spring, j)];
-            coefficient[0] += power * added;
-            // Derivatives of q in units of omega: q, q', -q, -q', ...
-            let cycle = [c, s, -c, -s];
-            for (q, sum) in coefficient.iter_mut().enumerate().skip(1) {
-                power *= x;
-                *sum += power * cycle[q % 4] * INVERSE_FACTORIAL[q];
-            }
+            let of = [self.omega[j] * radius, share[j], added, c, s];
+            (0..5).for_each(|n| modes[j / LANES][n][j % LANES] = of[n]);
         }
+        let terms = terms(resolved.checked_sub(1).map_or(0.0, |last| self.omega[last] * radius));
+        let mut coefficient = pulp::Arch::new().dispatch(Series { modes: &modes, terms });
         // Unresolved modes count with their average.
         let fast = resolved..self.omega.len();
-        let average = |j: usize| if stretch.sine { 0.0 } else { -stretch.amplitude[j] * self.modes.share[(spring, j)] };
+        let average = |j: usize| if stretch.sine { 0.0 } else { -stretch.amplitude[j] * share[j] };
         coefficient[0] += self.scene.initial[spring] + fast.clone().map(average).sum::<f64>();
-        let margin = fast.map(|j| (self.modes.share[(spring, j)] * stretch.amplitude[j]).abs()).sum();
-        (Local { coefficient, terms: COEFFICIENTS, center, radius }, margin)
+        let margin = fast.map(|j| (share[j] * stretch.amplitude[j]).abs()).sum();
+        (Local { coefficient, terms, center, radius }, margin)
+    }
+}
+
+/// How many terms of a mode's Taylor series leave out no more than all of them do where a mode is just resolved.
+fn terms(phase: f64) -> usize {
+    let last = COEFFICIENTS - 1;
+    let least = RESOLVED.powi(COEFFICIENTS as i32) * INVERSE_FACTORIAL[last] / COEFFICIENTS as f64;
+    let (mut terms, mut term) = (1, phase);
+    // In pairs, of which a last one without its partner is left out.
+    while terms < COEFFICIENTS && (term > least || terms % 2 == 1) {
+        terms += 1;
+        term *= phase / terms as f64;
+    }
+    terms
+}
+
+/// Phases of modes at an instant, compiled for the widest vector unit at hand, as is [`Series`].
+struct Phases<'a> {
+    omega: &'a [Dd],
+    time: Dd,
+}
+
+impl pulp::WithSimd for Phases<'_> {
+    type Output = Vec<f64>;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Vec<f64> {
+        let mut out = vec![0.0; self.omega.len()];
+        out.iter_mut().zip(self.omega).for_each(|(phase, w)| *phase = w.phase_of(self.time));
+        out
+    }
+}
+
+/// Taylor coefficients of the sum of modes: each with its phase over the radius, its share, what it has added, and q and q' / omega.
+struct Series<'a> {
+    modes: &'a [[[f64; LANES]; 5]],
+    terms: usize,
+}
+
+impl pulp::WithSimd for Series<'_> {
+    type Output = [f64; COEFFICIENTS];
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> [f64; COEFFICIENTS] {
+        let mut sums = [[0.0; LANES]; COEFFICIENTS + 1];
+        let mut constant = [0.0; LANES];
+        for [x, share, added, c, s] in self.modes {
+            // Derivatives of q in units of omega: q, q', -q, -q', ...
+            let (mut even, mut odd, mut turn) = (*share, *share, *x);
+            for l in 0..LANES {
+                constant[l] += share[l] * added[l];
+                odd[l] *= x[l];
+                turn[l] *= -x[l];
+            }
+            for pair in sums[..(self.terms + 1).min(COEFFICIENTS + 1)].chunks_exact_mut(2) {
+                let (mut first, mut second) = (pair[0], pair[1]);
+                for l in 0..LANES {
+                    first[l] = even[l].mul_add(c[l], first[l]);
+                    second[l] = odd[l].mul_add(s[l], second[l]);
+                    even[l] *= turn[l];
+                    odd[l] *= turn[l];
+                }
+                (pair[0], pair[1]) = (first, second);
+            }
+        }
+        sums[0] = constant;
+        let mut out = [0.0; COEFFICIENTS];
+        for q in 0..COEFFICIENTS {
+            out[q] = INVERSE_FACTORIAL[q] * sums[q].iter().sum::<f64>();
+        }
+        out
     }
 }
 

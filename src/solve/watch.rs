@@ -194,6 +194,16 @@ impl Watch {
         }
     }
 
+    /// Takes note of a value that a force certainly reaches; the first time over its rating is noted elsewhere.
+    pub(crate) fn note_reached(&mut self, spring: usize, negative: bool, reached: Point) {
+        let cautious = self.cautious_rating(spring, negative);
+        let side = self.side_mut(spring, negative);
+        if reached.value > side.best.value {
+            side.best = reached;
+            side.near |= reached.value > cautious;
+        }
+    }
+
     /// Notes a force that is certainly under the rating; returns whether it is.
     pub(crate) fn note_left_rating(&mut self, spring: usize, negative: bool, value: f64) -> bool {
         let left_rating = self.is_well_below_rating(spring, negative, value);

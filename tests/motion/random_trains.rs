@@ -3,7 +3,9 @@
 //! All 2,000 scenes: `cargo run --release --example campaign -- 2000`, and with `--kinds` beside it.
 
 use crate::campaign::{self, Fault};
+use trainsafe::chain::Scene;
 use trainsafe::solve::path::Path;
+use trainsafe::solve::{Ask, Method, observers, propagator, solve};
 
 /// Every extreme is within its stated bound of the truth, every verdict is true, every time is the right one.
 #[test]
@@ -56,4 +58,46 @@ fn the_estimate_of_a_march_covers_its_error() {
         assert_eq!((&tally.other_order, &tally.without_reference), (&vec![], &vec![]), "{kind:?}");
         assert!(tally.worst_proven.0 <= 1.0, "{kind:?}");
     }
+}
+
+/// Marched to coarse tolerances, 200 chains: extremes are as near those of a fine march as both bounds say, and are reached at the times given;
+/// verdicts and first exceedances are the same.
+#[test]
+fn coarse_marches_hold_their_bounds() {
+    let steps = |scene: &Scene| propagator::steps(scene, propagator::omega_max(scene));
+    let scenes = (0..).map(campaign::scene).filter(|scene| steps(scene) * (scene.initial.len() as f64) < 2e4).take(200);
+    let (mut ignored, mut looks) = (0, [0; 2]);
+    for scene in scenes {
+        let solved = |tolerance: f64| {
+            let ask = Ask { tolerance, method: Some(Method::Propagator), ..Ask::default() };
+            solve(&scene, &ask).expect("a solution")
+        };
+        let ratings = scene.rated_draft.iter().chain(&scene.rated_buff);
+        let largest = ratings.fold(scene.force.abs(), |largest, &rating| largest.max(rating));
+        let fine = solved(0.0);
+        for share in [1e-3, 1e-6] {
+            let coarse = solved(share * largest);
+            assert!(coarse.error_bound <= (share * largest).max(fine.error_bound));
+            looks[0] += coarse.work.refinements;
+            looks[1] += fine.work.refinements;
+            for (spring, (a, b)) in coarse.springs.iter().flatten().zip(fine.springs.iter().flatten()).enumerate() {
+                for negative in [false, true] {
+                    let (a, b) = (a.side(negative), b.side(negative));
+                    let below = b.best.value - a.best.value;
+                    assert!(below <= coarse.error_bound && below >= -2.0 * fine.error_bound, "{below:e}");
+                    ignored += usize::from(below > 1e-9 * largest);
+                    assert_eq!((a.exceeds(), a.first_over.is_some()), (b.exceeds(), b.first_over.is_some()));
+                    let apart = a.first_over.zip(b.first_over).map_or(0.0, |(a, b)| (a - b).abs());
+                    assert!(apart <= 1e-9 * scene.horizon, "{apart:e}");
+                    if a.best.at > 0.0 {
+                        let there = observers::history(&scene, propagator::omega_max(&scene), spring, &[a.best.at])[0];
+                        let there = if negative { -there } else { there };
+                        assert!((there - a.best.value).abs() <= coarse.error_bound, "{there} {}", a.best.value);
+                    }
+                }
+            }
+        }
+    }
+    assert!(ignored > 100, "{ignored} extremes are not the largest");
+    assert!(looks[0] < looks[1], "{looks:?}");
 }

@@ -6,7 +6,7 @@ use crate::march::{self, Bound, MarchOptions, MarchOutcome};
 use crate::play::Rule;
 use crate::scenario;
 use crate::solve::SolveError;
-use crate::train::{Event, Scenario, Train};
+use crate::train::{Event, PulseShape, Scenario, Train};
 
 /// The smallest tolerance of a march, as a share of the largest rating: with a smaller one it would end earlier, because it ends
 /// where its estimate passes the tolerance.
@@ -70,7 +70,7 @@ pub(super) fn solved(
     let PeriodFindings { couplers, worst } = within(Period::Whole);
     Ok(Solved {
         method,
-        reason: if proportional { reason_of(train, &scenario.event).to_owned() } else { reason(train, options) },
+        reason: if proportional { reason_of(&scenario.event).to_owned() } else { reason(train, options) },
         error_bound_n,
         error_estimate_n,
         worst,

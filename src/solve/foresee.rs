@@ -21,7 +21,7 @@ const LANES: usize = 16;
 const PHASE: f64 = 2.5;
 const TERMS: usize = 5;
 /// A guess is lower than the largest value by this share of the force, far more than what single precision loses.
-const MARGIN: f64 = 1e-4;
+pub(super) const MARGIN: f64 = 1e-4;
 /// Under this, per unit force, motion ahead of the front is set to zero: denormal numbers are slow.
 const TINY: f32 = 1e-20;
 

@@ -3,7 +3,7 @@
 use super::between::{Levels, Search};
 use super::foresee;
 use super::motion::{BLOCK, Motion, any_positive, excess, norms_around};
-use super::propagator::{StepObserver, View, block, error_bound, march};
+use super::propagator::{KICK_TERMS, StepObserver, View, block, error_bound_of_terms, march, terms};
 use super::watch::SpringPeaks;
 use super::{Wanted, Work};
 use crate::chain::Scene;
@@ -17,9 +17,11 @@ pub fn peaks(
     wanted: Wanted,
     mark: Option<f64>,
 ) -> ([Vec<SpringPeaks>; 2], Work) {
-    let expected = foresee::levels(scene, omega, mark.unwrap_or(scene.horizon));
     let from = |expected| peaks_from(scene, [omega, min_rise], wanted, mark, expected);
-    from(Some(expected)).or_else(|| from(None)).unwrap_or_default()
+    // Of what is left where much is ignored, a guess excludes little.
+    let pays = wanted == Wanted::Worst || min_rise < foresee::MARGIN * scene.force.abs();
+    let expected = pays.then(|| foresee::levels(scene, omega, mark.unwrap_or(scene.horizon)));
+    expected.and_then(|expected| from(Some(expected))).or_else(|| from(None)).unwrap_or_default()
 }
 
 /// The same, given what forces are expected to pass up to the mark and up to the horizon; `None` if some do not.
@@ -31,14 +33,15 @@ fn peaks_from(
     expected: Option<[Levels; 2]>,
 ) -> Option<([Vec<SpringPeaks>; 2], Work)> {
     let motion = Motion::new(scene);
-    let mut search = Search::new(scene, &motion, [error_bound(scene, omega), min_rise]);
+    let terms = terms(scene, omega, min_rise);
+    let mut search = Search::new(scene, &motion, [error_bound_of_terms(scene, omega, terms), min_rise]);
     let later = expected.map(|[first, later]| {
         search.expect(&first, wanted);
         later
     });
     let negligible = search.negligible();
     let mut observer = PeaksObserver { search, wanted, mark, later, to_mark: Some(Vec::new()), work: Work::default() };
-    march(scene, &motion, omega, negligible, &mut observer);
+    march(scene, &motion, [omega, negligible], terms, &mut observer);
     let PeaksObserver { search, mark, to_mark, mut work, .. } = observer;
     let (peaks, looked) = search.finish();
     work.refinements += looked;
@@ -53,7 +56,7 @@ pub fn history(scene: &Scene, omega: f64, spring: usize, times: &[f64]) -> Vec<f
     let search = Search::new(scene, &motion, [0.0; 2]);
     let values = vec![scene.initial[spring]; times.len()];
     let mut record = HistoryObserver { search, spring, times, values, next: 0, horizon: scene.horizon };
-    march(scene, &motion, omega, 0.0, &mut record);
+    march(scene, &motion, [omega, 0.0], KICK_TERMS, &mut record);
     record.values
 }
 
@@ -61,7 +64,7 @@ pub fn history(scene: &Scene, omega: f64, spring: usize, times: &[f64]) -> Vec<f
 /// of a step.
 pub fn field(scene: &Scene, omega: f64, times: &[f64], see: &mut dyn FnMut(usize, usize, f64)) {
     let motion = Motion::new(scene);
-    march(scene, &motion, omega, 0.0, &mut FieldObserver { scene, times, next: 0, see });
+    march(scene, &motion, [omega, 0.0], KICK_TERMS, &mut FieldObserver { scene, times, next: 0, see });
 }
 
 /// Shows the search what may matter.
@@ -235,7 +238,7 @@ impl StepObserver for FieldObserver<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::propagator::omega_max;
+    use super::super::propagator::{error_bound, omega_max};
     use super::*;
 
     /// An unequal chain with a held head, pulled at its tail, by a step or a pulse.

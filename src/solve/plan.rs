@@ -242,8 +242,10 @@ pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
             (peaks, work, bound_of_extremes(fronts::error_bound(scene)))
         }
         _ => {
-            let bound = propagator::error_bound(scene, plan.omega_max);
-            let min_rise = coarse_min_rise(scene, ask).min(ask.tolerance - bound);
+            let coarse = coarse_min_rise(scene, ask);
+            let terms = propagator::terms(scene, plan.omega_max, coarse);
+            let bound = propagator::error_bound_of_terms(scene, plan.omega_max, terms);
+            let min_rise = coarse.min(ask.tolerance - bound);
             let (peaks, work) = observers::peaks(scene, plan.omega_max, min_rise, ask.wanted, ask.mark);
             (peaks, work, bound_of_extremes(bound).max(bound + min_rise))
         }

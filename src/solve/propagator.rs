@@ -27,8 +27,11 @@ use super::series::{PHASE, polynomial, sine_over_root};
 use crate::chain::Scene;
 
 /// Terms of the series for P, for 1e-17 over the largest phase, and for velocities at a change of step.
-const KICK_TERMS: usize = 7;
+pub(super) const KICK_TERMS: usize = 7;
 const SWITCH_TERMS: usize = 14;
+/// The fewest terms, for the coarsest tolerances, and how much smaller than what is ignored the error bound is then.
+const FEWEST_TERMS: usize = 4;
+const BOUND_SHARE: f64 = 0.05;
 /// Below this share of the force, motion ahead of the front is set to zero.
 const ZERO_BELOW: f64 = 1e-22;
 /// A step at the largest phase carries under 1e-16 of a motion across this many springs: 1.5^24 / 24!.
@@ -53,6 +56,21 @@ pub fn omega_max(scene: &Scene) -> f64 {
 /// one step grows at most by `theta / sin(theta) < 1.51` on the way to another and by `1 / cos(theta / 2) < 1.37` on the way
 /// between two: 40. A pulse's end starts a second motion like the first.
 pub fn error_bound(scene: &Scene, omega: f64) -> f64 {
+    error_bound_of_terms(scene, omega, KICK_TERMS)
+}
+
+/// The same with fewer terms of the series.
+///
+/// An error e of `1 + x P` in `4 sin^2(theta / 2) = x (1 + x P)` turns frequencies by at most `e / 2 * theta / sin(theta)` of themselves:
+/// the march follows a chain whose frequencies are off by under 0.76 e, and forces by that share of the time and the norm of their
+/// rates, in the energy norm; on the way between two steps, 1.37 times as much. Where a pulse ends, velocities are converted
+/// twice with the chain's own frequencies: 2 e of their norm, which grows with the time at most. 4 e together. The
+/// polynomial of K terms through P at Chebyshev points is off by at most `2 (X / 4)^K max |P^(K)| / K!` over 0 <= x <= X, and the
+/// last factor is P's coefficient `2 / (2K + 4)!`, since its series alternates.
+pub(super) fn error_bound_of_terms(scene: &Scene, omega: f64, terms: usize) -> f64 {
+    let square = PHASE * PHASE;
+    let coefficient = (1..=2 * terms + 4).fold(2.0, |all, n| all / n as f64);
+    let dropped_terms = square * 2.0 * (square / 4.0).powi(terms as i32) * coefficient;
     let roundoff = f64::EPSILON / 2.0;
     let force = scene.force.abs();
     let pulses = if scene.duration < scene.horizon { 2.0 } else { 1.0 };
@@ -60,11 +78,18 @@ pub fn error_bound(scene: &Scene, omega: f64) -> f64 {
     // The norm of accelerations and rates of extension that the force starts and keeps up; the source is never held.
     let acceleration_norm = (1.0 / scene.chain.mass[scene.source]).sqrt() * force * pulses;
     let width = (PHASE / omega).min(scene.horizon);
-    let marching = 40.0 * (scene.horizon + 20.0 * width) * acceleration_norm * stiffest * roundoff;
+    let rate = 40.0 * roundoff + 4.0 * dropped_terms;
+    let marching = rate * (scene.horizon + 20.0 * width) * acceleration_norm * stiffest;
     // Rounding of the state's and the polynomial's own numbers, and the series' last terms.
     let size = scene.initial.iter().fold(0.0f64, |a, f| a.max(f.abs())) + 4.0 * pulses * force;
     let dropped = steps(scene, omega) * ZERO_BELOW * force * 100.0;
     marching + 8.0 * size * roundoff + dropped
+}
+
+/// The fewest terms of the series for a search that ignores differences under `min_rise`.
+pub(super) fn terms(scene: &Scene, omega: f64, min_rise: f64) -> usize {
+    let fits = |&terms: &usize| error_bound_of_terms(scene, omega, terms) <= BOUND_SHARE * min_rise;
+    (FEWEST_TERMS..KICK_TERMS).find(fits).unwrap_or(KICK_TERMS)
 }
 
 /// What to do with each step of a march; compiled into it.
@@ -111,9 +136,15 @@ pub(super) struct View<'a> {
     pub range: std::ops::Range<usize>,
 }
 
-/// Runs through the horizon and shows `see` every step.
-pub(super) fn march(scene: &Scene, motion: &Motion, omega: f64, negligible: f64, see: &mut impl StepObserver) {
-    let mut state = State::new(scene, motion, negligible);
+/// Runs through the horizon, with so many terms of the series, and shows `see` every step.
+pub(super) fn march(
+    scene: &Scene,
+    motion: &Motion,
+    [omega, negligible]: [f64; 2],
+    terms: usize,
+    see: &mut impl StepObserver,
+) {
+    let mut state = State::new(scene, motion, negligible, terms);
     let stretches = if scene.duration < scene.horizon {
         vec![(0.0, scene.duration, scene.force), (scene.duration, scene.horizon, 0.0)]
     } else {
@@ -171,6 +202,8 @@ struct State<'a> {
     energy: [Vec<f64>; 2],
     norms: [Vec<f64>; 2],
     scratch: [Vec<f64>; 2],
+    /// Coefficients of P.
+    series: &'static [f64],
     /// A change of force too small to matter.
     negligible: f64,
     /// Springs that may differ from their initial force.
@@ -187,7 +220,7 @@ struct Coefficients {
 }
 
 impl<'a> State<'a> {
-    fn new(scene: &'a Scene, motion: &'a Motion, negligible: f64) -> State<'a> {
+    fn new(scene: &'a Scene, motion: &'a Motion, negligible: f64, terms: usize) -> State<'a> {
         let springs = scene.initial.len();
         let zero = vec![0.0; springs.next_multiple_of(BLOCK) + BLOCK + 3];
         let mut stiffness = zero.clone();
@@ -214,6 +247,7 @@ impl<'a> State<'a> {
             energy: [0, 1].map(|_| vec![0.0; springs.div_ceil(BLOCK).next_multiple_of(BLOCK) + 2 * FAR]),
             norms: [0, 1].map(|_| vec![0.0; springs.div_ceil(BLOCK).next_multiple_of(BLOCK)]),
             scratch: two(),
+            series: &KICK_SERIES.get_or_init(|| std::array::from_fn(|k| kick_series(k, PHASE)))[terms],
             negligible,
             reached: source.saturating_sub(1)..(source + 1).min(springs),
         }
@@ -376,7 +410,7 @@ impl<'a> State<'a> {
     fn kick(&mut self, c: &Coefficients, share: f64) {
         let range = self.reach();
         let [r, spare] = &mut self.scratch;
-        horner(c, range.clone(), KICK_SERIES.get_or_init(|| kick_series(KICK_TERMS, PHASE)), &self.bend[1], r, spare);
+        horner(c, range.clone(), self.series, &self.bend[1], r, spare);
         let to = range.end + 1;
         let mut v = range.start + 1;
         while v <= to {
@@ -495,7 +529,8 @@ fn horner(
     }
 }
 
-static KICK_SERIES: OnceLock<Vec<f64>> = OnceLock::new();
+/// By the number of terms.
+static KICK_SERIES: OnceLock<[Vec<f64>; KICK_TERMS + 1]> = OnceLock::new();
 
 /// `(4 sin^2(theta / 2) / theta^2 - 1) / theta^2` as a polynomial in theta^2: `2 sum_k (-1)^(k+1) x^k / (2k + 4)!`.
 pub(crate) fn kick_series(terms: usize, phase: f64) -> Vec<f64> {
@@ -523,6 +558,21 @@ mod tests {
             let sum = series.iter().rev().fold(0.0, |s, &c| s * x + c);
             let exact = 4.0 * (0.5 * theta).sin().powi(2) / x;
             assert!((1.0 + x * sum - exact).abs() < 4e-16, "{theta}");
+        }
+    }
+
+    /// With fewer terms it is off by no more than the error bound says, and by a good share of that.
+    #[test]
+    fn fewer_terms_are_off_by_what_the_bound_says() {
+        for terms in FEWEST_TERMS..KICK_TERMS {
+            let (few, all) = (kick_series(terms, PHASE), kick_series(KICK_TERMS + 3, PHASE));
+            let sum = |series: &[f64], x: f64| series.iter().rev().fold(0.0, |s, &c| s * x + c);
+            let off = |n: i32| PHASE * PHASE * f64::from(n) / 200.0;
+            let most = (1..=200).map(off).map(|x| x * (sum(&few, x) - sum(&all, x)).abs()).fold(0.0, f64::max);
+            let square: f64 = PHASE * PHASE;
+            let factorial = (1..=2 * terms + 4).fold(1.0, |all, n| all * n as f64);
+            let bound = 4.0 * square * (square / 4.0).powi(terms as i32) / factorial;
+            assert!(most < bound + 1e-15 && most > 0.3 * bound - 1e-15, "{terms}: {most:e} {bound:e}");
         }
     }
 

@@ -97,7 +97,7 @@ impl UnitResponse {
         let horizon = scene.horizon;
         let mut recorder =
             Recorder { horizon, motion: &motion, levels, min_rise, last: u64::MAX, steps, rows, records };
-        march(scene, &motion, omega_max, 0.01 * min_rise, &mut recorder);
+        march(scene, &motion, [omega_max, 0.01 * min_rise], propagator::KICK_TERMS, &mut recorder);
         let Recorder { steps, rows, mut records, .. } = recorder;
         records.iter_mut().flatten().for_each(Vec::shrink_to_fit);
         let tops = records.iter().flatten().filter_map(|of_side| Some(of_side.last()?.top.value));

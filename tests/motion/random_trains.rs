@@ -61,12 +61,12 @@ fn the_estimate_of_a_march_covers_its_error() {
 }
 
 /// Marched to coarse tolerances, 200 chains: extremes are as near those of a fine march as both bounds say, and are reached at the times given;
-/// verdicts and first exceedances are the same.
+/// verdicts are the same, or undecided in few cases.
 #[test]
 fn coarse_marches_hold_their_bounds() {
     let steps = |scene: &Scene| propagator::steps(scene, propagator::omega_max(scene));
     let scenes = (0..).map(campaign::scene).filter(|scene| steps(scene) * (scene.initial.len() as f64) < 2e4).take(200);
-    let (mut ignored, mut looks) = (0, [0; 2]);
+    let (mut ignored, mut decided, mut undecided, mut looks) = (0, 0, 0, [0; 2]);
     for scene in scenes {
         let solved = |tolerance: f64| {
             let ask = Ask { tolerance, method: Some(Method::Propagator), ..Ask::default() };
@@ -84,11 +84,15 @@ fn coarse_marches_hold_their_bounds() {
                 for negative in [false, true] {
                     let (a, b) = (a.side(negative), b.side(negative));
                     let below = b.best.value - a.best.value;
-                    assert!(below <= coarse.error_bound && below >= -2.0 * fine.error_bound, "{below:e}");
+                    assert!(below.abs() <= coarse.error_bound + fine.error_bound, "{below:e}");
                     ignored += usize::from(below > 1e-9 * largest);
-                    assert_eq!((a.exceeds(), a.first_over.is_some()), (b.exceeds(), b.first_over.is_some()));
+                    if let (Some(a), Some(b)) = (a.exceeds(), b.exceeds()) {
+                        assert_eq!(a, b);
+                        decided += 1;
+                    }
+                    undecided += usize::from(a.exceeds().is_none() && b.exceeds().is_some());
                     let apart = a.first_over.zip(b.first_over).map_or(0.0, |(a, b)| (a - b).abs());
-                    assert!(apart <= 1e-9 * scene.horizon, "{apart:e}");
+                    assert!(apart <= 1e-3 * scene.horizon, "{apart:e}");
                     if a.best.at > 0.0 {
                         let there = observers::history(&scene, propagator::omega_max(&scene), spring, &[a.best.at])[0];
                         let there = if negative { -there } else { there };
@@ -99,5 +103,6 @@ fn coarse_marches_hold_their_bounds() {
         }
     }
     assert!(ignored > 100, "{ignored} extremes are not the largest");
+    assert!(100 * undecided < decided, "{undecided} verdicts are decided by fine marches alone, {decided} by both");
     assert!(looks[0] < looks[1], "{looks:?}");
 }

@@ -8,8 +8,8 @@ use super::labels::Labels;
 use super::tree::{Found, Read, Table, Value};
 use super::{Files, brakes, record};
 use crate::error::quoted;
-use crate::play::{Drive, Rule};
-use crate::train::{Doubt, Event, MOST_CASES, MOST_SCENARIOS, Response, Scenario, Train};
+use crate::forcing::Drive;
+use crate::train::{Doubt, Event, MOST_CASES, MOST_SCENARIOS, Response, Rule, Scenario, Train};
 use crate::units::{Amount, Dimension, shown};
 
 /// What reading a scenario needs.

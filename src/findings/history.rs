@@ -2,11 +2,10 @@
 
 use crate::chain::Scene;
 use crate::march::{self, MarchOptions};
-use crate::play::Rule;
 use crate::rod::Rod;
 use crate::scenario::{self, Motion, Part, Scales};
 use crate::solve::{self, damped_modes};
-use crate::train::Train;
+use crate::train::{Rule, Train};
 
 /// Force in one coupler at given times, N, draft positive: what a figure shows.
 ///

@@ -1,7 +1,7 @@
 //! Forces from outside that change over time, each on one vehicle, and the brakes that a parting sets off.
 
 use super::{Brakes, Problem};
-use crate::play::Drive;
+use crate::forcing::Drive;
 
 /// A force over time on one vehicle.
 #[derive(Clone, Debug)]

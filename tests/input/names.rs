@@ -220,7 +220,7 @@ fn rise_and_fall_may_be_the_whole_duration() {
         ("50 ms", "50 ms", "0.1 s"),
     ] {
         let train = pulse(rise, fall, duration).expect("a triangle");
-        let Event::Shaped { drive: trainsafe::play::Drive::Lines(points), .. } = &train.scenarios()[0].event else {
+        let Event::Shaped { drive: trainsafe::forcing::Drive::Lines(points), .. } = &train.scenarios()[0].event else {
             panic!("no shape");
         };
         assert!(points.windows(2).all(|p| p[0][0] <= p[1][0]), "{points:?}");

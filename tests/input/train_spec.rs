@@ -1,10 +1,10 @@
 //! A train is valid by construction: each thing that can be wrong with a spec, through the library, with its exact message.
 
 use crate::common::{breaks, uniform};
+use trainsafe::forcing::Drive;
 use trainsafe::law::{Curve, GearRow, Law};
-use trainsafe::play::{Drive, Rule};
 use trainsafe::train::{
-    Application, CouplerSpec, Event, Forcing, Limits, Load, PulledTo, Response, Scenario, TrainSpec, VehicleSpec,
+    Application, CouplerSpec, Event, Forcing, Limits, Load, PulledTo, Response, Rule, Scenario, TrainSpec, VehicleSpec,
 };
 use trainsafe::{Options, analyze, consist};
 

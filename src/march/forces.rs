@@ -190,6 +190,14 @@ pub fn measures(problem: &Problem) -> Vec<(usize, [f64; 2])> {
     drives.chain(brakes).collect()
 }
 
+/// The most kinks that the outside forces can have.
+pub fn kinks(problem: &Problem) -> usize {
+    let of_drive = |drive: &Drive| if let Drive::Lines(points) = drive { points.len() } else { 1 };
+    let applied = problem.application.iter().map(|(brakes, _)| brakes);
+    let of_brakes = problem.emergency.iter().chain(applied).map(|b| b.build_up.len() * b.full_n.len());
+    problem.forcing.iter().map(|(_, drive)| of_drive(drive)).sum::<usize>() + of_brakes.sum::<usize>()
+}
+
 #[cfg(test)]
 #[allow(clippy::excessive_precision)] // Reference numbers are given with all their digits.
 mod tests {

@@ -29,11 +29,13 @@
 //! couplers are linear, stay or have parted for good, and no vehicle stops.
 //!
 //! **Linear couplers.** D is constant but for the outside forces' own changes: `D <= D(0) + sum J TV(f)`, so that the error is known
-//! before the motion is: `|error| <= 29 u S t`, or `26 u S t`, and, for a constant force that the couplers at t = 0 do not balance, the difference of
-//! six numbers that were rounded once each, `4 u` of the sum of their magnitudes. What is shown, a force at an instant, rounds 16
-//! times more, by at most as much as the motion's own norm, which grows by no more than D t. Motion under `REST_LIMIT` of
-//! the scale at the edge of the part that moves is set to 0, of at most 22 vehicles and couplers a step and in at most 4 steps for
-//! each reciprocal of the largest rate.
+//! before the motion is, `|error| <= 29 u S t` (26 where nothing cuts steps). A constant force that the couplers at t = 0 do not
+//! balance is the sum of four numbers that were rounded once each, in three more roundings: `4 u` of their magnitudes. What is
+//! shown, a force at an instant, rounds 16 times more, by shares of the motion's own norm, which grows by no more than D t.
+//!
+//! Motion under 1e-24 of the scale (`REST_LIMIT`) at the edges of the part that moves is set to 0 after each step, of at most 11
+//! vehicles and couplers at either edge. There are at most 4 steps for each reciprocal of the largest rate, one for each kink of the
+//! outside forces, and a few until the width of steps is what it was after a break or a first step that a kink has cut.
 //!
 //! **Couplers that break** ([`super::breaks`]). The instant of a break is known to within delta, the time in which the computed force is
 //! within the bound of the force that breaks the coupler; over that time the computed and the true train differ by that coupler's
@@ -53,7 +55,7 @@
 
 use super::branches::Branches;
 use super::events::balance_rounding;
-use super::forces::measures;
+use super::forces::{kinks, measures};
 use super::mode::{Coupler, Mode};
 use super::step::{March, stiffest};
 
@@ -62,8 +64,12 @@ const ROUNDINGS: f64 = 26.0;
 const CUT: f64 = 3.0;
 /// Roundings of a force that is shown, beside those of its state.
 const SHOWN: f64 = 16.0;
-/// Entries that are set to rest in the time of the reciprocal of the largest rate, at most.
-const RESTED: f64 = 88.0;
+/// Vehicles and couplers that are set to rest in a step, at most.
+const RESTED: f64 = 22.0;
+/// Steps in the time of the reciprocal of the largest rate, at most, and those that a coupler that breaks and the start add.
+const STEPS: f64 = 4.0;
+const STEPS_OF_BREAK: f64 = 10.0;
+const STEPS_AT_START: f64 = 40.0;
 /// Half a unit in the last place.
 pub const U: f64 = 0.5 * f64::EPSILON;
 /// Least distance to a stop, and least gap, as a share of the elongation.
@@ -141,8 +147,10 @@ impl Proof {
         let size = (1.0 + 2.0 * drag) * (rate + varied) + all + unbalanced;
         let balanced =
             4.0 * U * norm(&|v| balance_rounding(problem, &march.start, march.common_m_s2, &state.unbalanced, v));
+        let single = kinks(problem) as f64 + STEPS_OF_BREAK * problem.laws.len() as f64 + STEPS_AT_START;
+        let steps = STEPS * march.fastest() + single / problem.horizon_s.max(f64::MIN_POSITIVE);
         let cut = if problem.contact || !problem.break_at_n.is_empty() { CUT } else { 0.0 };
-        self.growth = (ROUNDINGS + cut + SHOWN) * U * size + balanced + RESTED * march.fastest() * march.rest_norm();
+        self.growth = (ROUNDINGS + cut + SHOWN) * U * size + balanced + RESTED * steps * march.rest_norm();
         self.motion = motion;
     }
 

@@ -10,7 +10,7 @@
 //! keys         what the keys of a file are: name, kind, sign
 //! law          a coupler's force over its elongation, with slack and friction
 //! chain        masses and linear springs in units of their own, and a step or pulse of force on one mass
-//! play         forces over time on a vehicle, and which couplers break on the way
+//! forcing      forces over time on a vehicle
 //! solve        the largest force in every coupler of a chain under steps of force, with a bound on its error
 //! march        all other motion: dashpots, slack, friction, speeds at the start, forces on many vehicles, couplers that break
 //! rod          the continuous rod that a long chain approaches
@@ -81,10 +81,10 @@ pub mod error;
 mod figures;
 pub mod findings;
 pub mod fleet;
+pub mod forcing;
 mod keys;
 pub mod law;
 pub mod march;
-pub mod play;
 pub mod report;
 pub mod rod;
 pub mod scenario;

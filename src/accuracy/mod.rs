@@ -24,11 +24,10 @@ mod table;
 
 use std::time::Duration;
 
-use crate::play::Rule;
 use crate::report::WriteError;
 use crate::scenario::{self, Motion, Part, Scales};
 use crate::solve::{Method, SolveError, Work};
-use crate::train::{Event, Scenario, Train};
+use crate::train::{Event, Rule, Scenario, Train};
 use bench::Bench;
 use reference::ReferenceError;
 

@@ -4,9 +4,8 @@ use std::fmt::Write as _;
 
 use super::describe_laws;
 use crate::doubts::doubts;
-use crate::play::Rule;
 use crate::scenario::{break_loads, longest_horizon_s, shortest_horizon_s};
-use crate::train::{Event, LIMITS, Pulse, PulseShape, Scenario, Train, Vehicle, count};
+use crate::train::{Event, LIMITS, Pulse, PulseShape, Rule, Scenario, Train, Vehicle, count};
 use crate::units::{Dimension, UnitSystem, shown, shown_time};
 
 /// Groups of vehicles, or else kinds of vehicles, that are listed at most.

@@ -1,8 +1,7 @@
 //! Couplers with slack and gears, and what brakes and drives do, in words.
 
 use crate::law::{Curve, Law};
-use crate::play::Rule;
-use crate::train::{Application, Event, Scenario, Train, count};
+use crate::train::{Application, Event, Rule, Scenario, Train, count};
 use crate::units::{Dimension, UnitSystem, shown, shown_time};
 
 /// The laws of couplers that are not linear, each kind once with what it does at the load; empty where all are linear.

@@ -9,8 +9,7 @@ use super::labels::Labels;
 use super::tree::{Found, Read, Table, Value};
 use super::{Files, brakes, record};
 use crate::error::quoted;
-use crate::play::Rule;
-use crate::train::{Doubt, Event, MOST_CASES, MOST_SCENARIOS, Pulse, PulseShape, Response, Scenario, Train};
+use crate::train::{Doubt, Event, MOST_CASES, MOST_SCENARIOS, Pulse, PulseShape, Response, Rule, Scenario, Train};
 use crate::units::{Amount, Dimension, shown};
 
 /// What reading a scenario needs.

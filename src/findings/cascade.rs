@@ -7,10 +7,9 @@ use serde::Serialize;
 use super::march::Period;
 use super::{CouplerFindings, GapClosure, Options, PeakForces, of_number, worst};
 use crate::march::{self, MarchOptions, MarchOutcome};
-use crate::play::Rule;
 use crate::scenario;
 use crate::solve::SolveError;
-use crate::train::{LIMITS, Scenario, Train};
+use crate::train::{LIMITS, Rule, Scenario, Train};
 
 /// The course of a cascade.
 #[derive(Clone, Debug, Serialize)]

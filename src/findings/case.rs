@@ -9,13 +9,12 @@ use super::{
     first_passage, largest_rating_n, limits, load_search, march, safe_factor, safe_speed, worst,
 };
 use crate::chain::Scene;
-use crate::play::Rule;
 use crate::rod::Rod;
 use crate::scenario::{self, Motion, Part, Scales};
 use crate::solve::responses::Shared;
 use crate::solve::watch::{Side, SpringPeaks};
 use crate::solve::{Ask, Solution, SolveError, Wanted};
-use crate::train::{Event, Pulse, PulseShape, Scenario, Train};
+use crate::train::{Event, Pulse, PulseShape, Rule, Scenario, Train};
 
 /// Why a march has no safe load factor.
 const NO_FACTOR: &str = "with slack, friction or brakes forces do not grow in proportion to their cause";

@@ -3,10 +3,9 @@
 use rayon::prelude::*;
 
 use super::{AnalyzeError, Options, ask, cases, chosen, first_passage, load_search, map, march, safe_speed};
-use crate::play::Rule;
 use crate::scenario::{self, Motion};
 use crate::solve::{self, SolveError, damped_modes};
-use crate::train::{Scenario, Train};
+use crate::train::{Rule, Scenario, Train};
 
 /// The longest that an analysis may take by its estimate, s.
 const MOST_SECONDS: f64 = 3600.0;

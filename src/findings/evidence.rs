@@ -3,9 +3,8 @@
 use super::field::{self, Frame};
 use super::{CaseFindings, CouplerFindings, Field, Of, ScenarioFindings, history, worst_case};
 use crate::march::{self, MarchOptions};
-use crate::play::Rule;
 use crate::scenario::{self, Motion};
-use crate::train::{Scenario, Train};
+use crate::train::{Rule, Scenario, Train};
 
 /// Instants of a force over time per unit of time sqrt(m / k): about eight in the period of the fastest vibration of equal vehicles.
 const PER_UNIT: f64 = 2.5;

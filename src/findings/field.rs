@@ -4,11 +4,10 @@ use std::collections::HashMap;
 
 use super::CaseFindings;
 use crate::march::{self, MarchOptions, MarchOutcome, Problem};
-use crate::play::Rule;
 use crate::rod::Rod;
 use crate::scenario::{self, Motion, Scales};
 use crate::solve::field;
-use crate::train::{Scenario, Train};
+use crate::train::{Rule, Scenario, Train};
 
 /// Most values kept: a picture cannot show more, and they would slow down a page.
 const MOST_VALUES: usize = 400_000;

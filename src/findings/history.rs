@@ -2,11 +2,10 @@
 
 use crate::chain::Scene;
 use crate::march::{self, MarchOptions};
-use crate::play::Rule;
 use crate::rod::Rod;
 use crate::scenario::{self, Motion, Part, Scales};
 use crate::solve::{self, damped_modes};
-use crate::train::Train;
+use crate::train::{Rule, Train};
 
 /// Force in one coupler at given times, N, draft positive: what a figure shows.
 ///
@@ -15,8 +14,11 @@ use crate::train::Train;
 pub fn history(train: &Train, scenario: usize, broken: Option<usize>, coupler: usize, times_s: &[f64]) -> Vec<f64> {
     let motion = Motion::of(train, &train.scenarios()[scenario]);
     if motion == Motion::March {
-        let horizon_s = times_s.iter().copied().fold(0.0, f64::max);
-        let problem = scenario::march(train, &train.scenarios()[scenario], broken, [horizon_s; 2], Rule::Keep);
+        let scenario = &train.scenarios()[scenario];
+        let last_s = times_s.iter().copied().fold(0.0, f64::max);
+        // There is no step up to t = 0.
+        let until_s = if last_s > 0.0 { last_s } else { scenario::horizon_s(train, scenario, broken) };
+        let problem = scenario::march(train, scenario, broken, [until_s; 2], Rule::Keep);
         let ask = MarchOptions { history: vec![coupler], times_s: times_s.to_vec(), ..MarchOptions::default() };
         let mut forces_n = vec![f64::NAN; times_s.len()];
         march::follow(&problem, &ask, &mut |instant, _, force_n| forces_n[instant] = force_n);

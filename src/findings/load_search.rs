@@ -10,10 +10,9 @@ use serde::Serialize;
 
 use super::Options;
 use crate::march::{self, MarchOptions};
-use crate::play::Rule;
 use crate::scenario;
 use crate::solve::Wanted;
-use crate::train::{Event, Scenario, Train};
+use crate::train::{Event, Rule, Scenario, Train};
 
 /// Factors of the grid: number, and distance.
 const GRID: usize = 8;

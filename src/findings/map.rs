@@ -48,7 +48,7 @@ pub(super) fn find(train: &Train, scenario: &Scenario, options: &Options) -> Res
     if !scenario::is_proportional(train, scenario) {
         return Ok(None);
     }
-    let alone = Scenario { cascade: crate::play::Rule::Keep, ..scenario.clone() };
+    let alone = Scenario { cascade: crate::train::Rule::Keep, ..scenario.clone() };
     let wave = scenario::wave(train);
     let (over, value, variants): (_, _, Vec<(f64, Option<usize>, Event)>) = match &scenario.event {
         Event::Impact { .. } | Event::Brake { .. } => return Ok(None),

@@ -3,10 +3,9 @@
 use super::solved::{Marched, PeriodFindings, Solved};
 use super::{CouplerFindings, CouplerPeaks, Ending, Options, coupler_findings, largest_rating_n, worst};
 use crate::march::{self, Bound, MarchOptions, MarchOutcome};
-use crate::play::Rule;
 use crate::scenario;
 use crate::solve::SolveError;
-use crate::train::{Event, PulseShape, Scenario, Train};
+use crate::train::{Event, PulseShape, Rule, Scenario, Train};
 
 /// The smallest tolerance of a march, as a share of the largest rating: with a smaller one it would end earlier, because it ends
 /// where its estimate passes the tolerance.

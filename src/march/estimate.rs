@@ -6,6 +6,7 @@
 //! advance together; the results end where the estimate of any force passes the tolerance.
 
 use super::branches::Branches;
+use super::proof::U;
 use super::record::extremes;
 use super::step::{March, RunSettings, stiffest};
 use super::{Bound, Extremes, MarchOptions, MarchOutcome, Problem};
@@ -25,9 +26,6 @@ const DIFFERENCES: f64 = 10.0;
 const UNITS: f64 = 16.0;
 /// Instants at which the runs are compared.
 const COMPARED: usize = 200;
-/// Half a unit in the last place.
-const U: f64 = 0.5 * f64::EPSILON;
-
 /// The run that is reported.
 const SETTINGS: RunSettings = RunSettings { phase: PHASE, noise: None, margin: 1.0 };
 /// Instants between which [`follow`] hands on what it has.

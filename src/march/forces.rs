@@ -1,7 +1,7 @@
 //! Forces from outside that change over time, each on one vehicle, and the brakes that a parting sets off.
 
 use super::{Brakes, Problem};
-use crate::play::Drive;
+use crate::forcing::Drive;
 
 /// A force over time on one vehicle.
 #[derive(Clone, Debug)]
@@ -188,6 +188,14 @@ pub fn measures(problem: &Problem) -> Vec<(usize, [f64; 2])> {
         brakes.full_n.iter().enumerate().map(move |(v, full)| (v, [full * largest, full * variation]))
     });
     drives.chain(brakes).collect()
+}
+
+/// The most kinks that the outside forces can have.
+pub fn kinks(problem: &Problem) -> usize {
+    let of_drive = |drive: &Drive| if let Drive::Lines(points) = drive { points.len() } else { 1 };
+    let applied = problem.application.iter().map(|(brakes, _)| brakes);
+    let of_brakes = problem.emergency.iter().chain(applied).map(|b| b.build_up.len() * b.full_n.len());
+    problem.forcing.iter().map(|(_, drive)| of_drive(drive)).sum::<usize>() + of_brakes.sum::<usize>()
 }
 
 #[cfg(test)]

@@ -34,8 +34,8 @@ mod step;
 #[cfg(test)]
 mod tests;
 
+use crate::forcing::Drive;
 use crate::law::{Law, Rest};
-use crate::play::Drive;
 
 /// A train and what happens to it.
 #[derive(Clone, Debug)]

@@ -11,7 +11,7 @@
 //! because `F - h w` is in `r Sgn(w')`, a monotone relation. So `sqrt(W) <= integral of the residual`, the force per root of mass that the
 //! computed motion would need beside the given ones; and `|dF| <= sqrt(kl W)`, with a dashpot `sqrt(k + c^2 (1 / m + 1 / m')) sqrt(W)`.
 //!
-//! **A step's rounding**, in that norm and in units u of half a last place, is at most `29 h S`, with h the step's width and S the norm of
+//! **A step's rounding**, in that norm and in units u of half a last place, is at most `26 h S`, of a step that is cut `29 h S`, with h the step's width and S the norm of
 //! the motion's rate and of all that is added up to it, `S = (1 + 2 r) D + sum J |f|`: D the norm of z' (`dF^2 / kl + h dw^2 = s dq^2`
 //! with `s = h kl / (h + kl)` where the slider slips), r = max c / sqrt(k m) the dashpots' share, J = 1 / sqrt(m) of the vehicle on
 //! which f acts. A step is no longer than `1 / W`, W = largest frequency and damping rate together, so that terms fall as `1 / k!`.
@@ -25,14 +25,17 @@
 //! - The sum of the terms from the last to the first: `1.72 + 0.72 + 0.22 + ... < 2.8`; the compensated sum with the state 1.8;
 //!   the instant of the step's end, `u t`, another 1.
 //!
-//! Together that is less than 29; the first term left out is 1e-19 of `h S`.
+//! Together that is less than 29, without cuts less than 26; the first term left out is 1e-19 of `h S`. Where nothing can cut a step,
+//! couplers are linear, stay or have parted for good, and no vehicle stops.
 //!
 //! **Linear couplers.** D is constant but for the outside forces' own changes: `D <= D(0) + sum J TV(f)`, so that the error is known
-//! before the motion is: `|error| <= 29 u S t` and, for a constant force that the couplers at t = 0 do not balance, the difference of
-//! six numbers that were rounded once each, `4 u` of the sum of their magnitudes. What is shown, a force at an instant, rounds 16
-//! times more, by at most as much as the motion's own norm, which grows by no more than D t. Motion under `REST_LIMIT` of
-//! the scale at the edge of the part that moves is set to 0, of at most 22 vehicles and couplers a step and in at most 4 steps for
-//! each reciprocal of the largest rate.
+//! before the motion is, `|error| <= 29 u S t` (26 where nothing cuts steps). A constant force that the couplers at t = 0 do not
+//! balance is the sum of four numbers that were rounded once each, in three more roundings: `4 u` of their magnitudes. What is
+//! shown, a force at an instant, rounds 16 times more, by shares of the motion's own norm, which grows by no more than D t.
+//!
+//! Motion under 1e-24 of the scale (`REST_LIMIT`) at the edges of the part that moves is set to 0 after each step, of at most 11
+//! vehicles and couplers at either edge. There are at most 4 steps for each reciprocal of the largest rate, one for each kink of the
+//! outside forces, and a few until the width of steps is what it was after a break or a first step that a kink has cut.
 //!
 //! **Couplers that break** ([`super::breaks`]). The instant of a break is known to within delta, the time in which the computed force is
 //! within the bound of the force that breaks the coupler; over that time the computed and the true train differ by that coupler's
@@ -52,16 +55,21 @@
 
 use super::branches::Branches;
 use super::events::balance_rounding;
-use super::forces::measures;
+use super::forces::{kinks, measures};
 use super::mode::{Coupler, Mode};
 use super::step::{March, stiffest};
 
-/// Roundings of a step; see above.
-const ROUNDINGS: f64 = 29.0;
+/// Roundings of a step, and what cutting it adds; see above.
+const ROUNDINGS: f64 = 26.0;
+const CUT: f64 = 3.0;
 /// Roundings of a force that is shown, beside those of its state.
 const SHOWN: f64 = 16.0;
-/// Entries that are set to rest in the time of the reciprocal of the largest rate, at most.
-const RESTED: f64 = 88.0;
+/// Vehicles and couplers that are set to rest in a step, at most.
+const RESTED: f64 = 22.0;
+/// Steps in the time of the reciprocal of the largest rate, at most, and those that a coupler that breaks and the start add.
+const STEPS: f64 = 4.0;
+const STEPS_OF_BREAK: f64 = 10.0;
+const STEPS_AT_START: f64 = 40.0;
 /// Half a unit in the last place.
 pub const U: f64 = 0.5 * f64::EPSILON;
 /// Least distance to a stop, and least gap, as a share of the elongation.
@@ -139,7 +147,10 @@ impl Proof {
         let size = (1.0 + 2.0 * drag) * (rate + varied) + all + unbalanced;
         let balanced =
             4.0 * U * norm(&|v| balance_rounding(problem, &march.start, march.common_m_s2, &state.unbalanced, v));
-        self.growth = (ROUNDINGS + SHOWN) * U * size + balanced + RESTED * march.fastest() * march.rest_norm();
+        let single = kinks(problem) as f64 + STEPS_OF_BREAK * problem.laws.len() as f64 + STEPS_AT_START;
+        let steps = STEPS * march.fastest() + single / problem.horizon_s.max(f64::MIN_POSITIVE);
+        let cut = if problem.contact || !problem.break_at_n.is_empty() { CUT } else { 0.0 };
+        self.growth = (ROUNDINGS + cut + SHOWN) * U * size + balanced + RESTED * steps * march.rest_norm();
         self.motion = motion;
     }
 
@@ -174,7 +185,7 @@ impl Proof {
             *(if k == 0 { &mut outside } else { &mut change }) += sum;
         }
         let speed = rate.sqrt() / width + change;
-        self.norm += width * (ROUNDINGS * U * speed + off.sqrt() + 4.0 * U * (outside + change));
+        self.norm += width * ((ROUNDINGS + CUT) * U * speed + off.sqrt() + 4.0 * U * (outside + change));
     }
 
     /// How far the computed force of a coupler may be from the law over the step; clears `holds` if the proof fails.

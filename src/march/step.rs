@@ -146,7 +146,7 @@ impl<'a> March<'a> {
             scale = scale.max(s[0].abs()).max(0.5 * law.slack_m());
         }
         if softest > 0.0 && softest.is_finite() {
-            let drive = |d: &(usize, crate::play::Drive)| d.1.measures()[0];
+            let drive = |d: &(usize, crate::forcing::Drive)| d.1.measures()[0];
             let force = self.problem.forcing.iter().map(drive).chain(self.state.unbalanced.iter().map(|f| f.abs()));
             scale = scale.max(force.chain(self.problem.brakes_n()).fold(0.0, f64::max) / softest);
         }

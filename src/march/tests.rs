@@ -26,7 +26,7 @@ fn train(laws: Vec<Law>, start: Vec<Rest>, speed_m_s: Vec<f64>) -> Problem {
         common_speed_m_s: None,
         common_m_s2: 0.0,
         steady_n: vec![0.0; n],
-        forcing: vec![(n - 1, crate::play::Drive::HalfSine { peak: 7e5, duration: 0.8 })],
+        forcing: vec![(n - 1, crate::forcing::Drive::HalfSine { peak: 7e5, duration: 0.8 })],
         gone: Vec::new(),
         contact: true,
         break_at_n: Vec::new(),
@@ -62,7 +62,7 @@ fn a_guard_under_rounding_is_widened() {
     let gear = Curve::new(rows.to_vec()).expect("a table");
     let law = Law::Gear { solid_n_per_m: 2e8, slack_m: 0.01, draft: gear.clone(), buff: gear };
     let mut problem = train(vec![law; 3], vec![Rest::default(); 3], vec![0.0; 4]);
-    problem.forcing = vec![(3, crate::play::Drive::rectangle(-1e6, 9.0))];
+    problem.forcing = vec![(3, crate::forcing::Drive::rectangle(-1e6, 9.0))];
     for margin in [1.0, 1e-6, 0.0] {
         let settings = RunSettings { phase: 1.0, noise: None, margin };
         let mut march = March::new(&problem, &MarchOptions::default(), settings);

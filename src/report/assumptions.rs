@@ -1,9 +1,8 @@
 //! What the model leaves out or assumes, and on which side of the real forces that errs for this train and its events.
 
 use crate::law::Law;
-use crate::play::Rule;
 use crate::scenario::is_proportional;
-use crate::train::{Event, Scenario, Train};
+use crate::train::{Event, Rule, Scenario, Train};
 
 /// An assumption with its effect: what it is, the real draft and the real buff against those of the report, and why.
 pub type Row = [&'static str; 4];

@@ -2,10 +2,10 @@
 
 use super::start::speed_m_per_s;
 use super::{brakes, break_loads, initial_force_n, is_proportional};
+use crate::forcing::Drive;
 use crate::law::{Law, Rest};
 use crate::march::Problem;
-use crate::play::{Drive, Rule};
-use crate::train::{Event, Forcing, Scenario, Train};
+use crate::train::{Event, Forcing, Rule, Scenario, Train};
 
 /// The march of a case up to `[horizon, mark]`, the mark for the first passage; `broken` is the coupler that breaks,
 /// if any.

@@ -1,6 +1,17 @@
 //! What happens to a train: a coupler breaks, a force strikes a vehicle, vehicles run into it, brakes are applied.
 
-use crate::play::{Drive, Rule};
+use crate::forcing::Drive;
+
+/// Which couplers break when they pass the force that breaks them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rule {
+    /// None.
+    Keep,
+    /// Those in draft; one that passes that force in buff is kept.
+    InDraft,
+    /// All.
+    InBoth,
+}
 
 /// One named event to run, with how long to watch.
 #[derive(Clone, Debug, PartialEq)]

@@ -24,7 +24,7 @@ pub use checks::{InvalidTrain, SpecProblem};
 pub(crate) use checks::{held, many, of_held};
 pub use doubt::Doubt;
 pub(crate) use doubt::{count, more};
-pub use event::{Application, Event, Forcing, Pulse, PulseShape, Response, Scenario};
+pub use event::{Application, Event, Forcing, Pulse, PulseShape, Response, Rule, Scenario};
 pub use extras::{Extras, LIMITS, Limits, SENSES, Steady};
 pub(crate) use labels::numbered;
 pub(crate) use scenarios::{MOST_CASES, MOST_SCENARIOS};

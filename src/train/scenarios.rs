@@ -3,10 +3,9 @@
 use std::collections::HashMap;
 
 use super::checks::{number, text};
-use super::{Application, Event, Forcing, Pulse, PulseShape, Response, Scenario, SpecProblem, Train};
+use super::{Application, Event, Forcing, Pulse, PulseShape, Response, Rule, Scenario, SpecProblem, Train};
 use crate::error::quoted;
 use crate::keys::Sign;
-use crate::play::Rule;
 
 /// More breaks than this, over all scenarios, are refused.
 pub(crate) const MOST_CASES: usize = 1_000_000;

@@ -1,9 +1,9 @@
 //! Partings, gaps that close again, brakes that bring a vehicle to a stand, and until when a motion can be told.
 
 use crate::gears::{gear, gear_a_dash, let_go, train};
+use trainsafe::forcing::Drive;
 use trainsafe::law::{Law, Rest};
 use trainsafe::march::{Bound, Brakes, MarchOptions, Problem, solve};
-use trainsafe::play::Drive;
 
 const M: f64 = 130e3;
 const K: f64 = 17.9e6;

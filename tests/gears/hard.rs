@@ -36,7 +36,7 @@ fn contacts_that_graze() {
     for (more, touches) in [(-1e-9, false), (1e-9, true)] {
         let f = 1e4;
         let speed = (2.0 * f * 0.01f64 / M).sqrt() * (1.0 + more);
-        let drive = trainsafe::play::Drive::rectangle(-f, 5.0);
+        let drive = trainsafe::forcing::Drive::rectangle(-f, 5.0);
         let problem = Problem {
             held_head: true,
             speed_m_s: vec![0.0, speed],
@@ -125,7 +125,7 @@ fn a_force_on_the_middle_of_a_train() {
     let k = 17.9e6;
     let law = Law::Elastic { draft_n_per_m: k, buff_n_per_m: k, slack_m: 0.0 };
     let push = 1e5;
-    let forcing = vec![(1, trainsafe::play::Drive::rectangle(push, 9.0))];
+    let forcing = vec![(1, trainsafe::forcing::Drive::rectangle(push, 9.0))];
     let problem = Problem { forcing, ..train(vec![M; 3], vec![law.clone(); 2], 1.0) };
     let times_s: Vec<f64> = (1..=20).map(|n| 0.05 * f64::from(n)).collect();
     let out =
@@ -134,7 +134,7 @@ fn a_force_on_the_middle_of_a_train() {
         let want = push / 3.0 * (1.0 - ((3.0 * k / M).sqrt() * t).cos());
         assert!((out.history[0][n] + want).abs() < 1e-9 && (out.history[1][n] - want).abs() < 1e-9, "{t}");
     }
-    let forcing = vec![(20, trainsafe::play::Drive::Lines(vec![[0.0, 0.0], [0.2, push], [0.4, 0.0]]))];
+    let forcing = vec![(20, trainsafe::forcing::Drive::Lines(vec![[0.0, 0.0], [0.2, push], [0.4, 0.0]]))];
     let problem = Problem { forcing, ..train(vec![M; 41], vec![gear(2e8, 0.0, gear_a_dash()); 40], 3.0) };
     let out = run(&problem);
     for i in 0..20 {

@@ -2,9 +2,9 @@
 
 use crate::gears::train;
 use proptest::prelude::*;
+use trainsafe::forcing::Drive;
 use trainsafe::law::{Curve, GearRow, Law, Rest};
 use trainsafe::march::{MarchOptions, MarchOutcome, Problem, solve};
-use trainsafe::play::Drive;
 
 /// A table of two to five rows; friction from none to all, sometimes none in a part, sometimes a preload.
 fn table() -> impl Strategy<Value = Curve> {

@@ -5,9 +5,9 @@
 #![allow(clippy::excessive_precision)]
 
 use crate::gears::{curve, gear, gear_a, let_go, train, wedge};
+use trainsafe::forcing::Drive;
 use trainsafe::law::{Law, Rest};
 use trainsafe::march::{MarchOptions, MarchOutcome, Problem, solve};
-use trainsafe::play::Drive;
 
 const M: f64 = 130e3;
 const K: f64 = 17.9e6;

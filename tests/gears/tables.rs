@@ -4,9 +4,9 @@
 #![allow(clippy::excessive_precision)]
 
 use crate::gears::{gear, gear_a, gear_a_dash, let_go, train, verlet, wedge};
+use trainsafe::forcing::Drive;
 use trainsafe::law::{Curve, GearRow, Law};
 use trainsafe::march::{Bound, Brakes, MarchOptions, MarchOutcome, Problem, solve};
-use trainsafe::play::Drive;
 
 /// The largest force after the break in shares of the pull, negative in buff.
 fn worst(problem: &Problem, pull: f64) -> f64 {

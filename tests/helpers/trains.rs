@@ -2,8 +2,7 @@
 
 #![allow(dead_code)] // Each test binary uses its own part.
 
-use trainsafe::play::Rule;
-use trainsafe::train::{CouplerSpec, Event, Load, Pulse, Scenario, Train, TrainSpec, VehicleSpec};
+use trainsafe::train::{CouplerSpec, Event, Load, Pulse, Rule, Scenario, Train, TrainSpec, VehicleSpec};
 
 /// The train of a spec that is right.
 pub fn built(spec: &TrainSpec) -> Train {

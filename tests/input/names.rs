@@ -221,7 +221,7 @@ fn rise_and_fall_may_be_the_whole_duration() {
     ] {
         let train = pulse(rise, fall, duration).expect("a triangle");
         let Event::Pulse(pulse) = &train.scenarios()[0].event else { panic!("no pulse") };
-        let trainsafe::play::Drive::Lines(points) = pulse.drive() else { panic!("no lines") };
+        let trainsafe::forcing::Drive::Lines(points) = pulse.drive() else { panic!("no lines") };
         assert!(points.windows(2).all(|p| p[0][0] <= p[1][0]), "{points:?}");
     }
     for total in 2..300 {

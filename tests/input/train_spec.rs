@@ -2,10 +2,9 @@
 
 use crate::common::{breaks, uniform};
 use trainsafe::law::{Curve, GearRow, Law};
-use trainsafe::play::Rule;
 use trainsafe::train::{
-    Application, CouplerSpec, Event, Forcing, Limits, Load, PulledTo, Pulse, PulseShape, Response, Scenario, TrainSpec,
-    VehicleSpec,
+    Application, CouplerSpec, Event, Forcing, Limits, Load, PulledTo, Pulse, PulseShape, Response, Rule, Scenario,
+    TrainSpec, VehicleSpec,
 };
 use trainsafe::{Options, analyze, consist};
 

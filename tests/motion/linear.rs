@@ -3,7 +3,7 @@
 use trainsafe::chain::Chain;
 use trainsafe::law::Law;
 use trainsafe::march::{Bound, MarchOptions, MarchOutcome, Parting, Problem, follow, solve};
-use trainsafe::play::Rule;
+use trainsafe::train::Rule;
 
 /// A chain whose parted couplers carry nothing, and the ratings of its couplers in draft and in buff.
 #[derive(Clone)]

@@ -2,9 +2,10 @@
 
 use crate::linear::{Linear, bound, sides};
 use trainsafe::chain::{Chain, Scene};
+use trainsafe::forcing::Drive;
 use trainsafe::march::{Bound, MarchOutcome};
-use trainsafe::play::{Drive, Rule};
 use trainsafe::solve::{Ask, Method, solve};
+use trainsafe::train::Rule;
 
 const PI: f64 = std::f64::consts::PI;
 

@@ -4,7 +4,7 @@ use crate::linear::{Linear, bound, breakages, sides};
 use serde_json::Value;
 use trainsafe::chain::Chain;
 use trainsafe::march::{MarchOptions, solve};
-use trainsafe::play::Rule;
+use trainsafe::train::Rule;
 
 fn cases() -> Vec<Value> {
     let text = include_str!("../reference/motions.json");

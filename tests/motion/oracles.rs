@@ -3,9 +3,8 @@
 use crate::scenes::*;
 use serde::Deserialize;
 use trainsafe::chain::{Chain, Scene};
-use trainsafe::play::Rule;
 use trainsafe::solve::{Ask, Method, fronts, observers, propagator, solve};
-use trainsafe::train::{CouplerSpec, Event, Load, Scenario, TrainSpec, VehicleSpec};
+use trainsafe::train::{CouplerSpec, Event, Load, Rule, Scenario, TrainSpec, VehicleSpec};
 use trainsafe::{Options, analyze};
 
 /// Figures are given to 1e-10 in force and time.

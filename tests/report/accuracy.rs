@@ -4,9 +4,8 @@ use trainsafe::accuracy::peers::Peer;
 use trainsafe::accuracy::reference::Reference;
 use trainsafe::accuracy::{self, AccuracyOptions, RowOrigin};
 use trainsafe::chain::{Chain, Scene};
-use trainsafe::play::Rule;
 use trainsafe::solve::dd::Dd;
-use trainsafe::train::{CouplerSpec, Event, Load, Scenario, Train, TrainSpec, VehicleSpec};
+use trainsafe::train::{CouplerSpec, Event, Load, Rule, Scenario, Train, TrainSpec, VehicleSpec};
 
 /// A held head and one vehicle whose coupler's force falls from 1 to a mean of 0.25: `F = 1 - 0.75 (1 - cos omega t)`.
 fn one_live_vehicle() -> Scene {

@@ -4,8 +4,7 @@ use std::fs;
 
 use crate::common::{breaks, built, figure_4, figure_5, ore_train, uniform};
 use trainsafe::findings::{CaseFindings, RodFindings};
-use trainsafe::play::Rule;
-use trainsafe::train::{Event, Pulse, Scenario, TrainSpec};
+use trainsafe::train::{Event, Pulse, Rule, Scenario, TrainSpec};
 use trainsafe::{Analysis, Options, analyze, consist, report};
 
 /// An analysis whose times and methods do not change from run to run: they are not the report's to get right.

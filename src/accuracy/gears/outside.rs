@@ -1,7 +1,7 @@
 //! Forces from outside over time, as the equations of motion of a comparison need them.
 
+use crate::forcing::Drive;
 use crate::march::{Brakes, Problem};
-use crate::play::Drive;
 use crate::solve::dd::Dd;
 
 /// A force over time on one vehicle.

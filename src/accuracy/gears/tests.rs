@@ -5,9 +5,9 @@
 
 use super::exact::{GearFound, GearReference, march};
 use super::roots;
+use crate::forcing::Drive;
 use crate::law::{Curve, GearRow, Law, Rest};
 use crate::march::Problem;
-use crate::play::Drive;
 use crate::solve::dd::Dd;
 
 const M: f64 = 130e3;

@@ -1,9 +1,9 @@
 //! Trains with slack, gears and brakes drawn at random, each from its own seed.
 
 use super::super::draw::Random;
+use trainsafe::forcing::Drive;
 use trainsafe::law::{Curve, GearRow, Law, Rest};
 use trainsafe::march::{Brakes, Problem};
-use trainsafe::play::Drive;
 
 /// What happens to a train.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

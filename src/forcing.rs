@@ -1,15 +1,4 @@
-//! Forces over time on a vehicle, and which couplers break on the way.
-
-/// Which springs break when they pass the force that breaks them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Rule {
-    /// None.
-    Keep,
-    /// Those in tension; one that passes that force in compression is kept.
-    InDraft,
-    /// All.
-    InBoth,
-}
+//! Forces over time on a vehicle.
 
 /// A force over time, forward positive; none before t = 0 and after the last instant.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,24 +12,6 @@ pub enum Drive {
         /// How long.
         duration: f64,
     },
-}
-
-/// A stretch of time over which a drive is smooth.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stretch {
-    /// Its beginning.
-    pub from: f64,
-    /// Its end.
-    pub to: f64,
-    course: Course,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Course {
-    /// Value at the beginning and slope.
-    Line(f64, f64),
-    /// Peak and frequency of a sine that starts at t = 0.
-    Sine(f64, f64),
 }
 
 impl Drive {
@@ -60,29 +31,6 @@ impl Drive {
             Drive::Lines(points) => Drive::Lines(points.iter().map(|p| [p[0] * time, p[1] * force]).collect()),
             Drive::HalfSine { peak, duration } => Drive::HalfSine { peak: peak * force, duration: duration * time },
         }
-    }
-
-    /// Smooth stretches that together are `0 <= t <= horizon`.
-    pub(crate) fn stretches(&self, horizon: f64) -> Vec<Stretch> {
-        let quiet = |from, to| Stretch { from, to, course: Course::Line(0.0, 0.0) };
-        let (mut all, end) = match self {
-            Drive::HalfSine { peak, duration } => {
-                let course = Course::Sine(*peak, std::f64::consts::PI / duration);
-                (vec![Stretch { from: 0.0, to: *duration, course }], *duration)
-            }
-            Drive::Lines(points) => {
-                let line = |pair: &[[f64; 2]]| {
-                    let [[from, start], [to, end]] = [pair[0], pair[1]];
-                    Stretch { from, to, course: Course::Line(start, (end - start) / (to - from)) }
-                };
-                let before = points.first().filter(|p| p[0] > 0.0).map(|p| quiet(0.0, p[0]));
-                let lines = points.windows(2).filter(|pair| pair[1][0] > pair[0][0]).map(line);
-                (before.into_iter().chain(lines).collect(), points.last().map_or(0.0, |p| p[0]))
-            }
-        };
-        all.push(quiet(end, horizon));
-        all.retain(|s| s.from < horizon);
-        all.into_iter().map(|s| Stretch { to: s.to.min(horizon), ..s }).filter(|s| s.to > s.from).collect()
     }
 
     /// `[largest |f|, variation with every jump, integral of |f|]` over all time.
@@ -152,39 +100,18 @@ impl Drive {
 
     /// Its value; at a jump, that after it.
     pub fn value(&self, t: f64) -> f64 {
-        let stretch = self.stretches(f64::MAX).into_iter().find(|s| s.from <= t && t < s.to);
-        stretch.map_or(0.0, |s| s.value(t))
-    }
-}
-
-impl Stretch {
-    fn value(&self, t: f64) -> f64 {
-        match self.course {
-            Course::Line(start, slope) => start + slope * (t - self.from),
-            Course::Sine(peak, omega) => peak * (omega * t).sin(),
-        }
-    }
-
-    /// That of a sine, 1 / time; else 0.
-    pub fn frequency(&self) -> f64 {
-        if let Course::Sine(_, omega) = self.course { omega } else { 0.0 }
-    }
-
-    /// `f^(k) width^k / k!` at time t for k = 0, 1, ...
-    pub fn taylor(&self, t: f64, width: f64, out: &mut [f64]) {
-        out.fill(0.0);
-        match self.course {
-            Course::Line(_, slope) => {
-                out[0] = self.value(t);
-                out[1] = slope * width;
+        match self {
+            Drive::HalfSine { peak, duration } if (0.0..*duration).contains(&t) => {
+                peak * (std::f64::consts::PI * t / duration).sin()
             }
-            Course::Sine(peak, omega) => {
-                let (sin, cos) = (omega * t).sin_cos();
-                let mut power = peak;
-                for (k, o) in out.iter_mut().enumerate() {
-                    *o = power * [sin, cos, -sin, -cos][k % 4];
-                    power *= omega * width / (k + 1) as f64;
-                }
+            Drive::HalfSine { .. } => 0.0,
+            Drive::Lines(points) => {
+                let on = |pair: &&[[f64; 2]]| pair[0][0] <= t && t < pair[1][0];
+                let between = |pair: &[[f64; 2]]| {
+                    let [[from, start], [to, end]] = [pair[0], pair[1]];
+                    start + (end - start) / (to - from) * (t - from)
+                };
+                points.windows(2).find(on).map_or(0.0, between)
             }
         }
     }
@@ -194,31 +121,17 @@ impl Stretch {
 mod tests {
     use super::*;
 
-    /// A trapezoid's stretches cover the horizon once, and its measures are those of its graph.
+    /// The values and measures of a trapezoid are those of its graph.
     #[test]
-    fn stretches_of_a_trapezoid() {
+    fn measures_of_a_trapezoid() {
         let drive = Drive::Lines(vec![[1.0, 0.0], [2.0, 3.0], [4.0, 3.0], [4.0, 1.0], [5.0, 0.0]]);
-        let ends: Vec<_> = drive.stretches(7.0).iter().map(|s| (s.from, s.to)).collect();
-        assert_eq!(ends, [(0.0, 1.0), (1.0, 2.0), (2.0, 4.0), (4.0, 5.0), (5.0, 7.0)]);
-        assert_eq!(drive.stretches(3.0).last().map(|s| s.to), Some(3.0));
         assert_eq!([0.5, 1.5, 3.0, 4.0, 4.5, 6.0].map(|t| drive.value(t)), [0.0, 1.5, 3.0, 1.0, 0.5, 0.0]);
         assert_eq!(drive.measures()[..2], [3.0, 6.0]);
-        assert_eq!(Drive::none().stretches(2.0).len(), 1);
+        assert_eq!(Drive::HalfSine { peak: -2.0, duration: 3.0 }.value(0.5), -2.0 * (std::f64::consts::PI / 6.0).sin());
         let change = |tail: &[[f64; 2]]| Drive::Lines([&[[0.0, 0.0], [1.0, 3.0]], tail].concat()).last_change();
         assert_eq!([change(&[]), change(&[[2.0, 0.0], [9.0, 0.0]]), change(&[[2.0, 3.0]])], [1.0, 2.0, 2.0]);
         assert_eq!(Drive::none().last_change(), 0.0);
         assert_eq!([drive.begins_at(), drive.peaks_at(), drive.last_force()], [1.0, 2.0, 0.0]);
         assert_eq!(Drive::none().begins_at(), f64::INFINITY);
-    }
-
-    /// The series of a half sine about one instant gives its value at another, to the rounding of 20 terms.
-    #[test]
-    fn series_of_a_half_sine() {
-        let drive = Drive::HalfSine { peak: -2.0, duration: 3.0 };
-        let stretch = drive.stretches(9.0)[0];
-        let mut series = [0.0; 21];
-        stretch.taylor(0.7, 0.9, &mut series);
-        let sum: f64 = series.iter().rev().sum();
-        assert!((sum - drive.value(1.6)).abs() < 1e-15);
     }
 }

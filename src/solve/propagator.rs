@@ -78,7 +78,8 @@ pub(super) fn error_bound_of_terms(scene: &Scene, omega: f64, terms: usize) -> f
     // The norm of accelerations and rates of extension that the force starts and keeps up; the source is never held.
     let acceleration_norm = (1.0 / scene.chain.mass[scene.source]).sqrt() * force * pulses;
     let width = (PHASE / omega).min(scene.horizon);
-    let rate = 40.0 * roundoff + 4.0 * dropped_terms;
+    // Those of the whole series are among its 4 units.
+    let rate = 40.0 * roundoff + if terms < KICK_TERMS { 4.0 * dropped_terms } else { 0.0 };
     let marching = rate * (scene.horizon + 20.0 * width) * acceleration_norm * stiffest;
     // Rounding of the state's and the polynomial's own numbers, and the series' last terms.
     let size = scene.initial.iter().fold(0.0f64, |a, f| a.max(f.abs())) + 4.0 * pulses * force;

@@ -1,24 +1,8 @@
-//! Couplers that break on the way where a bound is proven, and the gaps that they leave.
-//!
-//! ```text
-//! q: distance of the vehicles beyond that of the unloaded coupler, a gap where it has parted, closed where q < 0
-//! ```
-//!
-//! Where the vehicles of a parted coupler do not push each other ([`super::Problem::contact`]) the motion is not the train's once a gap
-//! closes; the first that certainly does is told.
-//!
-//! After the break of one coupler that carries the draft F_b, and nothing more, its gap never closes, whatever the masses,
-//! springs and dampers: against the steady motion the front part is driven by the constant force F_b on its last vehicle, at
-//! displacement x, and by nothing else. That force has done the work F_b x(t), which the part has stored or lost,
-//! so that F_b x(t) >= 0 at every instant; likewise for the rear part, whose first vehicle is driven by -F_b. Both vehicles are
-//! therefore never nearer than at the break. So only couplers that break in buff, for which q < 0 from the start, and several
-//! breaks, or breaks under other forces, can close a gap.
+//! Couplers that break on the way where a bound is proven.
 
-use super::certain::Step;
-use super::proof::{Proof, root_inverse_mass};
+use super::proof::U;
+use super::run::Run;
 use super::series::DEGREE;
-use super::step::{March, stiffest};
-use crate::solve::local::{Local, reach};
 
 /// The two senses of a force: draft and buff.
 pub const SIGN: [f64; 2] = [1.0, -1.0];
@@ -46,16 +30,16 @@ pub struct Breaks {
 
 impl Breaks {
     /// At t = 0, when what the event and the load alone break is gone.
-    pub fn new(march: &March, bound: f64) -> Breaks {
-        let couplers = march.couplers.len();
+    pub fn new(run: &Run, bound: f64) -> Breaks {
+        let couplers = run.couplers.len();
         let mut breaks = Breaks {
             near: vec![[None; 2]; couplers],
             left_limit: vec![[true; 2]; couplers],
             undecided: None,
             last: 0.0,
         };
-        for i in (0..couplers).filter(|&i| !march.couplers[i].parted) {
-            breaks.left_limit[i] = [0, 1].map(|side| SIGN[side] * march.start[i][1] < march.limit_n(i, side) - bound);
+        for i in (0..couplers).filter(|&i| !run.couplers[i].parted) {
+            breaks.left_limit[i] = [0, 1].map(|side| SIGN[side] * run.start[i][1] < run.limit_n(i, side) - bound);
         }
         breaks
     }
@@ -66,29 +50,6 @@ impl Breaks {
         let sides = (0..self.near.len()).flat_map(|i| [0, 1].map(|side| (i, side)));
         let near = sides.filter_map(|(i, side)| Some((i, since(i, side)?)));
         near.chain(self.undecided).min_by(|a, b| a.1.total_cmp(&b.1))
-    }
-
-    /// The first couplers that break within a step.
-    pub fn find(&mut self, step: &Step) -> Option<Found> {
-        let plain = self.passing(step, &[]);
-        let waiting = self.undecided.is_none() && self.near.iter().flatten().any(Option::is_some);
-        let (passing, broken) =
-            if plain.is_empty() && !waiting { (plain, Vec::new()) } else { self.decide(step, plain) };
-        let found = (!broken.is_empty()).then(|| step.found(broken.iter().map(|&n| &passing[n])));
-        let share = found.as_ref().map_or(1.0, |f| f.share);
-        let until = step.march.t + share * step.march.width;
-        for p in passing.iter().filter(|p| p.from <= until) {
-            self.near[p.coupler][p.side].get_or_insert(p.from);
-        }
-        for i in (0..self.left_limit.len()).filter(|&i| !step.march.couplers[i].parted) {
-            for side in [0, 1] {
-                if !self.left_limit[i][side] {
-                    let value = SIGN[side] * at(&step.force(i), share);
-                    self.left_limit[i][side] = value < step.march.limit_n(i, side) - 4.0 * step.bound;
-                }
-            }
-        }
-        found
     }
 
     /// Couplers broke.
@@ -105,83 +66,50 @@ pub fn at(c: &[f64], s: f64) -> f64 {
     super::roots::at(c, s)
 }
 
-impl March<'_> {
-    /// The force at which a coupler breaks in one sense, positive; infinite for never.
-    pub fn limit_n(&self, i: usize, side: usize) -> f64 {
-        self.problem.break_at_n.get(i).map_or(f64::INFINITY, |limits| limits[side])
+/// The coefficients of a force over a step.
+pub type Course = [f64; DEGREE + 1];
+
+/// A step as tried, and the bound on every force up to the horizon, N, if nothing breaks.
+pub struct Step<'a> {
+    pub run: &'a Run<'a>,
+    pub bound: f64,
+}
+
+/// A side of a coupler within a step: since when it may be over its limit, from when on it certainly is, and when it
+/// passes it.
+#[derive(Clone)]
+pub struct Passing {
+    pub coupler: usize,
+    pub side: usize,
+    pub from: f64,
+    pub until: Option<f64>,
+    pub at: f64,
+    pub force: Course,
+}
+
+impl Step<'_> {
+    /// The force of a coupler over the step.
+    pub fn force(&self, i: usize) -> Course {
+        let mut c = self.change(i);
+        c[0] += self.run.start[i][1];
+        c
     }
 
-    /// The proof, and what couplers break where one follows them; those whose load is over their limit break at once.
-    pub fn prove(&mut self) {
-        let Some(mut proof) = Proof::new(self) else { return };
-        if !self.problem.break_at_n.is_empty() {
-            let over = |i: &usize| {
-                let load_n = self.start[*i][1];
-                !self.couplers[*i].parted && (load_n > self.limit_n(*i, 0) || -load_n > self.limit_n(*i, 1))
-            };
-            let broken: Vec<_> = (0..self.couplers.len()).filter(over).map(|i| (i, self.start[i][1], 0.0)).collect();
-            broken.iter().for_each(|(i, ..)| self.part(*i, 0.0));
-            proof.measure(self);
-            self.breaks = Some(Breaks::new(self, proof.bound_n(self)));
+    /// The same less that at t = 0.
+    pub fn change(&self, i: usize) -> Course {
+        let (run, mut c) = (self.run, [0.0; DEGREE + 1]);
+        if run.state.couplers().contains(&i) {
+            run.series.tension_of(&run.state, i, run.width, &mut c);
+            c[run.series.terms + 1..].fill(0.0);
         }
-        let gaps: Vec<(usize, f64)> = self.partings.iter().map(|p| (p.coupler, 0.0)).collect();
-        self.proof = Some(proof);
-        self.note_closed(&gaps);
+        c
     }
 
-    /// What certainly breaks in the step as tried.
-    pub fn find_breaks(&mut self) -> Option<Found> {
-        let mut breaks = self.breaks.take()?;
-        let bound = self.proof.map_or(0.0, |proof| proof.bound_n(self));
-        let found = breaks.find(&Step { march: self, bound });
-        self.breaks = Some(breaks);
-        found
-    }
-
-    /// Couplers break now.
-    pub fn break_now(&mut self, found: &Found) {
-        let Some((mut proof, mut breaks)) = self.proof.take().zip(self.breaks.take()) else { return };
-        proof.delay(self, &found.couplers);
-        let error = proof.norm_to(self.problem.horizon_s);
-        found.couplers.iter().for_each(|&(i, _, apart)| self.part(i, apart));
-        proof.measure(self);
-        breaks.note(&found.couplers, self.t);
-        (self.proof, self.breaks) = (Some(proof), Some(breaks));
-        let gaps = found.couplers.iter().map(|&(i, ..)| (i, error / stiffest(&self.problem.laws[i]).sqrt()));
-        self.note_closed(&gaps.collect::<Vec<_>>());
-    }
-
-    /// Gaps that are closed when their couplers part, each with the error of its opening.
-    fn note_closed(&mut self, gaps: &[(usize, f64)]) {
-        if self.breaks.is_none() || !self.closures.is_empty() {
-            return;
-        }
-        let closed = |&&(i, error): &&(usize, f64)| self.start[i][0] + self.state.elongation(i) < -error;
-        if let Some(&(i, _)) = gaps.iter().find(closed) {
-            self.closures.push((i, self.t));
-        }
-    }
-
-    /// Follows the gaps over the step as cut; the first that certainly closes is noted.
-    pub fn follow_gaps(&mut self, width: f64) {
-        if self.breaks.is_none() || !self.closures.is_empty() {
-            return;
-        }
-        let horizon = self.problem.horizon_s;
-        let norm = self.proof.map_or(0.0, |proof| proof.norm_to(horizon));
-        let mut c = [0.0; DEGREE + 1];
-        let mut first: Option<(usize, f64)> = None;
-        for i in self.partings.iter().map(|p| p.coupler) {
-            let stiffness = stiffest(&self.problem.laws[i]);
-            let error = norm * (1.0 / stiffness.sqrt() + 2.0 * horizon * root_inverse_mass(self, i));
-            self.series.elongation_from(&self.state, i, -self.start[i][0], -1.0, &mut c);
-            let c = &c[..=self.series.terms];
-            if self.state.couplers().contains(&i) && reach(c, 1.0) > error {
-                let at = Local::of_step(c, self.t, width).first_over(-1.0, 1.0, error);
-                let at = at.map(|x| (i, self.t + 0.5 * (x + 1.0) * width));
-                first = first.into_iter().chain(at).reduce(|a, b| if b.1 < a.1 { b } else { a });
-            }
-        }
-        self.closures.extend(first);
+    /// The couplers that break, from the sides that pass.
+    pub fn found<'p>(&self, broken: impl Iterator<Item = &'p Passing> + Clone) -> Found {
+        let time = broken.clone().map(|p| p.at).fold(f64::INFINITY, f64::min);
+        let share = ((time - self.run.t) / self.run.width).clamp(0.0, 1.0);
+        let apart = |p: &Passing| (p.until.unwrap_or(time) - time).max(time - p.from) + 4.0 * U * time;
+        Found { share, couplers: broken.map(|p| (p.coupler, at(&p.force, share), apart(p))).collect() }
     }
 }

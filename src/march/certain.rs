@@ -14,10 +14,8 @@
 //! true train as well; couplers of which that holds and whose times overlap break together. Where it holds of none, the sequence is
 //! not decided from the beginning of that time on.
 
-use super::breaks::{Breaks, Found, SIGN, at};
-use super::proof::{U, root_inverse_mass};
-use super::series::DEGREE;
-use super::step::{March, stiffest};
+use super::breaks::{Breaks, Course, Found, Passing, SIGN, Step, at};
+use super::run::stiffest;
 use crate::solve::local::{Local, reach};
 
 /// The least push over a limit at which a coupler stood that counts, in bounds: ahead of the front rounding is far
@@ -26,63 +24,38 @@ const PUSH: f64 = 1e-8;
 /// Attempts to find a drift that covers its result.
 const ROUNDS: usize = 40;
 
-/// The coefficients of a force over a step.
-type Course = [f64; DEGREE + 1];
-
-/// A step as tried, and the bound on every force up to the horizon, N, if nothing breaks.
-pub struct Step<'a> {
-    pub march: &'a March<'a>,
-    pub bound: f64,
-}
-
-/// A side of a coupler within a step: since when it may be over its limit, from when on it certainly is, and when it
-/// passes it.
-#[derive(Clone)]
-pub struct Passing {
-    pub coupler: usize,
-    pub side: usize,
-    pub from: f64,
-    until: Option<f64>,
-    at: f64,
-    force: Course,
-}
-
-impl Step<'_> {
-    /// The force of a coupler over the step.
-    pub fn force(&self, i: usize) -> Course {
-        let mut c = self.change(i);
-        c[0] += self.march.start[i][1];
-        c
-    }
-
-    /// The same less that at t = 0.
-    fn change(&self, i: usize) -> Course {
-        let (march, mut c) = (self.march, [0.0; DEGREE + 1]);
-        if march.state.couplers().contains(&i) {
-            march.series.tension_of(&march.state, i, march.width, &mut c);
-            c[march.series.terms + 1..].fill(0.0);
-        }
-        c
-    }
-
-    /// The couplers that break, from the sides that pass.
-    pub fn found<'p>(&self, broken: impl Iterator<Item = &'p Passing> + Clone) -> Found {
-        let time = broken.clone().map(|p| p.at).fold(f64::INFINITY, f64::min);
-        let share = ((time - self.march.t) / self.march.width).clamp(0.0, 1.0);
-        let apart = |p: &Passing| (p.until.unwrap_or(time) - time).max(time - p.from) + 4.0 * U * time;
-        Found { share, couplers: broken.map(|p| (p.coupler, at(&p.force, share), apart(p))).collect() }
-    }
-}
-
 impl Breaks {
+    /// The first couplers that break within a step.
+    pub fn find(&mut self, step: &Step) -> Option<Found> {
+        let plain = self.passing(step, &[]);
+        let waiting = self.undecided.is_none() && self.near.iter().flatten().any(Option::is_some);
+        let (passing, broken) =
+            if plain.is_empty() && !waiting { (plain, Vec::new()) } else { self.decide(step, plain) };
+        let found = (!broken.is_empty()).then(|| step.found(broken.iter().map(|&n| &passing[n])));
+        let share = found.as_ref().map_or(1.0, |f| f.share);
+        let until = step.run.t + share * step.run.width;
+        for p in passing.iter().filter(|p| p.from <= until) {
+            self.near[p.coupler][p.side].get_or_insert(p.from);
+        }
+        for i in (0..self.left_limit.len()).filter(|&i| !step.run.couplers[i].parted) {
+            for side in [0, 1] {
+                if !self.left_limit[i][side] {
+                    let value = SIGN[side] * at(&step.force(i), share);
+                    self.left_limit[i][side] = value < step.run.limit_n(i, side) - 4.0 * step.bound;
+                }
+            }
+        }
+        found
+    }
+
     /// All sides that may be over their limits within a step, with each bound widened by its drift; none for an empty one.
     pub fn passing(&self, step: &Step, drift: &[f64]) -> Vec<Passing> {
         let mut passing = Vec::new();
-        for i in step.march.state.couplers().filter(|&i| !step.march.couplers[i].parted) {
+        for i in step.run.state.couplers().filter(|&i| !step.run.couplers[i].parted) {
             let force = step.force(i);
             let bound = step.bound + drift.get(i).unwrap_or(&0.0);
             for side in [0, 1] {
-                if reach(&force, SIGN[side]) > step.march.limit_n(i, side) - bound {
+                if reach(&force, SIGN[side]) > step.run.limit_n(i, side) - bound {
                     passing.extend(self.passes(step, [i, side], force, bound));
                 }
             }
@@ -94,10 +67,10 @@ impl Breaks {
     ///
     /// One that stood at its limit, and is not pushed on, does not count before it has come back.
     fn passes(&self, step: &Step, [coupler, side]: [usize; 2], force: Course, bound: f64) -> Option<Passing> {
-        let (from, width) = (step.march.t, step.march.width);
+        let (from, width) = (step.run.t, step.run.width);
         let local = Local::of_step(&force.map(|c| SIGN[side] * c), from, width);
         let over = |level: f64| local.first_over(-1.0, 1.0, level).map(|x| from + 0.5 * (x + 1.0) * width);
-        let limit = step.march.limit_n(coupler, side);
+        let limit = step.run.limit_n(coupler, side);
         let mut earliest = over(limit - bound)?;
         if !self.left_limit[coupler][side] {
             if !is_pushed_on(step, coupler, side) {
@@ -149,7 +122,7 @@ impl Breaks {
             if was_certain && end.is_none() {
                 return None;
             }
-            let due = self.drift(step, &passing, end.unwrap_or(step.march.t + step.march.width));
+            let due = self.drift(step, &passing, end.unwrap_or(step.run.t + step.run.width));
             if due.iter().zip(&drift).all(|(due, has)| due <= has) {
                 let broken = (0..passing.len()).filter(|&n| broken(&passing[n])).collect();
                 return Some((passing, broken));
@@ -163,7 +136,7 @@ impl Breaks {
 
     /// How far each force may have been moved at `end` by the absence of couplers that may have broken before.
     fn drift(&self, step: &Step, passing: &[Passing], end: f64) -> Vec<f64> {
-        let march = step.march;
+        let run = step.run;
         // Of each coupler `T J tau` and `T J tau^2`.
         let mut push = vec![[0.0f64; 2]; self.near.len()];
         let now = passing.iter().filter(|p| p.from <= end).map(|p| (p.coupler, p.from));
@@ -171,18 +144,18 @@ impl Breaks {
         for (i, from) in before.chain(now) {
             let course = step.force(i);
             let force = SIGN.map(|sign| reach(&course, sign)).into_iter().fold(0.0, f64::max);
-            let limits = [0, 1].map(|side| march.limit_n(i, side)).into_iter().filter(|limit| limit.is_finite());
-            let (size, tau) = (limits.fold(force, f64::max) * root_inverse_mass(march, i), end - from);
+            let limits = [0, 1].map(|side| run.limit_n(i, side)).into_iter().filter(|limit| limit.is_finite());
+            let (size, tau) = (limits.fold(force, f64::max) * run.root_inverse_mass(i), end - from);
             push[i] = [push[i][0].max(size * tau), push[i][1].max(size * tau * tau)];
         }
         let all = push.iter().fold([0.0; 2], |sum, p| [sum[0] + p[0], sum[1] + p[1]]);
         let moved = |i: usize| {
-            if march.couplers[i].parted {
+            if run.couplers[i].parted {
                 return 0.0;
             }
             let [once, twice] = [0, 1].map(|q| (all[q] - push[i][q]).max(0.0));
-            let dashpot = march.problem.dashpot_n_s_per_m.get(i).unwrap_or(&0.0);
-            root_inverse_mass(march, i) * (dashpot * once + 0.5 * stiffest(&march.problem.laws[i]) * twice)
+            let dashpot = run.problem.dashpot_n_s_per_m.get(i).unwrap_or(&0.0);
+            run.root_inverse_mass(i) * (dashpot * once + 0.5 * stiffest(&run.problem.laws[i]) * twice)
         };
         (0..push.len()).map(moved).collect()
     }
@@ -192,7 +165,7 @@ impl Breaks {
 /// added to the load a small push would be lost.
 fn is_pushed_on(step: &Step, coupler: usize, side: usize) -> bool {
     let moved = step.change(coupler).map(|c| SIGN[side] * c);
-    let first = if step.march.t == 0.0 { moved.iter().find(|c| **c != 0.0) } else { None };
+    let first = if step.run.t == 0.0 { moved.iter().find(|c| **c != 0.0) } else { None };
     let least = PUSH * step.bound;
     first.is_some_and(|c| *c > 0.0) || moved[0] > least || at(&moved, 1.0) > least
 }

@@ -1,9 +1,8 @@
 //! The energy of a march: kinetic and stored energy against the work of outside forces.
 
 use super::Energy;
-use super::mode::Coupler;
+use super::run::Run;
 use super::series::{Series, State};
-use super::step::March;
 
 #[derive(Clone, Debug)]
 pub struct Audit {
@@ -13,8 +12,8 @@ pub struct Audit {
 }
 
 impl Audit {
-    pub fn new(march: &March) -> Audit {
-        let now = total(march);
+    pub fn new(run: &Run) -> Audit {
+        let now = total(run);
         Audit { last: now, work_now: 0.0, energy: Energy { start_j: now, end_j: now, ..Energy::default() } }
     }
 
@@ -51,26 +50,18 @@ impl Audit {
     }
 
     /// A step has been taken.
-    pub fn step(&mut self, march: &March) {
-        let now = total(march);
+    pub fn step(&mut self, run: &Run) {
+        let now = total(run);
         self.energy.work_j += self.work_now;
         self.energy.created_j = self.energy.created_j.max(now - self.last - self.work_now);
         (self.last, self.energy.end_j) = (now, now);
     }
 }
 
-fn total(march: &March) -> f64 {
-    let state = &march.state;
+fn total(run: &Run) -> f64 {
+    let state = &run.state;
     let speed = |v: usize| state.v[0][v] + state.v[1][v];
     let moving = |(v, m): (usize, &f64)| if state.inverse_mass[v] > 0.0 { 0.5 * m * speed(v) * speed(v) } else { 0.0 };
-    let kinetic: f64 = march.problem.mass_kg.iter().enumerate().map(moving).sum();
-    kinetic + march.couplers.iter().enumerate().map(|(i, c)| c.energy(state.elongation(i))).sum::<f64>()
-}
-
-impl Coupler {
-    /// Energy stored; `q` is relative to t = 0.
-    pub fn energy(&self, q: f64) -> f64 {
-        let force = self.start[1] + self.force(q);
-        0.5 * force * force * self.branches.compliance + self.branches.stored_j(self.travel(q))
-    }
+    let kinetic: f64 = run.problem.mass_kg.iter().enumerate().map(moving).sum();
+    kinetic + run.couplers.iter().enumerate().map(|(i, c)| c.energy(state.elongation(i))).sum::<f64>()
 }

@@ -8,7 +8,8 @@
 use super::branches::Branches;
 use super::proof::U;
 use super::record::extremes;
-use super::step::{March, RunSettings, stiffest};
+use super::run::{RunSettings, stiffest};
+use super::step::March;
 use super::{Bound, Extremes, MarchOptions, MarchOutcome, Problem};
 use crate::law::{Curve, GearRow, Law, Rest};
 use crate::solve::watch::{Watch, bound_of_extremes};
@@ -91,26 +92,28 @@ pub fn follow(problem: &Problem, ask: &MarchOptions, see: &mut dyn FnMut(usize, 
 impl March<'_> {
     /// The bound on every force, where it is known before the first step.
     fn bound_known_before(&self) -> Option<f64> {
-        self.proof.filter(|proof| proof.is_known_before() && self.breaks.is_none()).map(|proof| proof.bound_n(self))
+        self.proof
+            .filter(|proof| proof.is_known_before() && self.breaks.is_none())
+            .map(|proof| proof.bound_n(&self.run))
     }
 
     /// The bound on every force at the end, if it is proven.
     fn proven_n(&self) -> Option<f64> {
-        self.proof.filter(|proof| proof.has_held(self)).map(|proof| proof.bound_n(self))
+        self.proof.filter(|proof| proof.has_held(&self.run)).map(|proof| proof.bound_n(&self.run))
     }
 
     /// Looks for extremes, and instants above the capacities, from here on, up to the mark first; forces are within the bound.
     fn search(&mut self, ask: &MarchOptions, bound: f64) {
         let capacity = if ask.capacity_n.is_empty() {
-            vec![[f64::INFINITY; 2]; self.couplers.len()]
+            vec![[f64::INFINITY; 2]; self.run.couplers.len()]
         } else {
             ask.capacity_n.clone()
         };
         // What parts at t = 0 begins with the force that its vehicles push with.
-        let gone = |i: usize| self.problem.gone.contains(&i);
-        let force = |i: usize| self.start[i][1] + if gone(i) { self.state.tension(i) } else { 0.0 };
-        let forces: Vec<f64> = (0..self.couplers.len()).map(force).collect();
-        let mark = self.problem.mark_s.min(self.problem.horizon_s);
+        let gone = |i: usize| self.run.problem.gone.contains(&i);
+        let force = |i: usize| self.run.start[i][1] + if gone(i) { self.run.state.tension(i) } else { 0.0 };
+        let forces: Vec<f64> = (0..self.run.couplers.len()).map(force).collect();
+        let mark = self.run.problem.mark_s.min(self.run.problem.horizon_s);
         self.record.watch = Some(Watch::of_forces(&forces, capacity, mark, bound));
     }
 }
@@ -126,7 +129,7 @@ pub fn estimate_s(problem: &Problem, ask: &MarchOptions) -> f64 {
     march.prove();
     let linear = problem.laws.iter().filter(|l| l.is_linear()).count();
     let couplers = problem.laws.len();
-    let rate = march.fastest() / PHASE + EVENTS * (couplers - linear) as f64;
+    let rate = march.run.fastest() / PHASE + EVENTS * (couplers - linear) as f64;
     let runs = match (ask.tolerance_n, march.bound_known_before(), march.proof) {
         (None, ..) | (_, Some(_), _) => 1.0,
         (_, None, Some(_)) => 2.0,
@@ -156,7 +159,7 @@ struct Snapshot {
 
 impl Snapshot {
     fn of(march: &March) -> Snapshot {
-        Snapshot { at: march.t, watch: march.record.watch.clone() }
+        Snapshot { at: march.run.t, watch: march.record.watch.clone() }
     }
 
     fn extremes(&self) -> Vec<Extremes> {
@@ -185,14 +188,14 @@ fn with_estimate(problem: &Problem, ask: &MarchOptions, mut march: March) -> Mar
     let mut last: Vec<Snapshot> = [&march].into_iter().chain(&others).map(Snapshot::of).collect();
     for t in instants {
         march.advance_to(t);
-        others.iter_mut().for_each(|o| o.advance_to(march.t));
+        others.iter_mut().for_each(|o| o.advance_to(march.run.t));
         let error = error_now(&march, &others);
         if ask.tolerance_n.is_some_and(|tolerance| error > tolerance) {
             until = Some(last[0].at);
             march.record.rewind(last[0].at, last[0].watch.clone());
-            march.partings.retain(|p| p.time_s <= last[0].at);
-            march.closures.retain(|c| c.1 <= last[0].at);
-            march.stopped = None;
+            march.run.partings.retain(|p| p.time_s <= last[0].at);
+            march.run.closures.retain(|c| c.1 <= last[0].at);
+            march.run.stopped = None;
             break;
         }
         last = [&march].into_iter().chain(&others).map(Snapshot::of).collect();
@@ -201,7 +204,7 @@ fn with_estimate(problem: &Problem, ask: &MarchOptions, mut march: March) -> Mar
             others.iter_mut().for_each(|other| other.record.mark(horizon));
             to_mark = errors(&last);
         }
-        if march.stopped.is_some() {
+        if march.run.stopped.is_some() {
             break;
         }
     }
@@ -216,15 +219,15 @@ fn with_estimate(problem: &Problem, ask: &MarchOptions, mut march: March) -> Mar
 
 /// The estimate for the forces of this instant, the largest of all couplers.
 fn error_now(march: &March, others: &[March]) -> f64 {
-    let force = |m: &March, i: usize| m.start[i][1] + m.state.tension(i);
+    let force = |m: &March, i: usize| m.run.start[i][1] + m.run.state.tension(i);
     let (mut difference, mut largest) = (0.0f64, 0.0f64);
-    for i in 0..march.couplers.len() {
+    for i in 0..march.run.couplers.len() {
         let f = force(march, i);
         largest = largest.max(f.abs());
         difference = others.iter().map(|o| (force(o, i) - f).abs()).fold(difference, f64::max);
     }
     // If the runs do not agree on partings, forces are not known.
-    if others.iter().any(|o| o.partings.len() != march.partings.len()) {
+    if others.iter().any(|o| o.run.partings.len() != march.run.partings.len()) {
         return f64::INFINITY;
     }
     DIFFERENCES * difference + UNITS * U * largest
@@ -232,8 +235,9 @@ fn error_now(march: &March, others: &[March]) -> f64 {
 
 /// The estimates for the instants at which couplers part.
 fn estimate_parting_errors(march: &mut March, others: &[March]) {
-    for p in &mut march.partings {
-        let in_other = |o: &March| o.partings.iter().find(|other| other.coupler == p.coupler).map(|other| other.time_s);
+    for p in &mut march.run.partings {
+        let in_other =
+            |o: &March| o.run.partings.iter().find(|other| other.coupler == p.coupler).map(|other| other.time_s);
         let difference = |o: &March| in_other(o).map_or(f64::INFINITY, |at| (at - p.time_s).abs());
         let difference = others.iter().map(difference).fold(0.0, f64::max);
         p.uncertainty_s = DIFFERENCES * difference + UNITS * U * p.time_s;
@@ -318,7 +322,7 @@ fn finish(
 ) -> MarchOutcome {
     // An elongation may be twice the margin past a guard, at its largest stiffness: peaks under that, which an event can leave, count
     // as 0.
-    let none = |i: usize| 2.0 * march.guard_margin * stiffest(&march.problem.laws[i]);
+    let none = |i: usize| 2.0 * march.run.guard_margin * stiffest(&march.run.problem.laws[i]);
     let [to_mark, whole] = march.record.finish();
     let seen = |watch: &Option<Watch>| {
         let mut seen = watch.as_ref().map_or_else(Vec::new, extremes);
@@ -342,13 +346,13 @@ fn finish(
         error_n,
         error_to_mark_n,
         undecided: march.breaks.as_ref().and_then(super::breaks::Breaks::open),
-        partings: march.partings,
-        closures: march.closures,
-        stopped: march.stopped,
+        partings: march.run.partings,
+        closures: march.run.closures,
+        stopped: march.run.stopped,
         predictable_until_s,
         history: march.record.history,
         watched: march.record.watched.values,
-        end_speed_m_s: march.state.v[0].clone(),
+        end_speed_m_s: march.run.state.v[0].clone(),
         energy: march.audit.map(|a| a.energy),
         events: march.events,
         steps: march.steps,

@@ -3,6 +3,9 @@
 use super::{Brakes, Problem};
 use crate::forcing::Drive;
 
+/// An unbalanced steady force under this share of the largest force counts as 0.
+const BALANCE: f64 = 1e-12;
+
 /// A force over time on one vehicle.
 #[derive(Clone, Debug)]
 struct Source {
@@ -196,6 +199,38 @@ pub fn kinks(problem: &Problem) -> usize {
     let applied = problem.application.iter().map(|(brakes, _)| brakes);
     let of_brakes = problem.emergency.iter().chain(applied).map(|b| b.build_up.len() * b.full_n.len());
     problem.forcing.iter().map(|(_, drive)| of_drive(drive)).sum::<usize>() + of_brakes.sum::<usize>()
+}
+
+/// Steady force on each vehicle that the couplers' at t = 0 do not balance, and the common acceleration.
+pub fn unbalanced(problem: &Problem, start: &[[f64; 2]]) -> (Vec<f64>, f64) {
+    let n = problem.mass_kg.len();
+    let free = !problem.held_head && !problem.held_tail;
+    let total: f64 = problem.steady_n.iter().sum();
+    let common = if free { total / problem.mass_kg.iter().sum::<f64>() } else { 0.0 };
+    let largest = start.iter().map(|s| s[1].abs()).chain(problem.steady_n.iter().map(|f| f.abs())).fold(0.0, f64::max);
+    let tension = |i: Option<usize>| i.and_then(|i| start.get(i)).map_or(0.0, |s| s[1]);
+    let mut left: Vec<f64> = (0..n)
+        .map(|v| tension(v.checked_sub(1)) - tension(Some(v)) + problem.steady_n[v] - common * problem.mass_kg[v])
+        .collect();
+    left.iter_mut().filter(|f| f.abs() <= BALANCE * largest).for_each(|f| *f = 0.0);
+    let small = common.abs() * problem.mass_kg.iter().copied().fold(0.0, f64::max) <= BALANCE * largest;
+    (left, if small { 0.0 } else { common })
+}
+
+/// The magnitudes of what the unbalanced force on a vehicle is the sum of; 0 where that counts as 0.
+pub fn balance_rounding(
+    problem: &Problem,
+    start: &[[f64; 2]],
+    common_m_s2: f64,
+    unbalanced: &[f64],
+    vehicle: usize,
+) -> f64 {
+    if unbalanced[vehicle] == 0.0 {
+        return 0.0;
+    }
+    let tension = |i: Option<usize>| i.and_then(|i| start.get(i)).map_or(0.0, |s| s[1].abs());
+    let inertia = (common_m_s2 * problem.mass_kg[vehicle]).abs();
+    tension(vehicle.checked_sub(1)) + tension(Some(vehicle)) + problem.steady_n[vehicle].abs() + inertia
 }
 
 #[cfg(test)]

@@ -25,10 +25,12 @@ mod energy;
 mod estimate;
 mod events;
 mod forces;
+mod gaps;
 mod mode;
 mod proof;
 mod record;
 mod roots;
+mod run;
 mod series;
 mod step;
 #[cfg(test)]

@@ -48,6 +48,17 @@ pub struct Coupler {
 }
 
 impl Coupler {
+    /// Parted, and the vehicles do not touch.
+    pub fn is_open(&self) -> bool {
+        self.parted && self.mode == Mode::Free(self.branches.intervals.len() - 1)
+    }
+
+    /// Energy stored; `q` is relative to t = 0.
+    pub fn energy(&self, q: f64) -> f64 {
+        let force = self.start[1] + self.force(q);
+        0.5 * force * force * self.branches.compliance + self.branches.stored_j(self.travel(q))
+    }
+
     /// At rest.
     pub fn new(law: &Law, rest: &Rest) -> Coupler {
         let branches = Branches::new(law);

@@ -54,10 +54,9 @@
 //! and their vehicles may push each other later, and for friction where a coupler parts after t = 0.
 
 use super::branches::Branches;
-use super::events::balance_rounding;
-use super::forces::{kinks, measures};
+use super::forces::{balance_rounding, kinks, measures};
 use super::mode::{Coupler, Mode};
-use super::step::{March, stiffest};
+use super::run::{Run, stiffest};
 
 /// Roundings of a step, and what cutting it adds; see above.
 const ROUNDINGS: f64 = 26.0;
@@ -93,21 +92,21 @@ pub struct Proof {
 
 impl Proof {
     /// For a march before its first step; `None` without a proof.
-    pub fn new(march: &mut March) -> Option<Proof> {
-        let problem = march.problem;
+    pub fn new(run: &mut Run) -> Option<Proof> {
+        let problem = run.problem;
         let in_family = problem.laws.iter().all(|law| Branches::new(law).constant_friction());
         let linear = problem.laws.iter().all(|law| law.is_linear());
         let parts = if problem.contact {
-            problem.break_at_n.is_empty() && problem.gone.iter().all(|&i| march.start[i][1] >= 0.0)
+            problem.break_at_n.is_empty() && problem.gone.iter().all(|&i| run.start[i][1] >= 0.0)
         } else {
             linear
         };
-        let largest_n = march.start.iter().map(|s| s[1].abs()).fold(0.0, f64::max);
+        let largest_n = run.start.iter().map(|s| s[1].abs()).fold(0.0, f64::max);
         let mut proof = Proof { norm: 0.0, since: 0.0, growth: 0.0, motion: 0.0, largest_n, linear, holds: true };
         if !(in_family && parts) {
             return None;
         }
-        proof.measure(march);
+        proof.measure(run);
         Some(proof)
     }
 
@@ -117,19 +116,19 @@ impl Proof {
     }
 
     /// Couplers break at this instant, each with its force and the time by which its exact instant may differ.
-    pub fn delay(&mut self, march: &March, broken: &[(usize, f64, f64)]) {
-        let jolts = broken.iter().map(|(i, force, apart)| apart * force.abs() * root_inverse_mass(march, *i));
-        self.norm += self.growth * (march.t - self.since) + jolts.sum::<f64>();
-        self.since = march.t;
+    pub fn delay(&mut self, run: &Run, broken: &[(usize, f64, f64)]) {
+        let jolts = broken.iter().map(|(i, force, apart)| apart * force.abs() * run.root_inverse_mass(*i));
+        self.norm += self.growth * (run.t - self.since) + jolts.sum::<f64>();
+        self.since = run.t;
     }
 
     /// Norms of the motion and its rate as they are now, and the error's growth that follows from them.
-    pub fn measure(&mut self, march: &mut March) {
+    pub fn measure(&mut self, run: &mut Run) {
         if !self.linear {
             return;
         }
-        let [rate, motion] = march.norms();
-        let (problem, state) = (march.problem, &march.state);
+        let [rate, motion] = run.norms();
+        let (problem, state) = (run.problem, &run.state);
         let (mut all, mut varied) = (0.0, 0.0);
         for (v, [largest, variation]) in measures(problem) {
             all += state.inverse_mass[v].sqrt() * largest;
@@ -141,33 +140,33 @@ impl Proof {
         let unbalanced = norm(&|v| state.unbalanced[v]);
         let drag = |(i, law): (usize, &crate::law::Law)| {
             let masses = state.inverse_mass[i].max(state.inverse_mass[i + 1]);
-            dashpot(march, i) * (masses / stiffest(law)).sqrt()
+            dashpot(run, i) * (masses / stiffest(law)).sqrt()
         };
         let drag = problem.laws.iter().enumerate().map(drag).fold(0.0, f64::max);
         let size = (1.0 + 2.0 * drag) * (rate + varied) + all + unbalanced;
         let balanced =
-            4.0 * U * norm(&|v| balance_rounding(problem, &march.start, march.common_m_s2, &state.unbalanced, v));
+            4.0 * U * norm(&|v| balance_rounding(problem, &run.start, run.common_m_s2, &state.unbalanced, v));
         let single = kinks(problem) as f64 + STEPS_OF_BREAK * problem.laws.len() as f64 + STEPS_AT_START;
-        let steps = STEPS * march.fastest() + single / problem.horizon_s.max(f64::MIN_POSITIVE);
+        let steps = STEPS * run.fastest() + single / problem.horizon_s.max(f64::MIN_POSITIVE);
         let cut = if problem.contact || !problem.break_at_n.is_empty() { CUT } else { 0.0 };
-        self.growth = (ROUNDINGS + cut + SHOWN) * U * size + balanced + RESTED * steps * march.rest_norm();
+        self.growth = (ROUNDINGS + cut + SHOWN) * U * size + balanced + RESTED * steps * run.rest_norm();
         self.motion = motion;
     }
 
     /// Adds the residual of a step; the series are those cut to the step.
-    pub fn step(&mut self, march: &March, width: f64) {
+    pub fn step(&mut self, run: &Run, width: f64) {
         if width <= 0.0 {
             return;
         }
-        let (state, series) = (&march.state, &march.series);
-        if self.linear && !march.problem.contact {
+        let (state, series) = (&run.state, &run.series);
+        if self.linear && !run.problem.contact {
             return;
         }
         let mut off = 0.0;
         // Of linear couplers, only whether gaps stay open.
         let linear = self.linear;
-        for i in state.couplers().filter(|&i| !linear || march.couplers[i].parted) {
-            let force = self.force_error(march, i);
+        for i in state.couplers().filter(|&i| !linear || run.couplers[i].parted) {
+            let force = self.force_error(run, i);
             off += 2.0 * (state.inverse_mass[i] + state.inverse_mass[i + 1]) * force * force;
         }
         if self.linear {
@@ -189,8 +188,8 @@ impl Proof {
     }
 
     /// How far the computed force of a coupler may be from the law over the step; clears `holds` if the proof fails.
-    fn force_error(&mut self, march: &March, i: usize) -> f64 {
-        let (state, series, coupler) = (&march.state, &march.series, &march.couplers[i]);
+    fn force_error(&mut self, run: &Run, i: usize) -> f64 {
+        let (state, series, coupler) = (&run.state, &run.series, &run.couplers[i]);
         let x = i + 1;
         let swing = series.q[1][x].abs() + series.reach[x];
         let now = series.q[0][x] + state.q[1][x];
@@ -199,14 +198,14 @@ impl Proof {
         let sizes = state.force[x].abs() + coupler.start[1].abs() + state.slope[x] * span;
         self.largest_n = self.largest_n.max(if self.linear { 0.0 } else { sizes });
         let mut off = 8.0 * U * sizes;
-        let past = march.guard_margin + 16.0 * U * place;
+        let past = run.guard_margin + 16.0 * U * place;
         let c = coupler.branches.compliance;
         match coupler.mode {
             Mode::Locked { .. } if now + swing >= coupler.upper - past || now - swing <= coupler.lower + past => {
                 off += past / c
             }
             Mode::Locked { .. } => {}
-            _ if coupler.is_open() => self.holds &= now - swing > coupler.lower + CLEARANCE * place || march.t == 0.0,
+            _ if coupler.is_open() => self.holds &= now - swing > coupler.lower + CLEARANCE * place || run.t == 0.0,
             _ => {
                 off += 16.0 * U * state.slope[x] * place;
                 // A coupler whose one interval ends here has reached its stop.
@@ -223,39 +222,34 @@ impl Proof {
     }
 
     /// The bound on every force up to the horizon, if nothing more breaks, N.
-    pub fn bound_n(&self, march: &March) -> f64 {
+    pub fn bound_n(&self, run: &Run) -> f64 {
         let stiffness = |c: &Coupler| if c.branches.compliance > 0.0 { 1.0 / c.branches.compliance } else { 0.0 };
         let mut factor = 0.0f64;
-        for (i, (c, law)) in march.couplers.iter().zip(&march.problem.laws).enumerate() {
+        for (i, (c, law)) in run.couplers.iter().zip(&run.problem.laws).enumerate() {
             let slopes = c.branches.intervals.iter().map(|p| p.up.slope).fold(stiffness(c), f64::max);
             let slopes = if self.linear { stiffest(law) } else { slopes };
-            let masses = march.state.inverse_mass[i] + march.state.inverse_mass[i + 1];
-            factor = factor.max((slopes + dashpot(march, i).powi(2) * masses).sqrt());
+            let masses = run.state.inverse_mass[i] + run.state.inverse_mass[i + 1];
+            factor = factor.max((slopes + dashpot(run, i).powi(2) * masses).sqrt());
         }
-        let past = march.couplers.iter().map(|c| stiffness(c) * march.guard_margin).fold(0.0, f64::max);
-        let norm = self.norm_to(march.problem.horizon_s) + SHOWN * U * self.motion;
+        let past = run.couplers.iter().map(|c| stiffness(c) * run.guard_margin).fold(0.0, f64::max);
+        let norm = self.norm_to(run.problem.horizon_s) + SHOWN * U * self.motion;
         factor * norm + SHOWN * U * self.largest_n + past
     }
 
     /// Whether the proof has held up to here.
-    pub fn has_held(&self, march: &March) -> bool {
-        let no_contact = !march.problem.contact;
-        let parted_later = march.partings.iter().any(|p| p.time_s > 0.0);
-        self.holds && (no_contact || march.closures.is_empty() && !parted_later)
+    pub fn has_held(&self, run: &Run) -> bool {
+        let no_contact = !run.problem.contact;
+        let parted_later = run.partings.iter().any(|p| p.time_s > 0.0);
+        self.holds && (no_contact || run.closures.is_empty() && !parted_later)
     }
 }
 
-/// `sqrt(1 / m + 1 / m')` of the vehicles at a coupler.
-pub fn root_inverse_mass(march: &March, i: usize) -> f64 {
-    (march.state.inverse_mass[i] + march.state.inverse_mass[i + 1]).sqrt()
-}
-
 /// The dashpot of a coupler that is whole.
-fn dashpot(march: &March, i: usize) -> f64 {
-    march.problem.dashpot_n_s_per_m.get(i).copied().unwrap_or(0.0)
+fn dashpot(run: &Run, i: usize) -> f64 {
+    run.problem.dashpot_n_s_per_m.get(i).copied().unwrap_or(0.0)
 }
 
-impl March<'_> {
+impl Run<'_> {
     /// Norms of the rate of the motion without the outside forces that change, and of the motion itself.
     fn norms(&mut self) -> [f64; 2] {
         self.grow();

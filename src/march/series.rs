@@ -3,6 +3,9 @@
 /// The series' last power.
 pub const DEGREE: usize = 20;
 
+/// Terms are left out where they are under this share of the first.
+const LAST_TERM: f64 = 1e-19;
+
 /// The state of motion. Lists of couplers hold coupler `i` at `i + 1`, between zeros: vehicle `v` lies between entries
 /// `v` and `v + 1`.
 #[derive(Clone, Debug)]
@@ -218,6 +221,19 @@ impl Series {
             }
         }
     }
+}
+
+/// Terms of a step; `phase`: width times the largest rate.
+pub fn terms(phase: f64) -> usize {
+    let mut term = 1.0;
+    for k in 1..=DEGREE {
+        term *= phase / k as f64;
+        // Two in place of one: an elongation takes two powers for each vehicle.
+        if term < LAST_TERM {
+            return k.max(4);
+        }
+    }
+    DEGREE
 }
 
 /// `v_i - v_{i+1}` for the couplers beside vehicles `from..to`; vehicles beyond stand still.

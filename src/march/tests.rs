@@ -1,7 +1,8 @@
 //! Tests that need the internals of a march.
 
 use super::mode::{Coupler, Mode};
-use super::step::{March, RunSettings};
+use super::run::RunSettings;
+use super::step::March;
 use super::{MarchOptions, Problem};
 use crate::law::{Curve, GearRow, Law, Rest};
 use proptest::prelude::*;
@@ -40,13 +41,13 @@ fn train(laws: Vec<Law>, start: Vec<Rest>, speed_m_s: Vec<f64>) -> Problem {
 /// `sum m dv^2 + sum (dF^2 / kl + h dw^2)`, or `k dq^2` of a spring.
 fn distance(a: &March, b: &March) -> f64 {
     let mut sum = 0.0;
-    for v in 0..a.state.v[0].len() {
-        let dv = (a.state.v[0][v] - b.state.v[0][v]) + (a.state.v[1][v] - b.state.v[1][v]);
-        sum += a.problem.mass_kg[v] * dv * dv;
+    for v in 0..a.run.state.v[0].len() {
+        let dv = (a.run.state.v[0][v] - b.run.state.v[0][v]) + (a.run.state.v[1][v] - b.run.state.v[1][v]);
+        sum += a.run.problem.mass_kg[v] * dv * dv;
     }
-    for (i, (x, y)) in a.couplers.iter().zip(&b.couplers).enumerate() {
-        let force = |c: &Coupler, m: &March| c.start[1] + c.force(m.state.elongation(i));
-        let travel = |c: &Coupler, m: &March| c.travel(m.state.elongation(i));
+    for (i, (x, y)) in a.run.couplers.iter().zip(&b.run.couplers).enumerate() {
+        let force = |c: &Coupler, m: &March| c.start[1] + c.force(m.run.state.elongation(i));
+        let travel = |c: &Coupler, m: &March| c.travel(m.run.state.elongation(i));
         let (df, dw) = (force(x, a) - force(y, b), travel(x, a) - travel(y, b));
         let h = x.branches.intervals[0].up.slope;
         sum += df * df * x.branches.compliance + h * dw * dw;
@@ -67,7 +68,7 @@ fn a_guard_under_rounding_is_widened() {
         let settings = RunSettings { phase: 1.0, noise: None, margin };
         let mut march = March::new(&problem, &MarchOptions::default(), settings);
         march.advance_to(9.0);
-        assert_eq!(march.t, 9.0, "{margin}");
+        assert_eq!(march.run.t, 9.0, "{margin}");
     }
 }
 

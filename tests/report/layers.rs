@@ -138,6 +138,74 @@ fn no_modules_form_a_circle() {
     assert!(left.is_empty(), "circles among {left:#?}");
 }
 
+/// The paths that follow a prefix such as `super::`: one, or those of a list in braces, each up to its own list.
+fn paths_after(rest: &str) -> Vec<Vec<String>> {
+    let steps = |text: &str| text.split("::").map(|step| word(step.trim()).to_owned()).collect::<Vec<_>>();
+    let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_' && c != ':').unwrap_or(rest.len());
+    let path = steps(rest[..end].trim_end_matches(':'));
+    let Some(list) = rest[end..].strip_prefix('{') else { return vec![path] };
+    let path: Vec<String> = path.into_iter().filter(|step| !step.is_empty()).collect();
+    let (mut depth, mut start, mut all) = (0, 0, vec![]);
+    for (i, c) in list.char_indices() {
+        match c {
+            '{' => depth += 1,
+            '}' if depth > 0 => depth -= 1,
+            ',' | '}' if depth == 0 => {
+                let item = list[start..i].split('{').next().unwrap_or_default().trim_end_matches(':');
+                all.push([&path[..], &steps(item)].concat());
+                start = i + 1;
+            }
+            _ => {}
+        }
+        if c == '}' && depth == 0 && start == i + 1 {
+            break;
+        }
+    }
+    all
+}
+
+/// Which files a file names by paths from the root of the crate or from its own module upward. A parent that names its children is
+/// left out: it declares them.
+fn named_files(source: &Source, files: &BTreeSet<&[String]>) -> BTreeSet<Vec<String>> {
+    let code = source.text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
+    let mut named = BTreeSet::new();
+    for (prefix, up) in [("crate::", source.module.len()), ("super::", 1), ("super::super::", 2)] {
+        let base = &source.module[..source.module.len().saturating_sub(up)];
+        let base = if prefix == "crate::" { &[][..] } else { base };
+        for (before, rest) in code.match_indices(prefix).map(|(at, _)| (&code[..at], &code[at + prefix.len()..])) {
+            if before.ends_with("super::") || rest.starts_with("super::") {
+                continue;
+            }
+            for path in paths_after(rest) {
+                let path = [base, &path].concat();
+                let file = (1..=path.len()).rev().map(|n| &path[..n]).find(|known| files.contains(known));
+                named.extend(file.filter(|file| *file != source.module).map(<[String]>::to_vec));
+            }
+        }
+    }
+    named
+}
+
+#[test]
+fn no_files_form_a_circle() {
+    let all = library();
+    let files: BTreeSet<&[String]> = all.iter().map(|s| &s.module[..]).collect();
+    let arrows = all.iter().flat_map(|s| named_files(s, &files).into_iter().map(|to| (s.module.clone(), to)));
+    let mut left: BTreeSet<(Vec<String>, Vec<String>)> = arrows.collect();
+    assert!(left.len() > 500, "{} arrows between files", left.len());
+    loop {
+        let from: BTreeSet<_> = left.iter().map(|(from, _)| from.clone()).collect();
+        let to: BTreeSet<_> = left.iter().map(|(_, to)| to.clone()).collect();
+        let before = left.len();
+        left.retain(|(a, b)| to.contains(a) && from.contains(b));
+        if left.len() == before {
+            break;
+        }
+    }
+    let left: Vec<String> = left.iter().map(|(a, b)| format!("{} -> {}", a.join("/"), b.join("/"))).collect();
+    assert!(left.is_empty(), "circles among files: {left:#?}");
+}
+
 /// Whether a module can be named from outside the crate.
 fn is_public(module: &[String], all: &BTreeMap<Vec<String>, &str>) -> bool {
     (1..=module.len()).all(|n| {

@@ -43,7 +43,7 @@ impl OwnKeys {
     }
 
     /// Overrides a coupler's values; a share in `rated_load` is of `[coupler]`'s.
-    fn apply(&self, base: &Ratings, coupler: &mut Ratings) {
+    fn apply(&self, base: &CouplerValues, coupler: &mut CouplerValues) {
         if self.law.gives_anything() {
             coupler.law = self.law.or(&coupler.law);
         }
@@ -89,9 +89,9 @@ fn capacities(value: &Value, table: &Table) -> Read<[Option<f64>; 3]> {
     Ok([fatigue?, proof?, ultimate?])
 }
 
-/// A coupler's values so far; a share in `buff` is of the coupler's own draft rating.
+/// A coupler's law, ratings, limits and damping, as read so far; a share in `buff` is of the coupler's own draft rating.
 #[derive(Clone)]
-pub(super) struct Ratings {
+pub(super) struct CouplerValues {
     pub(super) law: LawKeys,
     pub(super) draft_n: f64,
     buff: Amount,
@@ -100,7 +100,7 @@ pub(super) struct Ratings {
 }
 
 /// Stands in for a `[coupler]` that was wrong, so that what refers to it can still be looked at.
-pub(super) const PLACEHOLDER: Ratings = Ratings {
+pub(super) const PLACEHOLDER: CouplerValues = CouplerValues {
     law: LawKeys::linear(1.0),
     draft_n: 1.0,
     buff: Amount::Share(1.0),
@@ -108,38 +108,43 @@ pub(super) const PLACEHOLDER: Ratings = Ratings {
     damping_n_s_per_m: 0.0,
 };
 
-/// What is said of a key of `[coupler]` where a table of vehicles may have a column of it.
-pub(super) fn tables_first(root: &Table) -> &'static str {
+/// For a message about a key missing from `[coupler]`: that a row of the table of vehicles overrides it, if there is such a table.
+pub(super) fn table_takes_precedence(root: &Table) -> &'static str {
     if root.get("vehicles").is_some() { "; what a coupler's row of the table has goes before it" } else { "" }
 }
 
 pub(super) fn coupler_table<'s>(root: &Table<'s>) -> Read<Table<'s>> {
-    let right = format!("add a [coupler] table with stiffness and rated_load{}", tables_first(root));
+    let right = format!("add a [coupler] table with stiffness and rated_load{}", table_takes_precedence(root));
     root.require("coupler", &right)?.table()
 }
 
 /// The values of `[coupler]`, whose stiffness or gear may be left out where every coupler has one of its own; where some are wrong,
 /// those of the placeholder with its law.
-pub(super) fn base_coupler(root: &Table, table: &Table, path: &Path, files: &Files) -> Ratings {
+pub(super) fn base_coupler(root: &Table, table: &Table, path: &Path, files: &Files) -> CouplerValues {
     let damping = table.get("damping").map(|v| v.quantity()).transpose();
-    let law = LawKeys::read(table, path, files).and_then(|law| together(table, law)).unwrap_or(PLACEHOLDER.law);
+    let law = LawKeys::read(table, path, files).and_then(|law| checked_law(table, law)).unwrap_or(PLACEHOLDER.law);
     let draft = table
-        .require("rated_load", &format!("add rated_load = \"1.5 MN\", the capacity in draft{}", tables_first(root)))
+        .require(
+            "rated_load",
+            &format!("add rated_load = \"1.5 MN\", the capacity in draft{}", table_takes_precedence(root)),
+        )
         .and_then(|v| v.quantity());
     let buff = table.get("rated_buff").map_or(Ok(Amount::Share(1.0)), |v| v.amount());
     let limits = table.get("limits").as_ref().map_or(Ok(Limits::default()), limits);
     match (draft, buff, limits, damping) {
         (Ok(draft_n), Ok(buff), Ok(limits), Ok(damping)) => {
-            Ratings { law, draft_n, buff, limits, damping_n_s_per_m: damping.unwrap_or(0.0) }
+            CouplerValues { law, draft_n, buff, limits, damping_n_s_per_m: damping.unwrap_or(0.0) }
         }
-        _ => Ratings { law, ..PLACEHOLDER },
+        _ => CouplerValues { law, ..PLACEHOLDER },
     }
 }
 
-/// Keys of a law that go together, as far as they are given; else notes at the key of the table what does not.
-fn together(table: &Table, law: LawKeys) -> Read<LawKeys> {
+/// Checks that the keys of a law are consistent, if they give a force; else notes the problem at its key in the table.
+fn checked_law(table: &Table, law: LawKeys) -> Read<LawKeys> {
+    if !law.gives_force() {
+        return Ok(law);
+    }
     match law.law() {
-        _ if !law.gives_force() => Ok(law),
         Ok(_) => Ok(law),
         Err((key, title, help)) => Err(match table.get(key) {
             Some(value) => value.wrong(title, help),
@@ -149,10 +154,10 @@ fn together(table: &Table, law: LawKeys) -> Read<LawKeys> {
 }
 
 /// What a table of vehicles says of the couplers behind them.
-pub(super) fn rate_by_table(
+pub(super) fn apply_table_columns(
     root: &Table,
-    ratings: &mut [Ratings],
-    bases: &[Ratings],
+    ratings: &mut [CouplerValues],
+    bases: &[CouplerValues],
     groups: &[Group],
     behind: &[OwnKeys],
 ) -> Read<()> {
@@ -169,8 +174,8 @@ pub(super) fn rate_by_table(
 /// Applies the overrides, and says where each key of each coupler is overridden.
 pub(super) fn override_couplers(
     root: &Table,
-    bases: &[Ratings],
-    ratings: &mut [Ratings],
+    bases: &[CouplerValues],
+    ratings: &mut [CouplerValues],
     labels: &Labels,
     path: &Path,
     files: &Files,
@@ -191,8 +196,8 @@ pub(super) type Overridden = HashMap<(usize, &'static str), [Range<usize>; 2]>;
 fn apply_override(
     table: &Table,
     own: Read<OwnKeys>,
-    bases: &[Ratings],
-    ratings: &mut [Ratings],
+    bases: &[CouplerValues],
+    ratings: &mut [CouplerValues],
     labels: &Labels,
     overridden: &mut Overridden,
 ) -> Read<()> {
@@ -213,7 +218,7 @@ fn apply_override(
         }
         own.apply(&bases[i], &mut ratings[i]);
         if own.law.gives_anything() {
-            together(table, ratings[i].law.clone())?;
+            checked_law(table, ratings[i].law.clone())?;
         }
     }
     Ok(())
@@ -255,7 +260,7 @@ fn coupler(item: &Value, labels: &Labels, right: &str) -> Read<usize> {
 }
 
 /// The couplers with their laws.
-pub(super) fn specs(ratings: Vec<Ratings>) -> Vec<CouplerSpec> {
+pub(super) fn specs(ratings: Vec<CouplerValues>) -> Vec<CouplerSpec> {
     let mut all: Vec<CouplerSpec> = Vec::with_capacity(ratings.len());
     let mut before: Option<LawKeys> = None;
     for r in ratings {

@@ -5,7 +5,8 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::couplers::{
-    Overridden, PLACEHOLDER, base_coupler, coupler_table, override_couplers, rate_by_table, specs, tables_first,
+    Overridden, PLACEHOLDER, apply_table_columns, base_coupler, coupler_table, override_couplers, specs,
+    table_takes_precedence,
 };
 use super::keys::TRAIN;
 use super::labels::Labels;
@@ -13,7 +14,7 @@ use super::loads::{self, OwnLoad};
 use super::scenarios;
 use super::table::Rows;
 use super::tree::{Found, Read, Reported, Table};
-use super::vehicles::{spelt_out, tabled};
+use super::vehicles::{groups_of_table, groups_of_vehicle_tables};
 use super::{EachCoupler, Files, STDIN};
 use crate::error::{Problem, printable};
 use crate::train::{Load, Origin, PulledTo, SpecProblem, Train, TrainSpec, VehicleSpec, numbered};
@@ -38,9 +39,9 @@ pub(super) fn train(
     let (groups, behind) = match rows {
         Some(Rows { groups, behind, doubts }) => {
             doubts.into_iter().for_each(|doubt| found.doubt(doubt));
-            (tabled(root, groups)?, behind)
+            (groups_of_table(root, groups)?, behind)
         }
-        None => (spelt_out(found, root)?, vec![]),
+        None => (groups_of_vehicle_tables(found, root)?, vec![]),
     };
     let own: Vec<OwnLoad> = groups.iter().flat_map(|g| std::iter::repeat_n(g.load, g.vehicle.count)).collect();
     let couplers = own.len() - 1;
@@ -56,7 +57,7 @@ pub(super) fn train(
         None => vec![base; couplers],
     };
     let mut ratings = bases.clone();
-    rate_by_table(root, &mut ratings, &bases, &groups, &behind)?;
+    apply_table_columns(root, &mut ratings, &bases, &groups, &behind)?;
     let vehicles: Vec<VehicleSpec> = groups.into_iter().map(|group| group.vehicle).collect();
     let labels = Labels::new(own.len(), || numbered(&vehicles).0);
     let overridden = override_couplers(root, &bases, &mut ratings, &labels, path, files);
@@ -65,7 +66,7 @@ pub(super) fn train(
         let right = if ratings.iter().any(|r| r.law.gives_force()) {
             format!("{help}, or give coupler {} a stiffness or a gear, as others have", i + 1)
         } else {
-            format!("{help}{}", tables_first(root))
+            format!("{help}{}", table_takes_precedence(root))
         };
         let _ = table.require("stiffness", &right);
     }

@@ -6,7 +6,7 @@ use crate::error::Problem;
 use crate::train::{MOST_VEHICLES, VehicleSpec, many};
 
 /// The groups of a table.
-pub(super) fn tabled(root: &Table, groups: Vec<Group>) -> Read<Vec<Group>> {
+pub(super) fn groups_of_table(root: &Table, groups: Vec<Group>) -> Read<Vec<Group>> {
     if let (Some(spelt_out), Some(table)) = (root.key_span("vehicle"), root.key_span("vehicles")) {
         let title = "the train has its vehicles twice, as a table and as [[vehicle]]";
         return Err(root.note_because(spelt_out, title, "keep one of the two", table, "the table"));
@@ -21,7 +21,7 @@ pub(super) struct Group {
 }
 
 /// The groups of the `[[vehicle]]` tables.
-pub(super) fn spelt_out(found: &Found, root: &Table) -> Read<Vec<Group>> {
+pub(super) fn groups_of_vehicle_tables(found: &Found, root: &Table) -> Read<Vec<Group>> {
     if let Some(table) = root.get("vehicles") {
         return Err(table.wrong_type("expected the name of a table: vehicles = \"consist.csv\""));
     }

@@ -13,7 +13,7 @@ use crate::units::{Dimension, shown, shown_time, shown_time_up};
 
 /// Above this acceleration, m/s2, a part of a train cannot be standing.
 const MOVES_M_PER_S2: f64 = 0.05;
-/// A record that starts or ends at a larger share of its largest force is cut there.
+/// A record that starts or ends at more than this share of its largest force counts as cut off there.
 const CUT: f64 = 0.01;
 
 /// Every doubt about a scenario.
@@ -227,7 +227,7 @@ fn short_horizon(train: &Train, scenario: &Scenario) -> Option<Doubt> {
         let text = format!("the horizon of {horizon} ends before a wave has crossed {what}, {transit}");
         return Some(Doubt::of_scenario("short-horizon", scenario, text));
     }
-    // An earlier horizon has doubts of its own.
+    // A horizon before the last change of the outside force is reported by `pulse` and `changes`.
     let within = scenario.horizon_s.is_some() && (change_s..passage_s).contains(&horizon_s);
     let text =
         format!("the horizon of {horizon} ends before the first passage does, at {passage}: a larger force can follow");

@@ -88,7 +88,7 @@ fn faint(train: &Train, what: &str, force_n: f64) -> Option<String> {
     })
 }
 
-/// A pulse so small, as the words of a doubt.
+/// A pulse whose largest force, N, is under 1 kN, as the words of a doubt.
 pub(super) fn faint_pulse(train: &Train, force_n: f64) -> Option<(&'static str, String)> {
     let text = faint(train, "pulse", force_n.abs()).filter(|_| !in_own_units(train));
     text.map(|text| ("faint-pulse", text))

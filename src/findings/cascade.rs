@@ -35,15 +35,16 @@ pub struct CascadeFindings {
     pub gap_closes_s: Option<f64>,
     /// That coupler, counted from 1.
     pub gap_coupler: Option<usize>,
-    /// When vehicles at parted couplers come together again and push each other, which is computed: couplers with slack or gears, or
-    /// brakes.
+    /// When vehicles at parted couplers come together again and push each other, where that is computed: with slack, gears, brakes or
+    /// changing tractive efforts.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub gap_closures: Vec<GapClosure>,
     /// Couplers that exceed their rating before they break, or at any time if they do not.
     pub exceeding: usize,
     /// The coupler with the largest utilisation of all but the one that the event breaks.
     pub worst: Option<CascadeWorst>,
-    /// No force is further than this from the exact one, N, the instants of the breaks included; infinite where nothing is proven.
+    /// No force is further than this from the exact one, N, the errors of the breaks' instants included; infinite where nothing is
+    /// proven.
     pub error_bound_n: f64,
     /// An estimate of that error, N, where nothing is proven.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -56,7 +57,8 @@ impl CascadeFindings {
         super::march::error_n(self.error_bound_n, self.error_estimate_n)
     }
 
-    /// From when on forces are not those of the train, s: the sequence is not decided, or a gap closed whose vehicles would push each other.
+    /// From when on forces are not those of the train, s: the sequence is undecided, or a gap has closed whose vehicles would push
+    /// each other.
     pub fn certain_until_s(&self) -> f64 {
         self.undecided_from_s.into_iter().chain(self.gap_closes_s).fold(f64::INFINITY, f64::min)
     }
@@ -116,9 +118,9 @@ impl Found {
 /// A coupler that breaks.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CascadeBreak {
-    /// When, s after the event; 0 if the load alone is over its rating.
+    /// When, s after the event; 0 if the load alone is over its breaking load.
     pub time_s: f64,
-    /// Error bound of this instant, s; of a march an estimate, like that of its forces.
+    /// Error bound of this instant, s; an estimate where that of the forces is one.
     pub time_uncertainty_s: f64,
     /// Counted from 1.
     pub coupler: usize,
@@ -130,8 +132,8 @@ pub struct CascadeBreak {
     pub breaks_at: &'static str,
     /// Others break at the same instant, within its error.
     pub together: bool,
-    /// Elastic energy that it releases, J, not negative; of a gear that of its unloading. Of a march 0 in buff, where
-    /// the vehicles still push each other.
+    /// Elastic energy that it releases, J, not negative; of a gear that of its unloading. 0 in buff where the vehicles go on
+    /// pushing each other ([`CascadeFindings::gap_closures`]).
     pub energy_j: f64,
 }
 
@@ -203,7 +205,8 @@ pub(super) fn find(
     Ok(Some(Found::new(found, couplers)))
 }
 
-/// Of an estimated march, the whole coupler whose peak comes so near to its breaking load that it may break, and when; the first.
+/// Where breaks are not proven: the first unbroken coupler with a peak so near to its breaking load that it may break, and the earlier
+/// of its peaks in draft and buff.
 fn near_breaking_load(
     train: &Train,
     scenario: &Scenario,

@@ -28,14 +28,14 @@ const SPARSEST: f64 = 0.4;
 /// Fewest instants of a picture.
 const FEWEST: f64 = 400.0;
 
-/// Forces of what.
+/// Which forces are shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Of {
-    /// The couplers', after the event alone.
+    /// Those of the couplers after the event alone.
     Event,
-    /// The couplers' when they break one after the other.
+    /// Those of the couplers when they break one after the other.
     Cascade,
-    /// The elastic rod's at their places.
+    /// Those of the elastic rod at the couplers' places.
     Rod,
 }
 
@@ -127,7 +127,7 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// `None` where it would take long.
+    /// `None` without a positive finite horizon.
     pub fn new(train: &Train, case: &CaseFindings) -> Option<Frame> {
         let couplers = train.couplers().len();
         let times_s = instants(train, case.horizon_s)?;
@@ -162,7 +162,7 @@ impl Frame {
         let times_s = self.times_s.clone();
         let ask = MarchOptions { history: (0..train.couplers().len()).collect(), times_s: times_s.clone(), ..ask };
         let outcome = march::follow(problem, &ask, &mut |t, i, force_n| {
-            // What has parted is not open, and pushes only where its vehicles meet again.
+            // A parted coupler is not shown as open slack; it has a force only while its vehicles push each other.
             let parted = parted_s.get(&i).is_some_and(|at_s| times_s[t] >= *at_s);
             if Some(i) != broken && (force_n != 0.0 || !parted) {
                 self.add(train, t, i, force_n);
@@ -217,7 +217,7 @@ pub fn field(train: &Train, scenario: usize, case: &CaseFindings, of: Of) -> Opt
         .then(|| frame.finish(train, case, of))
 }
 
-/// The march up to an instant that a picture shows; `None` where it would take long.
+/// The problem of a march up to the last instant of a picture; `None` where linear couplers would take long.
 pub(super) fn problem(
     train: &Train,
     scenario: &Scenario,
@@ -244,7 +244,8 @@ fn instants(train: &Train, horizon_s: f64) -> Option<Vec<f64>> {
     usable.then(|| (0..=count as usize).map(step).collect())
 }
 
-/// Gives `see` the force, N, in every coupler at every instant, without a march; false if it would take long.
+/// Gives `see` the force, N, in every coupler at every instant, without a march; false if it would take long, needs a march, or has
+/// no rod.
 fn compute(
     train: &Train,
     scenario: &Scenario,

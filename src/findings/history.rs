@@ -9,14 +9,14 @@ use crate::train::{Rule, Train};
 
 /// Force in one coupler at given times, N, draft positive: what a figure shows.
 ///
-/// `scenario` is an index into the train's scenarios; `broken` and `coupler` are indices from 0. Exact to a line's
-/// width.
+/// `scenario` is an index into the train's scenarios; `broken` and `coupler` are indices from 0. Accurate to the width of a drawn
+/// line.
 pub fn history(train: &Train, scenario: usize, broken: Option<usize>, coupler: usize, times_s: &[f64]) -> Vec<f64> {
     let motion = Motion::of(train, &train.scenarios()[scenario]);
     if motion == Motion::March {
         let scenario = &train.scenarios()[scenario];
         let last_s = times_s.iter().copied().fold(0.0, f64::max);
-        // There is no step up to t = 0.
+        // A march up to t = 0 takes no step, and so gives no force: it goes on to the horizon.
         let until_s = if last_s > 0.0 { last_s } else { scenario::horizon_s(train, scenario, broken) };
         let problem = scenario::march(train, scenario, broken, [until_s; 2], Rule::Keep);
         let ask = MarchOptions { history: vec![coupler], times_s: times_s.to_vec(), ..MarchOptions::default() };

@@ -14,7 +14,7 @@ pub(super) const TOLERANCE: f64 = 1e-6;
 /// The longest that a march may take, s.
 const MOST_SECONDS: f64 = 3600.0;
 
-/// A rating that lies so many estimated errors from a peak, or less, is not decided.
+/// Where the error is estimated, a verdict is left open if peak and rating differ by at most this number of estimated errors.
 const MARGIN: f64 = 10.0;
 
 /// The error that is asked for, N.
@@ -150,8 +150,8 @@ fn coupler_peaks(
     };
     let exceeds = if proven && period != Period::Cascade { *decided } else { [by_margin(0), by_margin(1)] };
     let first = outcome.first_over_s.get(i).copied().unwrap_or_default();
-    let last_s = largest.map(|(_, at)| at);
-    let over = |side: usize| first[side].filter(|at| exceeds[side] == Some(true) && *at <= last_s[side]);
+    let peak_s = largest.map(|(_, at)| at);
+    let over = |side: usize| first[side].filter(|at| exceeds[side] == Some(true) && *at <= peak_s[side]);
     CouplerPeaks { largest, exceeds, first_over_s: [over(0), over(1)], error_n: margins }
 }
 

@@ -1,6 +1,7 @@
 //! Couplers that break on the way where a bound is proven.
 
 use super::proof::U;
+use super::roots;
 use super::run::Run;
 use super::series::DEGREE;
 
@@ -20,7 +21,7 @@ pub struct Found {
 pub struct Breaks {
     /// Per coupler and sense: since when it may be over the force that breaks it.
     pub near: Vec<[Option<f64>; 2]>,
-    /// Per coupler and sense: it has been certainly under that force.
+    /// Per coupler and sense: it has been certainly under that force at some instant.
     pub left_limit: Vec<[bool; 2]>,
     /// A coupler that may have broken before another one did, and so may have kept it from breaking, and since when.
     pub undecided: Option<(usize, f64)>,
@@ -44,8 +45,9 @@ impl Breaks {
         breaks
     }
 
-    /// The first coupler that may have passed its limit and was not seen to, and when: at t = 0 if it stood there and never left.
-    pub fn open(&self) -> Option<(usize, f64)> {
+    /// The first coupler that may have passed its limit and did not certainly do so, and since when: t = 0 if it stood at its limit
+    /// then and was never certainly under it.
+    pub fn first_undecided(&self) -> Option<(usize, f64)> {
         let since = |i: usize, side: usize| if self.left_limit[i][side] { self.near[i][side] } else { Some(0.0) };
         let sides = (0..self.near.len()).flat_map(|i| [0, 1].map(|side| (i, side)));
         let near = sides.filter_map(|(i, side)| Some((i, since(i, side)?)));
@@ -61,13 +63,8 @@ impl Breaks {
     }
 }
 
-/// Value of a polynomial, lowest power first.
-pub fn at(c: &[f64], s: f64) -> f64 {
-    super::roots::at(c, s)
-}
-
 /// The coefficients of a force over a step.
-pub type Course = [f64; DEGREE + 1];
+pub type Coefficients = [f64; DEGREE + 1];
 
 /// A step as tried, and the bound on every force up to the horizon, N, if nothing breaks.
 pub struct Step<'a> {
@@ -75,8 +72,8 @@ pub struct Step<'a> {
     pub bound: f64,
 }
 
-/// A side of a coupler within a step: since when it may be over its limit, from when on it certainly is, and when it
-/// passes it.
+/// A side of a coupler that may pass its limit within a step: it may be over the limit from the instant `from` on, certainly is
+/// over it at `until`, and its computed force passes the limit at `at`.
 #[derive(Clone)]
 pub struct Passing {
     pub coupler: usize,
@@ -84,19 +81,19 @@ pub struct Passing {
     pub from: f64,
     pub until: Option<f64>,
     pub at: f64,
-    pub force: Course,
+    pub force: Coefficients,
 }
 
 impl Step<'_> {
     /// The force of a coupler over the step.
-    pub fn force(&self, i: usize) -> Course {
+    pub fn force(&self, i: usize) -> Coefficients {
         let mut c = self.change(i);
         c[0] += self.run.start[i][1];
         c
     }
 
     /// The same less that at t = 0.
-    pub fn change(&self, i: usize) -> Course {
+    pub fn change(&self, i: usize) -> Coefficients {
         let (run, mut c) = (self.run, [0.0; DEGREE + 1]);
         if run.state.couplers().contains(&i) {
             run.series.tension_of(&run.state, i, run.width, &mut c);
@@ -110,6 +107,6 @@ impl Step<'_> {
         let time = broken.clone().map(|p| p.at).fold(f64::INFINITY, f64::min);
         let share = ((time - self.run.t) / self.run.width).clamp(0.0, 1.0);
         let apart = |p: &Passing| (p.until.unwrap_or(time) - time).max(time - p.from) + 4.0 * U * time;
-        Found { share, couplers: broken.map(|p| (p.coupler, at(&p.force, share), apart(p))).collect() }
+        Found { share, couplers: broken.map(|p| (p.coupler, roots::at(&p.force, share), apart(p))).collect() }
     }
 }

@@ -1,31 +1,32 @@
 //! Which couplers certainly break, whatever else may have broken shortly before.
 //!
-//! A side of a coupler *may* be over its limit from the instant at which its computed force comes within the bound of it, and
-//! *certainly* is once it is over it by more than the bound. Between the two, the true train may be without that coupler, where the
-//! computed one still has it. The forces T_j of such couplers, put on their masses for the times tau_j that have passed since each
-//! may be over, move another one's force by no more than
+//! A side of a coupler *may* be over its limit from the instant at which its computed force comes within the bound of the limit, and
+//! *certainly* is over it once the force is over the limit by more than the bound. Between these instants the coupler may have parted
+//! in the true train, but not in the computed one. With T_j the forces of such couplers, each missing for at most the time tau_j
+//! since it may be over, the force of another coupler differs by at most
 //!
 //! ```text
-//! drift_i = J_i sum_j T_j J_j (k_i tau_j^2 / 2 + c_i tau_j)        J = sqrt(1 / m + 1 / m')
+//! drift_i = J_i sum_{j != i} T_j J_j (k_i tau_j^2 / 2 + c_i tau_j)        J = sqrt(1 / m + 1 / m')
 //! ```
 //!
-//! for the energy of the difference, `|z| <= sum T_j J_j tau_j`, bounds the difference of every relative speed by `J_i |z|`. So all
-//! bounds are widened by the drift. A coupler that passes its limit by more than the widened bound before the end of these times breaks in the
-//! true train as well; couplers of which that holds and whose times overlap break together. Where it holds of none, the sequence is
-//! not decided from the beginning of that time on.
+//! because the norm of the difference of the motions, `|z| <= sum T_j J_j tau_j`, bounds the difference of every relative speed by
+//! `J_i |z|`. So every bound is widened by the drift. A coupler that passes its limit by more than the widened bound before the end of
+//! these times breaks in the true train as well; couplers for which this holds and whose times overlap break together. Where it holds
+//! for none, the sequence is undecided from the beginning of that time on.
 
-use super::breaks::{Breaks, Course, Found, Passing, SIGN, Step, at};
+use super::breaks::{Breaks, Coefficients, Found, Passing, SIGN, Step};
+use super::roots;
 use super::run::stiffest;
 use crate::solve::local::{Local, reach};
 
-/// The least push over a limit at which a coupler stood that counts, in bounds: ahead of the front rounding is far
-/// smaller.
+/// Least rise of a force above the limit at which it stood that counts, as a share of the error bound: rounding ahead of the wave
+/// front is far smaller.
 const PUSH: f64 = 1e-8;
-/// Attempts to find a drift that covers its result.
+/// Attempts to find a drift that is not smaller than the drift that follows from it.
 const ROUNDS: usize = 40;
 
 impl Breaks {
-    /// The first couplers that break within a step.
+    /// The first couplers that break within a step; also notes the sides that come near their limits before that.
     pub fn find(&mut self, step: &Step) -> Option<Found> {
         let plain = self.passing(step, &[]);
         let waiting = self.undecided.is_none() && self.near.iter().flatten().any(Option::is_some);
@@ -40,7 +41,7 @@ impl Breaks {
         for i in (0..self.left_limit.len()).filter(|&i| !step.run.couplers[i].parted) {
             for side in [0, 1] {
                 if !self.left_limit[i][side] {
-                    let value = SIGN[side] * at(&step.force(i), share);
+                    let value = SIGN[side] * roots::at(&step.force(i), share);
                     self.left_limit[i][side] = value < step.run.limit_n(i, side) - 4.0 * step.bound;
                 }
             }
@@ -48,7 +49,7 @@ impl Breaks {
         found
     }
 
-    /// All sides that may be over their limits within a step, with each bound widened by its drift; none for an empty one.
+    /// All sides that may be over their limits within a step, each bound widened by the coupler's drift; an empty `drift` is zero.
     pub fn passing(&self, step: &Step, drift: &[f64]) -> Vec<Passing> {
         let mut passing = Vec::new();
         for i in step.run.state.couplers().filter(|&i| !step.run.couplers[i].parted) {
@@ -65,8 +66,9 @@ impl Breaks {
 
     /// When a side passes the levels around its limit within a step.
     ///
-    /// One that stood at its limit, and is not pushed on, does not count before it has come back.
-    fn passes(&self, step: &Step, [coupler, side]: [usize; 2], force: Course, bound: f64) -> Option<Passing> {
+    /// A side that stood at its limit at t = 0, and is not pushed above it, does not count until its force has been
+    /// certainly under the limit.
+    fn passes(&self, step: &Step, [coupler, side]: [usize; 2], force: Coefficients, bound: f64) -> Option<Passing> {
         let (from, width) = (step.run.t, step.run.width);
         let local = Local::of_step(&force.map(|c| SIGN[side] * c), from, width);
         let over = |level: f64| local.first_over(-1.0, 1.0, level).map(|x| from + 0.5 * (x + 1.0) * width);
@@ -83,7 +85,8 @@ impl Breaks {
         let at = until.and_then(|_| over(limit)).unwrap_or(from);
         Some(Passing { coupler, side, from: earliest, until, at, force })
     }
-    /// The sides that may be over, and which certainly break first.
+
+    /// The sides that may be over, and the places in that list of those that certainly break first.
     ///
     /// Where nothing is certain, the first to be over by the bound breaks, and the sequence is undecided from then on.
     pub fn decide(&mut self, step: &Step, plain: Vec<Passing>) -> (Vec<Passing>, Vec<usize>) {
@@ -108,8 +111,9 @@ impl Breaks {
         p.from < last && self.near[p.coupler][p.side].is_none()
     }
 
-    /// Couplers that certainly break by the end of a time that begins when the first may have: all whose own times begin before
-    /// the first is certain, or the first alone. `None` where no drift is found that covers its result.
+    /// The sides that may be over, with bounds widened by the drift, and those that certainly break: if `together`, all certain
+    /// ones that may be over before the first of them is certainly over, else the first alone. `None` where none is certain any more,
+    /// or no drift is found that covers its result.
     fn proven(&self, step: &Step, plain: &[Passing], together: bool) -> Option<(Vec<Passing>, Vec<usize>)> {
         let was_certain = plain.iter().any(|p| p.until.is_some());
         let mut drift = vec![0.0; self.near.len()];
@@ -134,7 +138,7 @@ impl Breaks {
         None
     }
 
-    /// How far each force may have been moved at `end` by the absence of couplers that may have broken before.
+    /// How far each force may differ at `end` because couplers that may have broken before are missing, N.
     fn drift(&self, step: &Step, passing: &[Passing], end: f64) -> Vec<f64> {
         let run = step.run;
         // Of each coupler `T J tau` and `T J tau^2`.
@@ -161,11 +165,11 @@ impl Breaks {
     }
 }
 
-/// Whether a side that stood at its limit is first, or at an end of the step, pushed on. Only the motion is used:
-/// added to the load a small push would be lost.
+/// Whether the force of a side that stood at its limit rises above it: at first after t = 0, or at either end of the step. Only the
+/// change since t = 0 is used: added to the load, a small rise would be lost in rounding.
 fn is_pushed_on(step: &Step, coupler: usize, side: usize) -> bool {
     let moved = step.change(coupler).map(|c| SIGN[side] * c);
     let first = if step.run.t == 0.0 { moved.iter().find(|c| **c != 0.0) } else { None };
     let least = PUSH * step.bound;
-    first.is_some_and(|c| *c > 0.0) || moved[0] > least || at(&moved, 1.0) > least
+    first.is_some_and(|c| *c > 0.0) || moved[0] > least || roots::at(&moved, 1.0) > least
 }

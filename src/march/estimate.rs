@@ -1,9 +1,9 @@
 //! The error of a march: proven where it can be, and estimated by two more runs where it cannot.
 //!
-//! The other runs take other steps, with noise of 32 units in the last place on every elongation and speed at every
-//! step, and the laws' constants moved by 16 units. Their margin past guards is doubled, so that its effect is in the
-//! differences. Estimate: 10 times the larger difference from them, plus 16 units of the largest force. The runs
-//! advance together; the results end where the estimate of any force passes the tolerance.
+//! The other runs take other steps, with noise of 32 unit roundoffs (u = 2^-53) on every elongation and speed at every
+//! step, and the laws' constants changed by 16 u. Their margin past guards is doubled, so that the differences include its
+//! effect. Estimate: 10 times the larger difference of the two runs from the reported one, plus 16 u of the largest force. The
+//! runs advance together; the results end where the estimate for any force passes the tolerance.
 
 use super::branches::Branches;
 use super::proof::U;
@@ -17,12 +17,12 @@ use crate::solve::watch::{Watch, bound_of_extremes};
 /// Largest step times the largest rate: of the reported run, and of the others.
 const PHASE: f64 = 1.0;
 const OTHER_PHASES: [f64; 2] = [0.73, 0.81];
-/// Sizes of noise and of moved constants, in units in the last place.
+/// Sizes of the noise and of the change of constants, in unit roundoffs.
 const NOISE: f64 = 32.0;
 const CONSTANT_CHANGE: f64 = 16.0;
 /// Factor on the margin past guards in the other runs.
 const OTHER_MARGIN: f64 = 2.0;
-/// Factors of the estimate: on the difference, and on a unit in the last place of the largest force.
+/// Factors of the estimate: on the difference, and on the unit roundoff of the largest force.
 const DIFFERENCES: f64 = 10.0;
 const UNITS: f64 = 16.0;
 /// Instants at which the runs are compared.
@@ -30,12 +30,12 @@ const COMPARED: usize = 200;
 /// The run that is reported.
 const SETTINGS: RunSettings = RunSettings { phase: PHASE, noise: None, margin: 1.0 };
 /// Instants between which [`follow`] hands on what it has.
-const HANDED: usize = 64;
+const INSTANTS_PER_CHUNK: usize = 64;
 
 /// Follows the motion of a train.
 ///
-/// The search for extremes needs the bound on the forces' error. It is known before the motion where linear couplers do not break;
-/// elsewhere a first run without a search finds it.
+/// The search for extremes needs the proven bound on the forces' error. It is known before the motion where linear couplers do not
+/// break; for other problems with a proof a first run without a search finds it. Without a proof the error is estimated.
 ///
 /// # Panics
 /// If a list of the problem does not have one entry for each vehicle or coupler, or a law is not valid
@@ -43,11 +43,11 @@ const HANDED: usize = 64;
 pub fn solve(problem: &Problem, ask: &MarchOptions) -> MarchOutcome {
     check(problem, ask);
     let mut march = March::new(problem, ask, SETTINGS);
-    march.prove();
+    march.start_proof();
     let bound = match march.bound_known_before() {
         None if ask.tolerance_n.is_some() && march.proof.is_some() => {
             let mut first = March::new(problem, &MarchOptions::default(), SETTINGS);
-            first.prove();
+            first.start_proof();
             first.advance_to(problem.horizon_s);
             first.proven_n()
         }
@@ -71,21 +71,22 @@ pub fn solve(problem: &Problem, ask: &MarchOptions) -> MarchOutcome {
     }
 }
 
-/// One run without a search for extremes and without an error: gives `see` the forces of the couplers of the history at its
-/// instants, by the instant's and the coupler's place in these lists, in place of the outcome; none beyond the end of the march.
+/// One run without extremes and without an error. The history is not in the outcome: each of its forces is given to `see` as (index
+/// in `times_s`, index in `history`, force in N), and none beyond the end of the march.
 ///
 /// # Panics
 /// As for [`solve`].
 pub fn follow(problem: &Problem, ask: &MarchOptions, see: &mut dyn FnMut(usize, usize, f64)) -> MarchOutcome {
     check(problem, ask);
     let mut march = March::new(problem, ask, SETTINGS);
-    march.prove();
-    for times in ask.times_s.chunks(HANDED) {
+    march.start_proof();
+    for times in ask.times_s.chunks(INSTANTS_PER_CHUNK) {
         march.advance_to(times[times.len() - 1].min(problem.horizon_s));
         march.record.drain(see);
     }
     march.advance_to(problem.horizon_s);
     march.record.drain(see);
+    march.record.history.clear();
     finish(march, Bound::None, [Vec::new(), Vec::new()], None)
 }
 
@@ -126,7 +127,7 @@ const EVENTS: f64 = 8.0;
 /// Estimated time of [`solve`] on one core, s.
 pub fn estimate_s(problem: &Problem, ask: &MarchOptions) -> f64 {
     let mut march = March::new(problem, &MarchOptions::default(), SETTINGS);
-    march.prove();
+    march.start_proof();
     let linear = problem.laws.iter().filter(|l| l.is_linear()).count();
     let couplers = problem.laws.len();
     let rate = march.run.fastest() / PHASE + EVENTS * (couplers - linear) as f64;
@@ -226,7 +227,7 @@ fn error_now(march: &March, others: &[March]) -> f64 {
         largest = largest.max(f.abs());
         difference = others.iter().map(|o| (force(o, i) - f).abs()).fold(difference, f64::max);
     }
-    // If the runs do not agree on partings, forces are not known.
+    // If the runs differ in the number of partings, forces are not known.
     if others.iter().any(|o| o.run.partings.len() != march.run.partings.len()) {
         return f64::INFINITY;
     }
@@ -259,7 +260,7 @@ fn errors(kept: &[Snapshot]) -> Vec<[f64; 2]> {
     (0..kept[0].len()).map(error).collect()
 }
 
-/// The problem with the constants of its laws moved by some units in the last place, each up or down.
+/// The problem with the constants of its laws moved by some unit roundoffs, each up or down.
 fn moved(problem: &Problem, seed: u64) -> Problem {
     let mut bits = seed;
     let mut factor = || {
@@ -301,8 +302,8 @@ fn moved(problem: &Problem, seed: u64) -> Problem {
     Problem { laws, start, ..problem.clone() }
 }
 
-/// A coupler at rest that stands where two intervals of its law meet, or at the last one's end, stands there by the moved law as well:
-/// else a closed gear would be an open one, and one at the end of its slack within it.
+/// Puts a coupler that rests where two intervals of its law meet, or at the end of the last one, at the same point of the moved law:
+/// else a closed gear would no longer be closed, and a coupler at the end of its slack would be inside the slack.
 fn at_same_knot(rest: Rest, law: &Law, moved: &Law) -> Rest {
     let knots = |law: &Law| -> Vec<f64> {
         Branches::new(law).intervals.iter().flat_map(|interval| [interval.from, interval.to]).collect()
@@ -320,8 +321,8 @@ fn finish(
     errors: [Vec<[f64; 2]>; 2],
     predictable_until_s: Option<f64>,
 ) -> MarchOutcome {
-    // An elongation may be twice the margin past a guard, at its largest stiffness: peaks under that, which an event can leave, count
-    // as 0.
+    // An event can leave an elongation past its guard by twice the margin: peaks under the force of that at the largest stiffness
+    // count as 0.
     let none = |i: usize| 2.0 * march.run.guard_margin * stiffest(&march.run.problem.laws[i]);
     let [to_mark, whole] = march.record.finish();
     let seen = |watch: &Option<Watch>| {
@@ -345,7 +346,7 @@ fn finish(
         bound,
         error_n,
         error_to_mark_n,
-        undecided: march.breaks.as_ref().and_then(super::breaks::Breaks::open),
+        undecided: march.breaks.as_ref().and_then(super::breaks::Breaks::first_undecided),
         partings: march.run.partings,
         closures: march.run.closures,
         stopped: march.run.stopped,

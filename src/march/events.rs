@@ -5,8 +5,9 @@ use super::roots;
 use super::run::Run;
 use super::series::DEGREE;
 
-/// Events closer than this share of their time are at one instant.
+/// Events whose times since the start of the step differ by less than this share are at one instant.
 const TOGETHER: f64 = 4.0 * f64::EPSILON;
+
 /// What ends a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EventKind {
@@ -40,8 +41,9 @@ impl Earliest {
 }
 
 impl Run<'_> {
-    /// The events of the first instant in the step of that width that has any; without breaks where [`super::certain`] finds them.
-    pub fn first_event(&self, width: f64, breaks: bool) -> Vec<Event> {
+    /// All events at the first instant of the step that has any; `breaks`: whether breaks count, false where [`super::certain`]
+    /// finds them.
+    pub fn first_events(&self, width: f64, breaks: bool) -> Vec<Event> {
         let mut first = Earliest { share: 1.0, events: Vec::new() };
         if breaks {
             self.breaks(width, &mut first);

@@ -162,7 +162,7 @@ impl Forces {
         self.sources.iter().filter(move |s| !s.is_zero(t)).map(|s| s.vehicle)
     }
 
-    /// The fastest sine, 1/s.
+    /// Largest angular frequency of the half sines that act at `t`, 1/s; 0 without one.
     pub fn rate(&self, t: f64) -> f64 {
         let omega = |s: &Source| match s.course {
             Course::Sine { omega, until, .. } if t < until => omega,
@@ -182,7 +182,7 @@ impl Forces {
 /// The largest magnitude and the variation of every outside force that changes, with its vehicle; of brakes, whether or not they
 /// are applied.
 pub fn measures(problem: &Problem) -> Vec<(usize, [f64; 2])> {
-    let drives = problem.forcing.iter().map(|(v, drive)| (*v, [drive.measures()[0], drive.measures()[1]]));
+    let drives = problem.forcing.iter().map(|(v, drive)| (*v, drive.measures()));
     let applied = problem.application.iter().map(|(brakes, _)| brakes);
     let brakes = problem.emergency.iter().chain(applied).flat_map(|brakes| {
         let largest = brakes.build_up.iter().map(|p| p[1].abs()).fold(0.0, f64::max);
@@ -217,7 +217,7 @@ pub fn unbalanced(problem: &Problem, start: &[[f64; 2]]) -> (Vec<f64>, f64) {
     (left, if small { 0.0 } else { common })
 }
 
-/// The magnitudes of what the unbalanced force on a vehicle is the sum of; 0 where that counts as 0.
+/// Sum of the magnitudes of the terms whose sum is the unbalanced force on a vehicle; 0 where that force counts as 0.
 pub fn balance_rounding(
     problem: &Problem,
     start: &[[f64; 2]],

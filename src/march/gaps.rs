@@ -5,21 +5,21 @@
 //! ```
 //!
 //! Where the vehicles of a parted coupler do not push each other ([`super::Problem::contact`]) the motion is not the train's once a gap
-//! closes; the first that certainly does is told.
+//! closes; the first that certainly closes is reported.
 //!
-//! After the break of one coupler that carries the draft F_b, and nothing more, its gap never closes, whatever the masses,
-//! springs and dampers: against the steady motion the front part is driven by the constant force F_b on its last vehicle, at
-//! displacement x, and by nothing else. That force has done the work F_b x(t), which the part has stored or lost,
-//! so that F_b x(t) >= 0 at every instant; likewise for the rear part, whose first vehicle is driven by -F_b. Both vehicles are
-//! therefore never nearer than at the break. So only couplers that break in buff, for which q < 0 from the start, and several
-//! breaks, or breaks under other forces, can close a gap.
+//! If a single coupler breaks in steady motion under the draft F_b, and no other force changes, its gap never closes, whatever the
+//! masses, springs and dampers: relative to the steady motion the only force on the front part is the constant F_b on its last
+//! vehicle. With x the displacement of that vehicle, the force has done the work F_b x(t), which the part has stored or dissipated,
+//! so that F_b x(t) >= 0 at every instant; likewise for the rear part, with -F_b on its first vehicle. The two vehicles are
+//! therefore never nearer than at the break. So a gap can close only where a coupler breaks in buff (q < 0 from the start), where
+//! several couplers break, or under other forces.
 
 use super::run::{Run, stiffest};
 use super::series::DEGREE;
 use crate::solve::local::{Local, reach};
 
 impl Run<'_> {
-    /// Notes the first of some gaps, each with the error of its opening, that is closed when its coupler parts.
+    /// Of couplers that part now, each with the error of its elongation, m, notes the first whose gap is certainly closed.
     pub fn note_closed(&mut self, gaps: impl IntoIterator<Item = (usize, f64)>) {
         if !self.closures.is_empty() {
             return;

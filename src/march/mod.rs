@@ -54,12 +54,12 @@ pub struct Problem {
     pub dashpot_n_s_per_m: Vec<f64>,
     /// Each coupler at t = 0.
     pub start: Vec<Rest>,
-    /// Speed of each vehicle at t = 0 against the common motion.
+    /// Speed of each vehicle at t = 0 relative to the common motion.
     pub speed_m_s: Vec<f64>,
-    /// Speed of the common motion at t = 0 against the track, where brakes act: they act against it, and the march ends when a
-    /// braked vehicle would stop. `None`: forward, and no vehicle stops.
+    /// Speed of the common motion at t = 0 relative to the track, where brakes act: brake forces oppose it, and the march ends when
+    /// a braked vehicle would stop. `None`: the train runs forward, and no vehicle stops.
     pub common_speed_m_s: Option<f64>,
-    /// Acceleration of the common motion against the track, added to that of `steady_n`.
+    /// Acceleration of the common motion relative to the track, beside the one that `steady_n` causes.
     pub common_m_s2: f64,
     /// Steady outside force on each vehicle. Without a held vehicle the common acceleration that these forces cause is
     /// subtracted, so they may include it or not. A remainder under 1e-12 of the largest force counts as 0.
@@ -68,8 +68,8 @@ pub struct Problem {
     pub forcing: Vec<(usize, Drive)>,
     /// Couplers that part at t = 0. A parted coupler carries no draft.
     pub gone: Vec<usize>,
-    /// Once the gap of a parted coupler closes, its law in buff holds. Else it carries nothing ever after, as if the vehicles could
-    /// pass through each other: for linear couplers, whose motion is then proven across breaks.
+    /// If true, a parted coupler carries buff by its law once its gap closes. If false it carries no force from then on, as if the
+    /// vehicles could pass through each other: for linear couplers, where the error bound then holds across breaks.
     pub contact: bool,
     /// Force in draft and in buff, both positive, above which each coupler parts; infinite for never. Empty for none.
     pub break_at_n: Vec<[f64; 2]>,
@@ -121,7 +121,8 @@ impl Problem {
     }
 }
 
-/// Brakes along a train: a wave runs both ways from where they are applied or a coupler parts and opens the pipe.
+/// Brakes along a train: a brake wave runs both ways from each place where they are applied, or where a coupler parts and opens
+/// the brake pipe.
 #[derive(Clone, Debug)]
 pub struct Brakes {
     /// Speed of the wave.
@@ -206,10 +207,10 @@ pub struct MarchOutcome {
     pub extremes: Vec<Extremes>,
     /// The same up to the mark.
     pub to_mark: Vec<Extremes>,
-    /// First instants certainly above the capacity, in draft and in buff.
+    /// First instants above the capacity, in draft and in buff, of a rise that certainly passes it.
     pub first_over_s: Vec<[Option<f64>; 2]>,
-    /// Whether each force passes the capacity, in draft and in buff: `None` where a proven bound does not decide it. Without
-    /// a bound known before the search, of the computed forces.
+    /// Whether each force passes the capacity, in draft and in buff: `None` where the largest force is within the proven bound of the
+    /// capacity. Without a bound before the search, the verdict on the computed forces.
     pub exceeds: Vec<[Option<bool>; 2]>,
     /// The same up to the mark.
     pub exceeds_to_mark: Vec<[Option<bool>; 2]>,
@@ -224,8 +225,8 @@ pub struct MarchOutcome {
     /// Gaps of parted couplers that closed: which, and when. Without contact the first alone, and only where couplers may break:
     /// the vehicles would push each other from then on.
     pub closures: Vec<(usize, f64)>,
-    /// The first coupler that came within the bound of the force that breaks it and was not seen to pass it, and when: from then on
-    /// what breaks is not decided. Where the proof follows breaks only.
+    /// The first coupler that came within the bound of the force that breaks it and did not certainly pass it, and when: from then
+    /// on what breaks is not decided. Only where a bound is proven across breaks.
     pub undecided: Option<(usize, f64)>,
     /// The braked vehicle that would stop, and when; the march ends there.
     pub stopped: Option<(usize, f64)>,
@@ -235,7 +236,7 @@ pub struct MarchOutcome {
     pub history: Vec<Vec<f64>>,
     /// Elongation, m from the middle of the slack, and force, N, of the coupler watched at its instants; not a number beyond the end.
     pub watched: Vec<[f64; 2]>,
-    /// Speed of each vehicle at the end of the march, against the common motion.
+    /// Speed of each vehicle at the end of the march, relative to the common motion.
     pub end_speed_m_s: Vec<f64>,
     /// Energy over the march, if asked for.
     pub energy: Option<Energy>,

@@ -7,7 +7,8 @@
 //! | down | on the unloading curve | q' turns positive, or q reaches the knot |
 //! | free | on the only curve: slack, or no friction | q reaches either end |
 //!
-//! Elongations and forces are relative to those at t = 0, and so 0 at rest.
+//! In this table q, w, u and l are as in [`crate::law`]. In the code below `q` and forces are less those at t = 0, and so 0 at rest;
+//! travels are not.
 
 use super::branches::{Branches, Interval, Line};
 use crate::law::{Law, Rest};

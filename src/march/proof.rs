@@ -1,5 +1,5 @@
-//! A proven bound for linear couplers, alone or beside sliders of constant friction: two motions never move apart
-//! there.
+//! A proven error bound for linear couplers, alone or beside sliders of constant friction: the distance of two motions in the norm
+//! below never grows there.
 //!
 //! Couplers are springs k, or kl in series with a spring h beside a slider of constant friction r, without slack; dashpots may lie
 //! beside them. For two motions under the same forces in time
@@ -11,12 +11,13 @@
 //! because `F - h w` is in `r Sgn(w')`, a monotone relation. So `sqrt(W) <= integral of the residual`, the force per root of mass that the
 //! computed motion would need beside the given ones; and `|dF| <= sqrt(kl W)`, with a dashpot `sqrt(k + c^2 (1 / m + 1 / m')) sqrt(W)`.
 //!
-//! **A step's rounding**, in that norm and in units u of half a last place, is at most `26 h S`, of a step that is cut `29 h S`, with h the step's width and S the norm of
-//! the motion's rate and of all that is added up to it, `S = (1 + 2 r) D + sum J |f|`: D the norm of z' (`dF^2 / kl + h dw^2 = s dq^2`
-//! with `s = h kl / (h + kl)` where the slider slips), r = max c / sqrt(k m) the dashpots' share, J = 1 / sqrt(m) of the vehicle on
-//! which f acts. A step is no longer than `1 / W`, W = largest frequency and damping rate together, so that terms fall as `1 / k!`.
+//! **The rounding of a step**, in that norm and in unit roundoffs u = 2^-53, is at most `26 b S`, of a step that is cut `29 b S`, with
+//! b the step's width and S the norm of the rate of the motion z and of all terms that are added up to it,
+//! `S = (1 + 2 r) D + sum J |f|`: D the norm of z' (`dF^2 / kl + h dw^2 = s dq^2` with `s = h kl / (h + kl)` where the slider slips),
+//! r = max c / sqrt(k m) the dashpots' share, J = 1 / sqrt(m) of the vehicle on which f acts. A step is no longer than `1 / omega`,
+//! omega = sum of the largest angular frequency and damping rate, so that terms fall as `1 / k!`.
 //!
-//! - First terms: of a speed 7, four differences and sums, `1 / m`, and two products, each of at most `h S`; of an elongation 3. The
+//! - First terms: of a speed 7, four differences and sums, `1 / m`, and two products, each of at most `b S`; of an elongation 3. The
 //!   forces whose difference it is, of spring and dashpot, are kept with their own rounding errors; the dashpot's three roundings are
 //!   at most `6 r D`. The later terms carry them on, `e - 1` times in all: 12.1.
 //! - Later terms: of a speed 5 each, and 2 of the force by itself, not of a difference, so that they count `sqrt(2)` times:
@@ -25,7 +26,7 @@
 //! - The sum of the terms from the last to the first: `1.72 + 0.72 + 0.22 + ... < 2.8`; the compensated sum with the state 1.8;
 //!   the instant of the step's end, `u t`, another 1.
 //!
-//! Together that is less than 29, without cuts less than 26; the first term left out is 1e-19 of `h S`. Where nothing can cut a step,
+//! Together that is less than 29, without cuts less than 26; the first term left out is 1e-19 of `b S`. Where nothing can cut a step,
 //! couplers are linear, stay or have parted for good, and no vehicle stops.
 //!
 //! **Linear couplers.** D is constant but for the outside forces' own changes: `D <= D(0) + sum J TV(f)`, so that the error is known
@@ -39,9 +40,9 @@
 //!
 //! **Couplers that break** ([`super::breaks`]). The instant of a break is known to within delta, the time in which the computed force is
 //! within the bound of the force that breaks the coupler; over that time the computed and the true train differ by that coupler's
-//! force T on both its vehicles, so that the error's norm grows by at most `delta T sqrt(1 / m + 1 / m')`. This supposes that it breaks in the
-//! true train too, whatever else may break there before it: [`super::certain`] proves that, or leaves the sequence undecided. D is
-//! measured anew after each break. A parted coupler carries nothing from then on.
+//! force T on both its vehicles, so that the error's norm grows by at most `delta T sqrt(1 / m + 1 / m')`. This assumes that the
+//! coupler breaks in the true train too, whatever else may break there before it: [`super::certain`] proves that, or reports the
+//! sequence as undecided. D is computed again after each break. A parted coupler carries no force from then on.
 //!
 //! **Constant friction.** The residual of each step is added as the motion has it, of the S of that step, and
 //!
@@ -69,7 +70,7 @@ const RESTED: f64 = 22.0;
 const STEPS: f64 = 4.0;
 const STEPS_OF_BREAK: f64 = 10.0;
 const STEPS_AT_START: f64 = 40.0;
-/// Half a unit in the last place.
+/// Unit roundoff u: largest relative error of one rounding, 2^-53.
 pub const U: f64 = 0.5 * f64::EPSILON;
 /// Least distance to a stop, and least gap, as a share of the elongation.
 const CLEARANCE: f64 = 1e-6;
@@ -79,12 +80,12 @@ pub struct Proof {
     /// Bound on `sqrt(W)` at `since`.
     norm: f64,
     since: f64,
-    /// Of linear couplers its growth per second from then on, with what showing a force adds; 0 for friction, where each step
-    /// adds to `norm`.
+    /// For linear couplers its growth per second from then on, the rounding of reported forces included; 0 for friction, where each
+    /// step adds to `norm`.
     growth: f64,
     /// Norm of the motion at `since`; 0 for friction.
     motion: f64,
-    /// The largest force.
+    /// Largest magnitude of a force: for linear couplers at t = 0, for friction over all steps so far.
     largest_n: f64,
     linear: bool,
     holds: bool,
@@ -115,8 +116,8 @@ impl Proof {
         self.linear
     }
 
-    /// Couplers break at this instant, each with its force and the time by which its exact instant may differ.
-    pub fn delay(&mut self, run: &Run, broken: &[(usize, f64, f64)]) {
+    /// Adds the error of couplers that break now, each with its force, N, and the error of its instant, s.
+    pub fn add_error_of_breaks(&mut self, run: &Run, broken: &[(usize, f64, f64)]) {
         let jolts = broken.iter().map(|(i, force, apart)| apart * force.abs() * run.root_inverse_mass(*i));
         self.norm += self.growth * (run.t - self.since) + jolts.sum::<f64>();
         self.since = run.t;

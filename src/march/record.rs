@@ -60,7 +60,7 @@ impl Taken<'_> {
         roots::at(&c[..=self.series.terms], (t - self.from) / self.width.max(f64::MIN_POSITIVE))
     }
 
-    /// Bounds from above on the force of a coupler and its negative over the step, quickly.
+    /// Upper bounds, quick to compute, on the force F of a coupler and on -F over the step.
     fn reaches(&self, i: usize) -> [f64; 2] {
         let Taken { state, series, width, .. } = *self;
         let x = i + 1;
@@ -85,7 +85,7 @@ impl Record {
         Record {
             watch: None,
             to_mark: None,
-            history: vec![Vec::with_capacity(ask.times_s.len()); ask.history.len()],
+            history: vec![Vec::new(); ask.history.len()],
             watched: ask.watched.clone().map_or_else(Watched::default, |(coupler, times)| Watched {
                 values: Vec::with_capacity(times.len()),
                 coupler,
@@ -103,7 +103,7 @@ impl Record {
             && let Some(watch) = &mut self.watch
         {
             for i in taken.state.couplers().filter(|&i| taken.contact || !taken.couplers[i].parted) {
-                look(watch, taken, i);
+                look_for_peaks(watch, taken, i);
             }
         }
         self.sample(taken);
@@ -146,7 +146,8 @@ impl Record {
         self.watched.values.truncate(self.watched.times.iter().take_while(|t| **t <= until).count());
     }
 
-    /// Decides what is open, and fills unknown values with NaN; returns what was seen up to the mark and to the end.
+    /// Decides the sides that stood at their ratings to the end, and fills unknown values with NaN; returns the watches up to the
+    /// mark and up to the end.
     pub fn finish(&mut self) -> [Option<Watch>; 2] {
         self.history.iter_mut().for_each(|h| h.resize(self.times.len(), f64::NAN));
         self.watched.values.resize(self.watched.times.len(), [f64::NAN; 2]);
@@ -160,7 +161,7 @@ impl Record {
 }
 
 /// Looks for new extremes and crossings of one coupler in a step.
-fn look(watch: &mut Watch, taken: &Taken, i: usize) {
+fn look_for_peaks(watch: &mut Watch, taken: &Taken, i: usize) {
     let reaches = taken.reaches(i);
     let open = [false, true].map(|negative| reaches[usize::from(negative)] > watch.level(i, negative));
     let at_rating = [false, true].map(|negative| watch.at_rating(i, negative));

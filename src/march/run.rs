@@ -6,18 +6,19 @@ use super::series::{DEGREE, Series, State};
 use super::{Parting, Problem};
 use crate::law::Law;
 
-/// An event counts only once the elongation is past its guard by this share of the train's longest scale: about 1e-15
-/// m where elongations are some 40 mm. The law is continuous, so this changes a force by at most that distance times
-/// kl.
+/// A mode ends only once the elongation is past its guard by this share of the largest length scale of the elongations:
+/// about 1e-15 m where they are some 40 mm. The law is continuous, so this changes a force by at most that
+/// distance times kl.
 const GUARD_MARGIN: f64 = 2.5e-14;
 /// At the edge of the part that moves, motion under this share of the scale is 0.
 const REST_LIMIT: f64 = 1e-24;
-/// Settings of a run: runs of one problem with other settings give its error.
+
+/// Settings of a run: the differences between runs of one problem with different settings give the error estimate.
 #[derive(Clone, Copy, Debug)]
 pub struct RunSettings {
     /// Largest step times the largest rate.
     pub phase: f64,
-    /// Seed and size of noise on every elongation and speed at every step, in units of their rounding.
+    /// Seed of the noise on every elongation and speed at every step, and its size in unit roundoffs (2^-53 of the value).
     pub noise: Option<(u64, f64)>,
     /// How many times [`GUARD_MARGIN`] an event needs past its guard.
     pub margin: f64,
@@ -113,7 +114,7 @@ impl<'a> Run<'a> {
         self.rest_limits = [REST_LIMIT * scale, REST_LIMIT * scale * rate];
     }
 
-    /// The largest rate that the motion can have, every coupler at its stiffest, 1/s.
+    /// Upper bound on the rate of the motion (largest angular frequency plus damping rate), every coupler at its stiffest, 1/s.
     pub fn fastest(&self) -> f64 {
         let laws = &self.problem.laws;
         let stiffness = |i: Option<usize>| i.and_then(|i| laws.get(i)).map_or(0.0, stiffest);
@@ -132,7 +133,7 @@ impl<'a> Run<'a> {
             (line.place, line.force, line.slope);
     }
 
-    /// Coupler `i` parts now, or by so much earlier or later; the energy that it releases, J.
+    /// Coupler `i` parts now, an instant with this error; returns the energy that it releases, J.
     pub fn part(&mut self, i: usize, uncertainty_s: f64) -> f64 {
         let force_n = self.start[i][1] + self.state.tension(i);
         let q = self.state.elongation(i);
@@ -164,11 +165,10 @@ impl<'a> Run<'a> {
     pub fn expand(&mut self, width: f64) {
         let Series { outside, terms, .. } = &mut self.series;
         outside.iter_mut().for_each(Vec::clear);
-        let from = self.state.moving[0];
-        let [a, b] = self.state.moving;
+        let [from, to] = self.state.moving;
         self.forces.expand(self.t, width, *terms, |v, k, f| {
-            debug_assert!(f == 0.0 || (a..b).contains(&v), "a force acts on a vehicle at rest");
-            if f != 0.0 && v >= from && v < b {
+            debug_assert!(f == 0.0 || (from..to).contains(&v), "a force acts on a vehicle at rest");
+            if f != 0.0 && (from..to).contains(&v) {
                 outside[k].push((v, f));
             }
         });

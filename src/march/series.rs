@@ -36,7 +36,7 @@ pub struct Series {
     pub terms: usize,
     /// Outside forces in time: vehicle and coefficient of each power.
     pub outside: Vec<Vec<(usize, f64)>>,
-    /// Forces less those at t = 0, and at the beginning of a step what their rounding has left.
+    /// Current power of each force less that at t = 0; and, of the power 0, its rounding error.
     tension: [Vec<f64>; 2],
     /// Per coupler: sum of the magnitudes of the powers from 2 on, and of each times its power.
     pub reach: Vec<f64>,
@@ -66,7 +66,7 @@ impl State {
         self.moving[0].saturating_sub(1)..self.moving[1].min(self.v[0].len() - 1)
     }
 
-    /// Largest rate of the motion, 1/s.
+    /// Upper bound on the rate of the motion (largest angular frequency plus damping rate) at the present slopes, 1/s.
     pub fn rate(&self) -> f64 {
         let (mut stiff, mut drag) = (0.0f64, 0.0f64);
         for v in self.moving[0]..self.moving[1] {
@@ -95,8 +95,9 @@ impl Series {
 
     /// Computes `terms` powers of the series over a width; `outside` is already that of the same step.
     ///
-    /// The force of a line through the state at t = 0, and the dashpot's share of it, are kept with their rounding errors, so
-    /// that the difference of two such forces is rounded by a share of itself, not of the forces.
+    /// Forces at the beginning of the step are kept with the rounding errors of `slope (q - place)` and of the sum with the dashpot's
+    /// force, so that on lines with `force` 0 the rounding of a difference of two forces is a share of that difference, not of the
+    /// forces.
     ///
     /// ```text
     /// q_i^(k+1) = (v_i - v_{i+1})^(k)        v_j^(k+1) = (F_{j-1} - F_j + f_j)^(k) / m_j
@@ -228,7 +229,6 @@ pub fn terms(phase: f64) -> usize {
     let mut term = 1.0;
     for k in 1..=DEGREE {
         term *= phase / k as f64;
-        // Two in place of one: an elongation takes two powers for each vehicle.
         if term < LAST_TERM {
             return k.max(4);
         }

@@ -9,10 +9,10 @@ use super::run::{Run, RunSettings, stiffest};
 use super::series::terms;
 use super::{MarchOptions, Problem};
 
-/// Steps shorter than this share of the reciprocal of the largest rate take no time.
+/// Steps shorter than this share of the reciprocal of the largest rate count as steps of no width.
 const NO_TIME: f64 = 1e-10;
-/// After so many events in a row that take no time, for each coupler, rounding decides between two modes: the margin
-/// past guards is then doubled.
+/// After this number times the number of couplers of events in a row in steps of no width, a coupler switches between two modes by
+/// rounding alone: the margin past guards is then doubled.
 const STALLED: usize = 64;
 /// A step is tried with at most so many times the mean width of the last ones.
 const MAX_WIDENING: f64 = 2.5;
@@ -23,7 +23,7 @@ pub struct March<'a> {
     pub record: Record,
     pub audit: Option<Audit>,
     pub proof: Option<Proof>,
-    /// Where the proof follows couplers that break.
+    /// Only where the bound is proven across breaks; elsewhere breaks are events of the run.
     pub breaks: Option<Breaks>,
     pub events: u64,
     pub steps: u64,
@@ -77,7 +77,7 @@ impl<'a> March<'a> {
         self.run.series.terms = terms(rate * width);
         self.run.width = width;
         self.run.expand(width);
-        let found: Vec<Event> = self.run.first_event(width, self.breaks.is_none());
+        let found: Vec<Event> = self.run.first_events(width, self.breaks.is_none());
         let broken = self.find_breaks();
         if let Some(share) = found.iter().map(|e| e.0).chain(broken.as_ref().map(|b| b.share)).reduce(f64::min) {
             width *= share;
@@ -115,7 +115,7 @@ impl<'a> March<'a> {
             audit.step(&self.run);
         }
         for (_, i, what) in found {
-            self.happens(i, what);
+            self.apply_event(i, what);
         }
         if let Some(broken) = broken {
             self.events += broken.couplers.len() as u64;
@@ -144,7 +144,7 @@ impl<'a> March<'a> {
         self.mean_width = mean.max(1e-3 * self.run.settings.phase / rate);
     }
 
-    fn happens(&mut self, i: usize, what: EventKind) {
+    fn apply_event(&mut self, i: usize, what: EventKind) {
         self.events += 1;
         match what {
             EventKind::Mode(end) => {
@@ -162,8 +162,9 @@ impl<'a> March<'a> {
         }
     }
 
-    /// The proof, and what couplers break where one follows them; those whose load is over their limit break at once.
-    pub fn prove(&mut self) {
+    /// Sets up the proof of the error bound, if the problem has one, and the search for breaks that goes with it; couplers whose load
+    /// at t = 0 is over their limit part at once.
+    pub fn start_proof(&mut self) {
         let Some(mut proof) = Proof::new(&mut self.run) else { return };
         if !self.run.problem.break_at_n.is_empty() {
             let over = |i: &usize| {
@@ -193,7 +194,7 @@ impl<'a> March<'a> {
     /// Couplers break now.
     fn break_now(&mut self, found: &Found) {
         let Some((mut proof, mut breaks)) = self.proof.take().zip(self.breaks.take()) else { return };
-        proof.delay(&self.run, &found.couplers);
+        proof.add_error_of_breaks(&self.run, &found.couplers);
         let error = proof.norm_to(self.run.problem.horizon_s);
         found.couplers.iter().for_each(|&(i, _, apart)| self.part(i, apart));
         proof.measure(&mut self.run);

@@ -5,7 +5,8 @@ use super::words::{count, sense};
 use crate::consist;
 use crate::train::{Application, Event, Pulse, PulseShape, Scenario, Train};
 use crate::units::{Dimension, shown, shown_time};
-/// The event, in one sentence, and what brakes and drives do after it.
+
+/// The event, in one sentence, and the brake applications and tractive efforts after it.
 pub fn event(train: &Train, scenario: &Scenario) -> String {
     happens(train, scenario) + &consist::response(train, scenario)
 }

@@ -5,6 +5,7 @@ use super::words::{count, first_to_exceed, interval, moment, place, rating, sens
 use crate::findings::{CaseFindings, CouplerFindings, ScenarioFindings};
 use crate::train::more;
 use crate::units::UnitSystem;
+
 /// "after coupler 53 breaks", "under the pulse".
 fn after(case: &CaseFindings) -> String {
     match case.broken_coupler {
@@ -125,13 +126,13 @@ fn verdict_exceeding(case: &CaseFindings, units: UnitSystem) -> String {
 
 /// The verdict on a scenario: over the horizon, over the first passage where that differs, and both senses of an impact.
 pub fn verdict_of(scenario: &ScenarioFindings, units: UnitSystem) -> String {
-    let lead = supposed(scenario);
+    let lead = assumption(scenario);
     let [case] = &scenario.cases[..] else { return lead + &verdict_each(scenario, units) + &first_passages(scenario) };
     lead + &verdict(case, units) + &first_passage(case) + &impact(case, units) + &meetings(case)
 }
 
 /// What the verdict supposes where further couplers break or a gap closes, as the sentence before it; empty elsewhere.
-fn supposed(scenario: &ScenarioFindings) -> String {
+fn assumption(scenario: &ScenarioFindings) -> String {
     const SUPPOSED: &str = "the forces given here are computed as if none did";
     let all = || scenario.cases.iter().filter_map(|c| c.cascade.as_ref());
     let breaking = all().filter(|c| !c.breaks.is_empty()).count();
@@ -208,7 +209,7 @@ fn first_passage(case: &CaseFindings) -> String {
     }
 }
 
-/// The same of several breaks.
+/// How many of several breaks lead to an exceedance within the first passage; empty if none does later.
 fn first_passages(scenario: &ScenarioFindings) -> String {
     let harmful = |of: fn(&CaseFindings) -> usize| scenario.cases.iter().filter(|c| of(c) > 0).count();
     let (all, early) = (harmful(|c| c.exceeding), harmful(|c| c.exceeding_first_passage));

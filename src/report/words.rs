@@ -149,7 +149,7 @@ pub fn needed(scenario: &ScenarioFindings, units: UnitSystem) -> String {
     })
 }
 
-/// The ratings that a coupler needs in the senses in which its largest force, with its error, is over the rating: "1.509 N in draft".
+/// The ratings that a coupler needs in the senses in which its largest force, with its error, is over the rating: "1.509 MN in draft".
 pub fn enough(c: &CouplerFindings, error_n: f64, unit: super::numbers::Unit) -> String {
     let senses = [(c.peak_draft_n, c.rated_draft_n), (c.peak_buff_n, c.rated_buff_n)];
     let senses = senses.into_iter().filter_map(|(peak_n, rated_n)| Some((peak_n?, rated_n)));

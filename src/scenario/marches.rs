@@ -1,4 +1,5 @@
-//! A scenario as a march: what steps of force on an undamped linear chain at rest cannot represent.
+//! A scenario as a problem for [`crate::march`], which also covers what steps of force on an undamped linear chain at rest cannot
+//! represent.
 
 use super::start::speed_m_per_s;
 use super::{brakes, break_loads, initial_force_n, is_proportional};
@@ -7,8 +8,8 @@ use crate::law::{Law, Rest};
 use crate::march::Problem;
 use crate::train::{Event, Forcing, Rule, Scenario, Train};
 
-/// The march of a case up to `[horizon, mark]`, the mark for the first passage; `broken` is the coupler that breaks,
-/// if any.
+/// The problem of a case; `until_s`: horizon, and mark for the first passage; `broken`: the coupler that the event breaks, if any;
+/// `rule`: which couplers may break afterwards.
 pub fn march(train: &Train, scenario: &Scenario, broken: Option<usize>, until_s: [f64; 2], rule: Rule) -> Problem {
     let [horizon_s, mark_s] = until_s;
     let last = train.vehicles().len() - 1;

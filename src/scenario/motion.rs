@@ -28,8 +28,9 @@ impl Motion {
     }
 }
 
-/// Whether the forces that an event adds grow in proportion to their cause: with linear couplers and without brakes and changing
-/// tractive efforts. Their error is proven; once parted, their pieces do not push each other.
+/// Whether the forces that an event adds are proportional to their cause: with linear couplers and without brakes and changing
+/// tractive efforts. The error of such forces is proven; the parts of a broken train are then computed as if they never pushed each
+/// other.
 pub(crate) fn is_proportional(train: &Train, scenario: &Scenario) -> bool {
     train.extras().laws.is_empty() && !scenario.applies_brakes() && scenario.response.efforts.is_empty()
 }

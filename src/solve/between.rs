@@ -1,6 +1,6 @@
 //! Extremes between the instants of a march, from every spring's force at equal steps.
 //!
-//! With X = h^2 A a spring's force over a step obeys, mode by mode with theta^2 an eigenvalue of X,
+//! With X = h^2 A, and G less its static value under the step's outside force, a step obeys, mode by mode with theta^2 an eigenvalue of X,
 //!
 //! ```text
 //! G(z) = cos(z theta/2) / cos(theta/2) (G_0 + G_1) / 2 + sin(z theta/2) / sin(theta/2) (G_1 - G_0) / 2,   -1 <= z <= 1
@@ -53,7 +53,7 @@ pub type Levels = Vec<[f64; 2]>;
 /// One sign of one spring.
 #[derive(Clone, Debug)]
 struct Side {
-    /// What the force certainly reaches.
+    /// What a later force must exceed to matter: a lower bound on the largest force so far, or that with the ignored difference added.
     reached: f64,
     /// The step in which it has certainly passed its rating, and when that ends.
     over_in: Option<(u64, f64)>,
@@ -71,7 +71,8 @@ pub struct Search<'a> {
     /// What every side is expected to pass; and the largest utilisation expected, where only the worst is wanted.
     expected: Levels,
     expected_utilisation: Option<f64>,
-    /// The last step in which first exceedances matter: where only the worst is wanted, that of the earliest.
+    /// Number of the last step in which a first exceedance matters: where only the worst is wanted, the step after the first in which some
+    /// side has certainly passed its rating.
     last_to_cross: u64,
     sides: Vec<[Side; 2]>,
     /// Per sign and spring: what G, or -G, has to pass to matter; whole blocks of springs.
@@ -286,7 +287,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Whether a side's largest force in a step is known as closely as differences matter, and no verdict depends on it.
+    /// Whether the bounds on a side's largest force in a step differ by no more than is ignored, and no verdict depends on the step.
     fn is_narrow(&self, spring: usize, negative: bool, step: &Step, [lower, upper]: [f64; 2]) -> bool {
         let min_rise = self.watch.min_rise();
         min_rise > self.watch.bound()
@@ -296,8 +297,8 @@ impl<'a> Search<'a> {
             && !self.is_cut(step)
     }
 
-    /// Takes a value that a side certainly reaches as its largest in a step; what is larger by no more than is ignored does not
-    /// matter from here on.
+    /// Takes the lower bound on a side's largest force in a step as its value. From here on only forces that are larger by more than the
+    /// ignored difference matter.
     fn take(&mut self, spring: usize, negative: bool, reached: Point) {
         self.watch.note_reached(spring, negative, reached);
         self.raise(spring, negative, reached.value + self.watch.min_rise());

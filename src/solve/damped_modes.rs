@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, DVector};
 use super::dd::Dd;
 use super::local::{COEFFICIENTS, Local};
 use super::statics;
-use super::sums::Modes;
+use super::sums::{Modes, larger_bound, missed};
 use super::watch::{SpringPeaks, Watch, bound_of_extremes};
 use super::{Work, closed_form, modal};
 use crate::chain::Scene;
@@ -71,10 +71,9 @@ impl<'a> Damped<'a> {
 
     /// Bound on the error of every force up to the horizon.
     ///
-    /// A mode's coordinate is at most `1 / sqrt(1 - z^2)` and is wrong by 16 roundings of an exponential, a cosine and what they
-    /// are multiplied with; a sum over m modes by m roundings of its terms. Residuals of numerical modes act as
-    /// without damping, which makes nothing larger. Times since the beginning of a stretch are sums of two numbers,
-    /// without error.
+    /// A mode's coordinate is at most `1 / sqrt(1 - z^2)`, counted as `1 / (1 - z^2)`, and is wrong by 16 roundings of an exponential, a
+    /// cosine and their factors; a sum over m modes by m roundings of its terms. Residuals of numerical modes count as without
+    /// damping, which makes their effect no larger. Times since the beginning of a stretch are double-double, without error.
     fn bound_of_values(&self) -> f64 {
         let m = self.modes.omega.len() as f64;
         let swing = 1.0 / (1.0 - self.ratio * self.ratio);
@@ -83,9 +82,9 @@ impl<'a> Damped<'a> {
         let spring = |i: usize| {
             let size: f64 = self.modes.share.row(i).iter().map(|a| a.abs()).sum();
             let mean = self.scene.initial[i].abs() + 4.0 * force;
-            (force * size * swing * (16.0 + m) + mean) * ROUNDOFF + force * self.modes.defect[i] * self.scene.horizon
+            (force * size * swing * (16.0 + m) + mean) * ROUNDOFF + missed(self.scene, &self.modes, i)
         };
-        (0..self.scene.initial.len()).map(spring).fold(0.0, f64::max)
+        (0..self.scene.initial.len()).map(spring).fold(0.0, larger_bound)
     }
 
     /// A mode's q and q' / w after a time, from those at its beginning.
@@ -190,7 +189,7 @@ impl<'a> Damped<'a> {
         times.iter().map(at).collect()
     }
 
-    /// Forces of every spring at given times, ascending.
+    /// Forces of every spring at given times, ascending: calls `see(index of the time, spring, force)` for each.
     pub fn field(&self, times: &[f64], see: &mut dyn FnMut(usize, usize, f64)) {
         let stretches = self.stretches();
         for (n, &t) in times.iter().enumerate() {

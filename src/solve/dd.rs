@@ -109,7 +109,7 @@ impl Dd {
         Dd::from(a) / Dd::from(b)
     }
 
-    /// Square root; 0 for 0.
+    /// Square root; 0 for 0 and for negative numbers.
     #[inline(always)]
     pub fn sqrt(self) -> Dd {
         if self.hi <= 0.0 {
@@ -283,7 +283,7 @@ impl Lanes {
         (self.0[0].0[lane], self.0[1].0[lane]) = (x.hi, x.lo);
     }
 
-    /// These in some lanes, others in the rest.
+    /// These numbers in the lanes where `is_own` holds, `other` in the rest.
     #[inline(always)]
     pub(crate) fn where_or(self, other: Lanes, is_own: impl Fn(usize) -> bool) -> Lanes {
         let mut out = self;

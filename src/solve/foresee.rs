@@ -22,12 +22,13 @@ const PHASE: f64 = 2.5;
 const TERMS: usize = 5;
 /// A guess is lower than the largest value by this share of the force, far more than what single precision loses.
 pub(super) const MARGIN: f64 = 1e-4;
-/// Under this, per unit force, motion ahead of the front is set to zero: denormal numbers are slow.
+/// Adding and subtracting this sets to zero what is smaller than about 4e-8 of it, per unit force: denormal numbers are slow.
 const TINY: f32 = 1e-20;
 
 type Row = [f32; LANES];
 
-/// What forces are expected to pass up to a mark and up to the horizon; nothing for a pulse that is shorter than a step.
+/// What forces are expected to pass up to a mark and up to the horizon; minus infinity if the pulse or the
+/// horizon is shorter than half a step.
 pub fn levels(scene: &Scene, omega: f64, mark: f64) -> [Levels; 2] {
     let count = |time: f64| (time * omega / PHASE).ceil().max(1.0);
     let pulse = scene.duration < scene.horizon;
@@ -117,7 +118,7 @@ impl Guess {
         (0..scene.initial.len()).map(|s| [level(s, false), level(s, true)]).collect()
     }
 
-    /// Makes steps; the force acts up to step `ends`, and half of it in its first and its last step.
+    /// Makes steps. The force acts from step 0 to step `ends`, with half its size in these two.
     #[inline(always)]
     fn march<S: Simd>(&mut self, simd: S, steps: std::ops::Range<u64>, ends: u64) {
         static SERIES: OnceLock<Vec<f64>> = OnceLock::new();

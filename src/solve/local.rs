@@ -205,7 +205,7 @@ impl Local {
                 return Some(p.a);
             }
             let h = p.b - p.a;
-            // The slope leaves the range of its values at the ends by no more than this: it is positive.
+            // Within the piece the slope is at most h^2 / 8 max |f'''| under the smaller of its end values: it is positive here.
             if p.fb > level && p.da.min(p.db) > 0.125 * h * h * third {
                 return Some(self.root(&p, level));
             }

@@ -96,7 +96,7 @@ pub struct Ask {
     pub tolerance: f64,
     /// A method to use even where another needs less work.
     pub method: Option<Method>,
-    /// Leave out springs whose all-time bound is under their ratings.
+    /// Leave out springs whose all-time bound is under their ratings, where the bounds take less work than the search.
     pub verdict_only: bool,
     /// Give every spring's all-time bound.
     pub all_time_bound: bool,
@@ -119,7 +119,8 @@ pub struct Solution {
     pub springs: Vec<Option<SpringPeaks>>,
     /// The same up to the mark; empty without one.
     pub to_mark: Vec<Option<SpringPeaks>>,
-    /// Only what [`Wanted::Worst`] promises is exact; of the worst spring only the sense of its largest utilisation.
+    /// Only what [`Wanted::Worst`] promises is exact; of the worst spring only the extreme in the sense, draft or buff, that gives its
+    /// largest utilisation.
     pub only_worst: bool,
     /// Bound on |F| over all time, in the scene's unit of force, where asked for or used to leave springs out.
     pub all_time_bounds: Option<Vec<f64>>,
@@ -161,8 +162,8 @@ pub enum SolveError {
 /// Extremes of every spring of a scene, by the requested method or the cheapest that reaches the tolerance.
 ///
 /// # Errors
-/// [`SolveError::NotEqual`] when a method for equal chains is asked for on another; [`SolveError::TooMuch`] when even the
-/// cheapest method would run for hours or fill the memory.
+/// [`SolveError::NotEqual`], [`SolveError::NotAtEnd`] or [`SolveError::TooShort`] when the method that is asked for does not fit the
+/// scene; [`SolveError::TooMuch`] when it, or else the cheapest method, would take over an hour or over 4 GB.
 ///
 /// A mass on a spring from a wall, pulled away by a unit step of force, `F(t) = 1 - cos t`:
 ///

@@ -8,8 +8,8 @@
 //! and the a_ij are products of five rounded numbers, so that what limits the result is the sum over modes, not the eigenproblem.
 //!
 //! The error of the computed modes is measured, not assumed: the residual of each in the equations of motion, and the
-//! part of the force that all together miss. The energy norm of the error grows no faster than the norm of both times
-//! the time.
+//! part of the unit force that the sum of all modes misses. The energy norm of the error is at most the sum of these norms,
+//! times the time.
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -28,7 +28,7 @@ const CLUSTER: f64 = 1e-12;
 pub fn modes(scene: &Scene) -> Modes {
     let chain = &scene.chain;
     let path = Path::new(chain);
-    let modes = separate(&path, path.modes());
+    let modes = orthogonalize_clusters(&path, path.modes());
     let (springs, source) = (chain.stiffness.len(), path.mass_node(scene.source));
     let root_mass = Dd::from(chain.mass[scene.source]).sqrt();
     let drive: Vec<Dd> = modes.iter().map(|m| m.node[source] / root_mass).collect();
@@ -47,7 +47,7 @@ fn sign(spring: usize, mass: usize) -> f64 {
 }
 
 /// Makes modes of nearly one frequency orthogonal to each other.
-fn separate(path: &Path, mut modes: Vec<Mode>) -> Vec<Mode> {
+fn orthogonalize_clusters(path: &Path, mut modes: Vec<Mode>) -> Vec<Mode> {
     let mut first = 0;
     for j in 1..modes.len() {
         let (omega, before) = (modes[j].omega, modes[j - 1].omega);
@@ -79,18 +79,19 @@ fn separate(path: &Path, mut modes: Vec<Mode>) -> Vec<Mode> {
     modes
 }
 
-/// A mode made orthogonal to others, in two rounds, and the share of it that was left.
+/// A mode made orthogonal to others, in two rounds, and the share of its squared norm that the first round left.
 fn orthogonalized(mut mode: Mode, others: &[Mode]) -> (Mode, f64) {
-    let left: f64 = others.iter().map(|other| remove(&other.node, &mut mode.node)).product();
+    let left: f64 = others.iter().map(|other| remove_part_along(&other.node, &mut mode.node)).product();
     others.iter().for_each(|other| {
-        remove(&other.node, &mut mode.node);
+        remove_part_along(&other.node, &mut mode.node);
     });
     mode.residual /= left.sqrt();
     (mode, left)
 }
 
-/// Takes out of `node` its part along `other`, and restores its norm sqrt 2; the share of it that is left, 0 for none.
-fn remove(other: &[Dd], node: &mut [Dd]) -> f64 {
+/// Removes from `node` its part along `other`, and restores its norm sqrt 2. Returns the share of the squared norm that was left; if 0,
+/// `node` is unchanged.
+fn remove_part_along(other: &[Dd], node: &mut [Dd]) -> f64 {
     let dot = |a: &[Dd], b: &[Dd]| a.iter().zip(b).fold(Dd::ZERO, |sum, (&x, &y)| sum + x * y);
     let along = dot(other, node) * Dd::from(0.5);
     if along.abs().hi < 1e-30 {

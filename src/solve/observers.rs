@@ -18,7 +18,7 @@ pub fn peaks(
     mark: Option<f64>,
 ) -> ([Vec<SpringPeaks>; 2], Work) {
     let from = |expected| peaks_from(scene, [omega, min_rise], wanted, mark, expected);
-    // Of what is left where much is ignored, a guess excludes little.
+    // A guess lies `MARGIN` under the peaks: where larger differences are ignored, it excludes few further steps.
     let pays = wanted == Wanted::Worst || min_rise < foresee::MARGIN * scene.force.abs();
     let expected = pays.then(|| foresee::levels(scene, omega, mark.unwrap_or(scene.horizon)));
     expected.and_then(|expected| from(Some(expected))).or_else(|| from(None)).unwrap_or_default()
@@ -61,7 +61,7 @@ pub fn history(scene: &Scene, omega: f64, spring: usize, times: &[f64]) -> Vec<f
 }
 
 /// Forces of every spring at given times, ascending: by the cubic through the forces and their second derivatives at both ends
-/// of a step.
+/// of a step. Calls `see(index of the time, spring, force)` for each.
 pub fn field(scene: &Scene, omega: f64, times: &[f64], see: &mut dyn FnMut(usize, usize, f64)) {
     let motion = Motion::new(scene);
     march(scene, &motion, [omega, 0.0], KICK_TERMS, &mut FieldObserver { scene, times, next: 0, see });
@@ -71,10 +71,11 @@ pub fn field(scene: &Scene, omega: f64, times: &[f64], see: &mut dyn FnMut(usize
 struct PeaksObserver<'a> {
     search: Search<'a>,
     wanted: Wanted,
-    /// The mark, until it is passed; then, the extremes up to it.
+    /// The mark, until it is passed.
     mark: Option<f64>,
+    /// Extremes up to the mark, empty until it is passed; `None` if forces did not pass what was expected.
     to_mark: Option<Vec<SpringPeaks>>,
-    /// What forces are expected to pass after it.
+    /// What forces are expected to pass up to the horizon; used after the mark.
     later: Option<Levels>,
     work: Work,
 }
@@ -163,7 +164,7 @@ fn passing(
     open
 }
 
-/// The same with each spring's own norm; few blocks come so far, so it is compiled apart from the march.
+/// The second test of [`open_springs`], with each spring's own norm; few blocks need it, so it is compiled apart from the march.
 struct Closer<'a> {
     view: &'a View<'a>,
     levels: [&'a [Vec<f64>; 2]; 2],

@@ -18,8 +18,9 @@ use crate::chain::Chain;
 
 /// A frequency is alone where others are further away than this share of it: a thousand times a bracket's width.
 const ALONE: f64 = 1e-9;
-/// A step of the iteration under this share of a frequency is none, and after this many steps it does not converge.
+/// The iteration has converged when a step is under this share of the frequency.
 const NO_CHANGE: f64 = 1e-28;
+/// After this many steps the iteration is replaced by bisection.
 const MOST_ROUNDS: usize = 5;
 
 /// The weighted path of a chain.
@@ -110,7 +111,7 @@ impl Path {
         first.into_par_iter().flat_map_iter(group).collect()
     }
 
-    /// The mode of a frequency from [`Path::modes`] about another place of the train: `copy` counts these.
+    /// A mode of a frequency from [`Path::modes`], by the factorisation about its `copy`-th twist node, from 0 ([`Path::twisted`]).
     pub fn mode(&self, omega: Dd, copy: usize) -> Option<Mode> {
         let omega = Lanes::splat(omega);
         self.normalized(&self.twisted(&omega, copy), &omega, 1).pop()
@@ -217,12 +218,12 @@ impl Path {
     ///
     /// Twisted factorisation (K. V. Fernando, *SIAM J. Matrix Anal. Appl.* 18 (1997) 1013-1034; B. N. Parlett, I. S. Dhillon,
     /// *Linear Algebra Appl.* 267 (1997) 247-279): no component is a difference, so small ones are as accurate as large
-    /// ones. Modes of one frequency in separate places of the train are distinguished: for the copy-th of them, r is
+    /// ones. Modes of one frequency in separate places of the train are distinguished by `copy`, from 0: r is the node of
     /// the copy-th least local minimum of |gamma|.
     #[inline(always)]
     fn twisted(&self, omega: &Lanes, copy: usize) -> Twisted {
         let n = self.nodes();
-        // From either end: a pivot, and by it a node's component over that of the next one.
+        // Eliminating from either end: the pivot, and from it the ratio of a node's component to the next node's.
         let (mut left, mut right) = (-*omega, -*omega);
         let (mut from_left, mut from_right) = (vec![Lanes::ZERO; n], vec![Lanes::ZERO; n]);
         let (mut gamma, mut other) = (vec![left; n], vec![right; n]);
@@ -255,7 +256,7 @@ impl Path {
         Twisted { gamma: least, node: z, norm_squared }
     }
 
-    /// The first modes of the lanes, of norm sqrt 2.
+    /// The modes in the first `count` lanes, scaled to norm sqrt 2.
     #[inline(always)]
     fn normalized(&self, twisted: &Twisted, omega: &Lanes, count: usize) -> Vec<Mode> {
         let rounding = 1e-31 * self.omega_bound();

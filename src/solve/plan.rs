@@ -11,10 +11,11 @@ use crate::chain::Scene;
 
 /// Nanoseconds for one spring in one exact step.
 const STEP: f64 = 4.0;
-/// Nanoseconds for one spring and one front that passes it, for one spring and one pair of them, and for one spring's values from all
-/// orders of Bessel functions, per unit of the horizon.
+/// Nanoseconds for one spring and one front that passes it.
 const FRONT: f64 = 480.0;
+/// Nanoseconds for one spring and one pair of fronts.
 const PAIR: f64 = 40.0;
+/// Nanoseconds for one spring's Bessel functions of all orders, per `sqrt(m / k)` of the horizon.
 const ORDERS: f64 = 0.2;
 /// Nanoseconds to find one entry of one vibration mode by its formula, for equal chains.
 const EQUAL_ENTRY: f64 = 20.0;
@@ -25,7 +26,7 @@ const LOOK: f64 = 3000.0;
 const MAX_WORK_RATIO: f64 = 10.0;
 const NEAR_FACTOR: f64 = 10.0;
 const FINE_SHARE: f64 = 1e-9;
-/// Of a coarser tolerance, the share that is ignored.
+/// Of a tolerance over 1e-8 of the largest force or rating, the share up to which differences in force are ignored.
 const IGNORED_SHARE: f64 = 0.9;
 /// The longest that a scene may take, and the memory that its modes may fill.
 const MOST_SECONDS: f64 = 3600.0;
@@ -38,7 +39,7 @@ pub struct Plan {
     pub method: Method,
     /// Why.
     pub reason: String,
-    /// Estimated time, s; for a sum over modes, if all those beyond a gap matter.
+    /// Estimated time, s; for a sum over modes, that of the longest search: as if all modes beyond a gap mattered.
     pub seconds: f64,
     /// Largest frequency, for the propagator.
     omega_max: f64,
@@ -223,8 +224,8 @@ pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
         _ if all_safe => ([Vec::new(), Vec::new()], Work::default(), 0.0),
         (Method::Modal, Some(modes)) => {
             // Where a coupler stands at its rating, the verdict depends on the smallest change of its force: no mode is left out.
-            let share = if stands_at_rating(scene) { 0.0 } else { 0.1 * ask.tolerance };
-            let left_out = sums::leave_out(scene, modes, share);
+            let allowed = if stands_at_rating(scene) { 0.0 } else { 0.1 * ask.tolerance };
+            let left_out = sums::leave_out(scene, modes, allowed);
             let bound = sums::error_bound(scene, modes) + left_out;
             let found = search::peaks(scene, modes, [bound, ask.tolerance], ask.mark);
             if found.given_up {
@@ -263,7 +264,7 @@ pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
     }
 }
 
-/// A difference in force that is ignored besides the error bound: none unless the tolerance is far larger than usual.
+/// A difference in force that is ignored besides the error bound: 0 unless the tolerance is over 1e-8 of the largest force or rating.
 fn coarse_min_rise(scene: &Scene, ask: &Ask) -> f64 {
     let ratings = scene.rated_draft.iter().chain(&scene.rated_buff);
     let largest = ratings.fold(scene.force.abs(), |largest, &rating| largest.max(rating));

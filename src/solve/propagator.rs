@@ -26,11 +26,13 @@ use super::path::Path;
 use super::series::{PHASE, polynomial, sine_over_root};
 use crate::chain::Scene;
 
-/// Terms of the series for P, for 1e-17 over the largest phase, and for velocities at a change of step.
+/// Terms of the full series for P: its error is 1e-17 up to the largest phase.
 pub(super) const KICK_TERMS: usize = 7;
+/// Terms of the series that converts velocities where the step width changes.
 const SWITCH_TERMS: usize = 14;
-/// The fewest terms, for the coarsest tolerances, and how much smaller than what is ignored the error bound is then.
+/// The fewest terms for P, for the coarsest tolerances.
 const FEWEST_TERMS: usize = 4;
+/// With fewer terms than the full series the error bound is at most this share of the difference that is ignored.
 const BOUND_SHARE: f64 = 0.05;
 /// Below this share of the force, motion ahead of the front is set to zero.
 const ZERO_BELOW: f64 = 1e-22;
@@ -61,7 +63,7 @@ pub fn error_bound(scene: &Scene, omega: f64) -> f64 {
 
 /// The same with fewer terms of the series.
 ///
-/// An error e of `1 + x P` in `4 sin^2(theta / 2) = x (1 + x P)` turns frequencies by at most `e / 2 * theta / sin(theta)` of themselves:
+/// An error e of `x (1 + x P) = 4 sin^2(theta / 2)` changes frequencies by at most `e / 2 * theta / sin(theta)` of themselves:
 /// the march follows a chain whose frequencies are off by under 0.76 e, and forces by that share of the time and the norm of their
 /// rates, in the energy norm; on the way between two steps, 1.37 times as much. Where a pulse ends, velocities are converted
 /// twice with the chain's own frequencies: 2 e of their norm, which grows with the time at most. 4 e together. The
@@ -78,7 +80,7 @@ pub(super) fn error_bound_of_terms(scene: &Scene, omega: f64, terms: usize) -> f
     // The norm of accelerations and rates of extension that the force starts and keeps up; the source is never held.
     let acceleration_norm = (1.0 / scene.chain.mass[scene.source]).sqrt() * force * pulses;
     let width = (PHASE / omega).min(scene.horizon);
-    // Those of the whole series are among its 4 units.
+    // The error of the full series is within the 4 roundoffs that are counted for the series.
     let rate = 40.0 * roundoff + if terms < KICK_TERMS { 4.0 * dropped_terms } else { 0.0 };
     let marching = rate * (scene.horizon + 20.0 * width) * acceleration_norm * stiffest;
     // Rounding of the state's and the polynomial's own numbers, and the series' last terms.
@@ -133,11 +135,12 @@ pub(super) struct View<'a> {
     pub sizes: [&'a [f64]; 2],
     /// The bounds of [`local_norms`], per block of springs.
     pub norms: [&'a [f64]; 2],
-    /// Springs that a wave has reached.
+    /// Springs whose force may have changed by more than `negligible`; elsewhere G counts as 0.
     pub range: std::ops::Range<usize>,
 }
 
-/// Runs through the horizon, with so many terms of the series, and shows `see` every step.
+/// Marches to the horizon, with so many terms of the series, and passes every step to `see`. `omega` is an upper bound on the largest
+/// frequency, `negligible` a change of force too small to matter.
 pub(super) fn march(
     scene: &Scene,
     motion: &Motion,

@@ -34,12 +34,13 @@ pub struct Modes {
     pub defect: Vec<f64>,
 }
 
-/// A stretch of time under constant force: amplitudes of cosine and sine in `tau = t - reference`.
+/// A stretch of time under constant outside force: each mode is a cosine, or a sine, of `omega_j (t - reference)`.
 #[derive(Clone)]
 pub(super) struct Stretch {
     pub(super) from: f64,
     pub(super) to: f64,
     reference: f64,
+    /// Sines (after a pulse), not cosines.
     sine: bool,
     /// Amplitude of each mode.
     pub(super) amplitude: Vec<f64>,
@@ -54,18 +55,18 @@ impl Stretch {
     }
 }
 
-/// A mode at an instant: what it has added to the forces since the event, and q and q' / omega of its swing.
+/// A mode at an instant, per unit of its share `a_ij`: the change of the force since the event, and the oscillation's q and q' / omega.
 pub(super) type Coordinates = [f64; 3];
 
-/// Removes modes that together change no force by more than `share`; returns by how much they can.
-pub(crate) fn leave_out(scene: &Scene, modes: &mut Modes, share: f64) -> f64 {
+/// Removes modes that together change no force by more than `allowed`, a force; returns a bound on their joint change of any force.
+pub(crate) fn leave_out(scene: &Scene, modes: &mut Modes, allowed: f64) -> f64 {
     let size = |j: usize| swing(scene, modes.omega[j]) * modes.share.column(j).amax();
     let mut by_size: Vec<(f64, usize)> = (0..modes.omega.len()).map(|j| (size(j), j)).collect();
     by_size.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut joint = 0.0;
     let within = |(size, _): &&(f64, usize)| {
         joint += size;
-        joint <= share
+        joint <= allowed
     };
     let mut out: Vec<usize> = by_size.iter().take_while(within).map(|m| m.1).collect();
     out.sort_unstable();
@@ -78,7 +79,8 @@ pub(crate) fn leave_out(scene: &Scene, modes: &mut Modes, share: f64) -> f64 {
     by_size[..out.len()].iter().map(|m| m.0).sum()
 }
 
-/// How far a mode of unit share can move a force: `|P| (1 - cos)` during the force and `2 |P| sin(omega D / 2)` after it.
+/// Bound on the change of force by a mode of unit share, `|P| min(omega D, 2)`: it is `|P| (1 - cos)` while the outside force acts and
+/// at most `2 |P| |sin(omega D / 2)|` after it.
 fn swing(scene: &Scene, omega: Dd) -> f64 {
     scene.force.abs() * (omega.hi * scene.duration).min(2.0)
 }
@@ -86,8 +88,8 @@ fn swing(scene: &Scene, omega: Dd) -> f64 {
 /// Bound on |F_i| over all time, rounded up.
 ///
 /// The sizes are sums in `f64`: of shares (5 roundings each), their swings (3), masses or compliances (m + 2) and of m + 2 terms. That
-/// is less than `(16 + 2 m) eps / 2` of all of them together. Residuals of numerical modes count as they
-/// do up to the horizon.
+/// is less than `(16 + 2 m) eps / 2` of all of them together. The error of numerical modes is counted up to the horizon
+/// only, not over all time.
 pub fn all_time_bounds(scene: &Scene, modes: &Modes) -> Vec<f64> {
     let mean = statics::unit_force(&scene.chain, scene.source);
     let bound = |i: usize| {
@@ -117,7 +119,7 @@ pub fn history(scene: &Scene, modes: &Modes, spring: usize, times: &[f64]) -> Ve
     times.iter().map(at).collect()
 }
 
-/// Forces of every spring at given times, ascending.
+/// Forces of every spring at given times, ascending: calls `see(index of the time, spring, force)` for each.
 pub fn field(scene: &Scene, modes: &Modes, times: &[f64], see: &mut dyn FnMut(usize, usize, f64)) {
     let field = Field::new(scene, modes);
     let stretches = field.stretches();
@@ -139,13 +141,16 @@ pub fn error_bound(scene: &Scene, modes: &Modes) -> f64 {
         let swing = size * (11.0 + m.min(PAIRWISE as f64) + (m / PAIRWISE as f64).max(1.0).log2() + 1.0);
         (swing + 2.0 * scene.initial[i].abs()) * ROUNDOFF + missed(scene, modes, i)
     };
-    // NaN is no bound.
-    let largest = |a: f64, b: f64| if b.is_nan() { f64::INFINITY } else { a.max(b) };
-    (0..scene.initial.len()).map(spring).fold(0.0, largest)
+    (0..scene.initial.len()).map(spring).fold(0.0, larger_bound)
+}
+
+/// The larger of two bounds; NaN is no bound.
+pub(super) fn larger_bound(a: f64, b: f64) -> f64 {
+    if b.is_nan() { f64::INFINITY } else { a.max(b) }
 }
 
 /// Error from the part of the force that the modes miss, while it acts, and from their residuals at all times.
-fn missed(scene: &Scene, modes: &Modes, spring: usize) -> f64 {
+pub(super) fn missed(scene: &Scene, modes: &Modes, spring: usize) -> f64 {
     let fastest = modes.omega.last().map_or(0.0, |&w| swing(scene, w));
     let acting = scene.force.abs() * scene.duration.min(scene.horizon);
     modes.defect[spring] * (acting + fastest * scene.horizon)
@@ -241,12 +246,13 @@ impl<'a> Field<'a> {
     }
 }
 
-/// How many terms of a mode's Taylor series leave out no more than all of them do where a mode is just resolved.
+/// Number of Taylor terms of a mode whose phase over the radius is `phase`: the first term left out is no larger than that of the full
+/// series at the largest resolved phase, [`RESOLVED`].
 fn terms(phase: f64) -> usize {
     let last = COEFFICIENTS - 1;
     let least = RESOLVED.powi(COEFFICIENTS as i32) * INVERSE_FACTORIAL[last] / COEFFICIENTS as f64;
     let (mut terms, mut term) = (1, phase);
-    // In pairs, of which a last one without its partner is left out.
+    // `Series` adds terms in pairs: the number is even, or all.
     while terms < COEFFICIENTS && (term > least || terms % 2 == 1) {
         terms += 1;
         term *= phase / terms as f64;

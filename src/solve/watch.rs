@@ -1,4 +1,4 @@
-//! What has been seen so far of every spring's force: its extremes, and its first exceedance in either sign.
+//! A record of every spring's force as far as computed: its extremes, and when it first exceeds its rating, in draft and in buff.
 //!
 //! Every method passes pieces of the forces to the watch, as polynomials in time. The watch gives the level that a piece has to reach
 //! for its extremes to matter, so that the other pieces need not be passed.
@@ -11,7 +11,8 @@ use crate::chain::Scene;
 const MIN_RISE: f64 = 0.125;
 /// How far a piece that is passed may be from the force, as a share of the same bound.
 const PIECE_TOLERANCE: f64 = 0.1;
-/// The least push over the rating that counts, in bounds: ahead of the front rounding is far smaller.
+/// Least rise of a force above the rating at which it stood that counts, as a share of the error bound: rounding ahead of the wave
+/// front is far smaller.
 const PUSH: f64 = 1e-8;
 
 /// Bound on the error of an extreme of forces that are within `bound` of the truth: a value that is larger than the
@@ -141,7 +142,7 @@ impl Watch {
         Watch { peaks, ratings, horizon, bound, min_rise: MIN_RISE * bound }
     }
 
-    /// A copy that ends at an instant before the horizon.
+    /// A copy that ends at another instant, earlier or later.
     pub fn until(&self, mark: f64) -> Watch {
         Watch { horizon: mark, ..self.clone() }
     }
@@ -222,8 +223,8 @@ impl Watch {
         self.side_mut(spring, negative).near |= undecided && near;
     }
 
-    /// A side that still stands at its rating is pushed by `push` to a value: it may pass the rating by less than can
-    /// be computed, if the value is within the bound of it.
+    /// Notes that the force of a side that still stands at its rating has changed by `push` to `value`: if that is within the bound
+    /// of the rating or over it, the force may pass the rating by less than can be computed.
     pub(crate) fn note_push(&mut self, spring: usize, negative: bool, push: f64, value: f64) {
         if push > PUSH * self.bound {
             self.note_upper_bound(spring, negative, value);
@@ -239,7 +240,7 @@ impl Watch {
         }
     }
 
-    /// Notes a bound on what was not examined: whether a side passes its rating may stay open.
+    /// Notes an upper bound on values that were not examined: if it is near the rating, the verdict may stay undecided.
     pub(crate) fn note_upper_bound(&mut self, spring: usize, negative: bool, upper: f64) {
         let near = upper > self.cautious_rating(spring, negative);
         self.side_mut(spring, negative).near |= near;

@@ -236,7 +236,8 @@ impl Event {
         }
     }
 
-    /// Whether steps of force on a chain at rest cannot represent it.
+    /// Whether it is an impact, or a pulse that is not rectangular: no step or rectangular pulse of force represents it. Brake
+    /// applications are excluded elsewhere.
     pub fn beyond_steps(&self) -> bool {
         match self {
             Event::Impact { .. } => true,

@@ -1,5 +1,5 @@
-//! The plan of the crate holds: no circle between its modules, no arrow against the order of layers on its front page, and no two
-//! public types of one name. Read from the sources.
+//! The structure of the crate: no cycle of dependencies between its modules or files, no dependency against the order of layers in
+//! `lib.rs`, and no two public types of one name. Read from the sources.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -125,7 +125,7 @@ fn arrows_point_down() {
 fn no_modules_form_a_circle() {
     let arrows = arrows(&library());
     let mut left: BTreeSet<&(String, String)> = arrows.keys().collect();
-    // Arrows to modules that refer to nothing more, and from those to which nothing more refers, are no part of a circle.
+    // A dependency on a module without dependencies, or of a module on which none depends, is no part of a cycle: these are removed.
     loop {
         let from: BTreeSet<&String> = left.iter().map(|(from, _)| from).collect();
         let to: BTreeSet<&String> = left.iter().map(|(_, to)| to).collect();
@@ -164,8 +164,8 @@ fn paths_after(rest: &str) -> Vec<Vec<String>> {
     all
 }
 
-/// Which files a file names by paths from the root of the crate or from its own module upward. A parent that names its children is
-/// left out: it declares them.
+/// Which files a file names by `crate::`, `super::` or `super::super::` paths. A parent's paths to its children without these prefixes
+/// are left out: it declares them.
 fn named_files(source: &Source, files: &BTreeSet<&[String]>) -> BTreeSet<Vec<String>> {
     let code = source.text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
     let mut named = BTreeSet::new();

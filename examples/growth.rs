@@ -1,28 +1,34 @@
-//! How does the time of a scene grow with the number of vehicles? Four transits of an equal chain behind a held head, one
-//! break; every method's time, and the exponent of the power of n that fits it best.
+//! How do the time and the work of a scene grow with the number of couplers? Four transits behind a held head, one break; chains of equal
+//! and of unequal vehicles. Of each: the time, the time per coupler and step that was marched, how many pieces of time were looked
+//! into for each coupler and sense, and the exponent of the power of n that fits the times best.
 //!
 //! ```text
-//! cargo run --release --example growth            n = 100 to 3,000
+//! cargo run --release --example growth            n = 25 to 3,000
 //! GROWTH_TO=10000 cargo run --release --example growth
 //! ```
 
 use std::time::Instant;
 
 use trainsafe::chain::{Chain, Scene};
-use trainsafe::solve::{Ask, Method, solve};
+use trainsafe::solve::{Ask, Method, SolveError, Work, solve};
 
 const RUNS: usize = 3;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let most: usize = std::env::var("GROWTH_TO").map_or(Ok(3000), |text| text.parse())?;
-    let sizes: Vec<usize> =
-        [100, 200, 500, 1000, 2000, 3000, 5000, 10_000].into_iter().filter(|n| *n <= most).collect();
-    for method in [Method::Fronts, Method::Propagator] {
-        println!("{}", method.name());
+    let sizes = [25, 50, 100, 210, 500, 1000, 2000, 3000, 5000, 10_000];
+    let cases = [("equal", Method::Fronts), ("equal", Method::Propagator), ("unequal", Method::Propagator)];
+    for (chain, method) in cases {
+        println!("{chain} chain, {}", method.name());
         let mut points = Vec::new();
-        for &n in &sizes {
-            let seconds = median_seconds(&scene(n), method)?;
-            println!("  n = {n:6}  {:10.3} ms  {:8.3} ns per n^2", 1e3 * seconds, 1e9 * seconds / (n * n) as f64);
+        for n in sizes.into_iter().filter(|n| *n <= most) {
+            let (seconds, work) = median_seconds(&scene(n, chain == "unequal"), method)?;
+            let step = match work.marched {
+                0 => String::new(),
+                marched => format!("{:8.2} ns per coupler and step", 1e9 * seconds / marched as f64),
+            };
+            let looks = work.refinements as f64 / (2 * n) as f64;
+            println!("  n = {n:6}  {:10.3} ms  {looks:6.2} looks per coupler and sense {step}", 1e3 * seconds);
             points.push(((n as f64).ln(), seconds.ln()));
         }
         println!("  time grows as n^{:.2}", slope(&points));
@@ -30,29 +36,35 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-fn scene(n: usize) -> Scene {
+fn scene(n: usize, unequal: bool) -> Scene {
+    let spread = |size: f64, angle: f64| if unequal { 1.0 + size * angle.sin() } else { 1.0 };
+    let mass = (0..=n).map(|v| spread(0.6, 1.7 * (v * v) as f64)).collect();
+    let stiffness = (0..n).map(|i| spread(0.4, 2.3 * (i * i) as f64)).collect();
+    let chain = Chain { mass, stiffness, held_head: true, held_tail: false };
+    let horizon = 4.0 * chain.transit();
     Scene {
-        chain: Chain { mass: vec![1.0; n + 1], stiffness: vec![1.0; n], held_head: true, held_tail: false },
+        chain,
         source: n,
         force: 0.8,
         duration: f64::INFINITY,
         initial: vec![0.8; n],
         rated_draft: vec![1.0; n],
         rated_buff: vec![1.0; n],
-        horizon: 4.0 * n as f64,
+        horizon,
     }
 }
 
-fn median_seconds(scene: &Scene, method: Method) -> Result<f64, trainsafe::solve::SolveError> {
+fn median_seconds(scene: &Scene, method: Method) -> Result<(f64, Work), SolveError> {
     let ask = Ask { tolerance: 1e-9, method: Some(method), ..Ask::default() };
     let mut seconds = Vec::with_capacity(RUNS);
+    let mut work = Work::default();
     for _ in 0..RUNS {
         let start = Instant::now();
-        std::hint::black_box(solve(scene, &ask)?);
+        work = std::hint::black_box(solve(scene, &ask)?).work;
         seconds.push(start.elapsed().as_secs_f64());
     }
     seconds.sort_by(f64::total_cmp);
-    Ok(seconds[RUNS / 2])
+    Ok((seconds[RUNS / 2], work))
 }
 
 /// Of the straight line nearest to the points (least squares).

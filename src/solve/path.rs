@@ -111,7 +111,7 @@ impl Path {
         first.into_par_iter().flat_map_iter(group).collect()
     }
 
-    /// A mode of a frequency from [`Path::modes`], by the factorisation about its `copy`-th twist node, from 0 ([`Path::twisted`]).
+    /// A mode of a frequency from [`Path::modes`], by the factorisation about its `copy`-th twist node, from 0 (`Path::twisted`).
     pub fn mode(&self, omega: Dd, copy: usize) -> Option<Mode> {
         let omega = Lanes::splat(omega);
         self.normalized(&self.twisted(&omega, copy), &omega, 1).pop()

@@ -140,7 +140,7 @@ pub struct CascadeBreak {
 /// Follows a cascade; `None` if the scenario has none.
 ///
 /// # Errors
-/// [`SolveError::TooMuch`].
+/// [`SolveError::TooMuch`] if the march would take over an hour.
 pub(super) fn find(
     train: &Train,
     scenario: &Scenario,
@@ -156,7 +156,8 @@ pub(super) fn find(
     let loads = |i: usize| scenario::break_loads(train, i);
     // Couplers kept in buff are judged by their breaking load.
     let capacity_n = train.couplers().iter().enumerate().map(|(i, c)| [c.rated_draft_n, loads(i)[1].0]).collect();
-    let outcome = march::solve(&problem, &MarchOptions { capacity_n, ..super::march::ask(train, options) });
+    let ask = MarchOptions { capacity_n, ..super::march::ask(train, options) };
+    let outcome = super::march::within_an_hour(&problem, &ask, super::march::method(proportional))?;
     let (error_bound_n, error_estimate_n) = super::march::errors(&outcome.bound);
     let one = |p: &march::Parting| CascadeBreak {
         time_s: p.time_s,

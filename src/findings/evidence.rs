@@ -96,20 +96,16 @@ fn marched(
     let mut watched_s = [times_s, &on_way].concat();
     watched_s.sort_by(f64::total_cmp);
     watched_s.dedup();
-    let until_s = case.horizon_s;
-    let affordable = field::problem(train, scenario, case, until_s, Of::Event);
-    let frame = affordable.as_ref().and_then(|problem| Some((Frame::new(train, case)?, problem)));
+    let broken = case.broken_coupler.map(|b| b - 1);
+    let problem = scenario::march(train, scenario, broken, [case.horizon_s; 2], Rule::Keep);
+    let frame = Frame::new(train, case).filter(|_| !field::takes_long(train, scenario, &problem));
     let ask = MarchOptions { watched: Some((coupler, watched_s.clone())), ..MarchOptions::default() };
     let (wave, outcome) = match frame {
-        Some((frame, problem)) => {
-            let (wave, outcome) = frame.of_march(train, case, problem, ask, Of::Event);
+        Some(frame) => {
+            let (wave, outcome) = frame.of_march(train, case, &problem, ask, Of::Event);
             (Some(wave), outcome)
         }
-        None => {
-            let broken = case.broken_coupler.map(|b| b - 1);
-            let problem = scenario::march(train, scenario, broken, [until_s; 2], Rule::Keep);
-            (None, march::follow(&problem, &ask, &mut |_, _, _| {}))
-        }
+        None => (None, march::follow(&problem, &ask, &mut |_, _, _| {})),
     };
     let at = |t: &f64| outcome.watched[watched_s.partition_point(|w| w < t)];
     let force_n = times_s.iter().map(|t| at(t)[1]).collect();

@@ -209,27 +209,20 @@ pub fn field(train: &Train, scenario: usize, case: &CaseFindings, of: Of) -> Opt
     let mut frame = Frame::new(train, case)?;
     if of != Of::Rod && (of == Of::Cascade || Motion::of(train, scenario) == Motion::March) {
         let until_s = frame.times_s[frame.times_s.len() - 1];
-        let problem = problem(train, scenario, case, until_s, of)?;
-        return Some(frame.of_march(train, case, &problem, MarchOptions::default(), of).0);
+        let rule = if of == Of::Cascade { scenario.cascade } else { Rule::Keep };
+        let broken = case.broken_coupler.map(|b| b - 1);
+        let problem = scenario::march(train, scenario, broken, [until_s; 2], rule);
+        return (!takes_long(train, scenario, &problem))
+            .then(|| frame.of_march(train, case, &problem, MarchOptions::default(), of).0);
     }
     let times_s = frame.times_s.clone();
     compute(train, scenario, case, of, &times_s, &mut |t, i, f| frame.add(train, t, i, f))
         .then(|| frame.finish(train, case, of))
 }
 
-/// The problem of a march up to the last instant of a picture; `None` where linear couplers would take long.
-pub(super) fn problem(
-    train: &Train,
-    scenario: &Scenario,
-    case: &CaseFindings,
-    until_s: f64,
-    of: Of,
-) -> Option<Problem> {
-    let rule = if of == Of::Cascade { scenario.cascade } else { Rule::Keep };
-    let problem = scenario::march(train, scenario, case.broken_coupler.map(|b| b - 1), [until_s; 2], rule);
-    let takes_long = scenario::is_proportional(train, scenario)
-        && march::estimate_s(&problem, &MarchOptions::default()) > MOST_SECONDS;
-    (!takes_long).then_some(problem)
+/// Whether the march of linear couplers takes too long for a picture.
+pub(super) fn takes_long(train: &Train, scenario: &Scenario, problem: &Problem) -> bool {
+    scenario::is_proportional(train, scenario) && march::estimate_s(problem, &MarchOptions::default()) > MOST_SECONDS
 }
 
 /// Even instants from 0 to the horizon, or as far as there may be enough of them.

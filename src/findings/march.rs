@@ -2,7 +2,7 @@
 
 use super::solved::{Marched, PeriodFindings, Solved};
 use super::{CouplerFindings, CouplerPeaks, Ending, Options, coupler_findings, largest_rating_n, worst};
-use crate::march::{self, Bound, MarchOptions, MarchOutcome};
+use crate::march::{self, Bound, MarchOptions, MarchOutcome, Problem};
 use crate::scenario;
 use crate::solve::SolveError;
 use crate::train::{Event, PulseShape, Rule, Scenario, Train};
@@ -53,13 +53,7 @@ pub(super) fn solved(
     let proportional = scenario::is_proportional(train, scenario);
     let method = method(proportional);
     let problem = scenario::march(train, scenario, broken, [until_s, mark_s], Rule::Keep);
-    let ask = ask(train, options);
-    let seconds = march::estimate_s(&problem, &ask);
-    if seconds > MOST_SECONDS {
-        let advice = "a shorter horizon takes less, in proportion".to_owned();
-        return Err(SolveError::TooMuch { method, seconds, gigabytes: 0.0, advice });
-    }
-    let outcome = march::solve(&problem, &ask);
+    let outcome = within_an_hour(&problem, &ask(train, options), method)?;
     let (error_bound_n, error_estimate_n) = errors(&outcome.bound);
     let within = |period: Period| {
         let couplers = of_couplers(train, scenario, broken, &outcome, period);
@@ -80,10 +74,27 @@ pub(super) fn solved(
     })
 }
 
+/// The outcome of a march that takes up to [`MOST_SECONDS`] by its estimate.
+///
+/// # Errors
+/// [`SolveError::TooMuch`] if it would take longer.
+pub(super) fn within_an_hour(
+    problem: &Problem,
+    ask: &MarchOptions,
+    method: &'static str,
+) -> Result<MarchOutcome, SolveError> {
+    let seconds = march::estimate_s(problem, ask);
+    if seconds > MOST_SECONDS {
+        let advice = "a shorter horizon takes less, in proportion".to_owned();
+        return Err(SolveError::TooMuch { method, seconds, gigabytes: 0.0, advice });
+    }
+    Ok(march::solve(problem, ask))
+}
+
 /// The name in results: `taylor` where couplers are linear and nothing but the event acts, which is proven and in proportion to the
 /// event, and `march` elsewhere. Both are [`crate::march`]; results had two names when they were two programs, and readers know
 /// from them what to expect.
-fn method(proportional: bool) -> &'static str {
+pub(super) fn method(proportional: bool) -> &'static str {
     if proportional { "taylor" } else { "march" }
 }
 
@@ -94,7 +105,7 @@ pub(super) fn ending(outcome: &MarchOutcome) -> Option<Ending> {
     [stop, lost].into_iter().flatten().reduce(|a, b| if b.at_s < a.at_s { b } else { a })
 }
 
-/// What of a march is told.
+/// The part of a march whose largest forces are wanted.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Period {
     /// All of it.

@@ -18,10 +18,8 @@ use super::breaks::{Breaks, Coefficients, Found, Passing, SIGN, Step};
 use super::roots;
 use super::run::stiffest;
 use crate::solve::local::{Local, reach};
+use crate::solve::watch::PUSH;
 
-/// Least rise of a force above the limit at which it stood that counts, as a share of the error bound: rounding ahead of the wave
-/// front is far smaller.
-const PUSH: f64 = 1e-8;
 /// Attempts to find a drift that is not smaller than the drift that follows from it.
 const ROUNDS: usize = 40;
 

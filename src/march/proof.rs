@@ -20,7 +20,7 @@
 //! - First terms: of a speed 7, four differences and sums, `1 / m`, and two products, each of at most `b S`; of an elongation 3. The
 //!   forces whose difference it is, of spring and dashpot, are kept with their own rounding errors; the dashpot's three roundings are
 //!   at most `6 r D`. The later terms carry them on, `e - 1` times in all: 12.1.
-//! - Later terms: of a speed 5 each, and 2 of the force by itself, not of a difference, so that they count `sqrt(2)` times:
+//! - Later terms: of a speed 5 each, and 2 of each coupler's force itself. Each force acts on two vehicles: these count `sqrt(2)` times:
 //!   `7.9 sum (k - 1) / k! = 7.9`. Of the dashpot's share of such a force there is one more, which `5 * 2 r D` covers.
 //! - A step that is cut at an event multiplies each term by a power: `sum k / k! = 2.8`.
 //! - The sum of the terms from the last to the first: `1.72 + 0.72 + 0.22 + ... < 2.8`; the compensated sum with the state 1.8;

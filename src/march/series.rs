@@ -1,5 +1,7 @@
 //! One step: the Taylor series of every elongation and speed about an instant, row by row.
 
+use crate::solve::dd::two_sum;
+
 /// The series' last power.
 pub const DEGREE: usize = 20;
 
@@ -187,8 +189,7 @@ impl Series {
                     change.iter_mut().zip(&row[block.clone()]).for_each(|(sum, c)| *sum += c);
                 }
                 for (i, change) in block.zip(change) {
-                    let (sum, left) = two_sum(main[i], rest[i] + *change);
-                    (main[i], rest[i]) = (sum, left);
+                    [main[i], rest[i]] = two_sum(main[i], rest[i] + *change);
                 }
             }
         }
@@ -266,7 +267,7 @@ fn add_drag(
     for x in from..=to {
         let drag = state.dashpot[x] * difference[x];
         if beginning {
-            let (sum, rest) = two_sum(tension[x], drag);
+            let [sum, rest] = two_sum(tension[x], drag);
             (tension[x], left[x]) = (sum, left[x] + rest);
         } else {
             tension[x] += drag;
@@ -283,13 +284,6 @@ fn two_product(a: f64, b: f64) -> (f64, f64) {
     };
     let (product, (a, a_low), (b, b_low)) = (a * b, halves(a), halves(b));
     (product, ((a * b - product) + a * b_low + a_low * b) + a_low * b_low)
-}
-
-/// The sum and its rounding error (Knuth).
-fn two_sum(a: f64, b: f64) -> (f64, f64) {
-    let s = a + b;
-    let t = s - a;
-    (s, (a - (s - t)) + (b - t))
 }
 
 #[cfg(test)]

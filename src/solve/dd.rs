@@ -16,7 +16,7 @@ pub struct Dd {
 }
 
 /// What the algorithms are made of: an `f64`, or several side by side.
-trait Real:
+pub(crate) trait Real:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
     fn mul_add(self, factor: Self, term: Self) -> Self;
@@ -31,7 +31,7 @@ impl Real for f64 {
 
 /// `a + b` and its rounding error, any order of magnitudes (Knuth).
 #[inline(always)]
-fn two_sum<T: Real>(a: T, b: T) -> [T; 2] {
+pub(crate) fn two_sum<T: Real>(a: T, b: T) -> [T; 2] {
     let s = a + b;
     let t = s - a;
     [s, (a - (s - t)) + (b - t)]

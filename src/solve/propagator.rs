@@ -20,7 +20,7 @@
 use std::sync::OnceLock;
 
 use super::between::Step;
-use super::dd::Dd;
+use super::dd::{Dd, two_sum};
 use super::motion::{BLOCK, FAR, MARGIN, Motion, local_norms};
 use super::path::Path;
 use super::series::{PHASE, polynomial, sine_over_root};
@@ -423,7 +423,7 @@ impl<'a> State<'a> {
             let (mut velocity, mut rest) = (block(&self.velocity, v), block(&self.velocity_rest, v));
             for l in 0..BLOCK {
                 let change = share * kick[l].mul_add(r[l] - next_r[l], pull[l]);
-                (velocity[l], rest[l]) = add(velocity[l], rest[l] + change);
+                [velocity[l], rest[l]] = two_sum(velocity[l], rest[l] + change);
             }
             put(&mut self.velocity, v, velocity, to + 1 - v);
             put(&mut self.velocity_rest, v, rest, to + 1 - v);
@@ -444,7 +444,7 @@ impl<'a> State<'a> {
             let drift = block(&c.drift, i);
             for l in 0..BLOCK {
                 let change = drift[l] * ((v[l] - next_v[l]) + (v_rest[l] - next_v_rest[l]));
-                (force[l], rest[l]) = add(force[l], rest[l] + change);
+                [force[l], rest[l]] = two_sum(force[l], rest[l] + change);
             }
             put(&mut self.force[1], i, force, to - i);
             put(&mut self.force_rest, i, rest, to - i);
@@ -490,14 +490,6 @@ impl<'a> State<'a> {
 /// `G_{v-1} - G_v` at mass position v.
 fn g_at(g: &[f64], v: usize) -> f64 {
     g[v - 1] - g[v]
-}
-
-/// The sum and its rounding error (Knuth).
-#[inline(always)]
-fn add(a: f64, b: f64) -> (f64, f64) {
-    let s = a + b;
-    let t = s - a;
-    (s, (a - (s - t)) + (b - t))
 }
 
 /// `out = sum_k coefficient[k] X^k q` over the springs of `range`; what lies outside is zero.

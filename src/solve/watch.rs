@@ -13,7 +13,7 @@ const MIN_RISE: f64 = 0.125;
 const PIECE_TOLERANCE: f64 = 0.1;
 /// Least rise of a force above the rating at which it stood that counts, as a share of the error bound: rounding ahead of the wave
 /// front is far smaller.
-const PUSH: f64 = 1e-8;
+pub(crate) const PUSH: f64 = 1e-8;
 
 /// Bound on the error of an extreme of forces that are within `bound` of the truth: a value that is larger than the
 /// best by less than `MIN_RISE` of the bound is not taken.

@@ -217,3 +217,17 @@ fn a_record_is_what_it_draws() {
     let rectangle = peaks("force = \"-500 kN\"\nduration = \"120 ms\"");
     assert!(record.iter().zip(&rectangle).all(|(a, b)| (a.0 - b.0).abs() > 1e3));
 }
+
+/// Where sums over modes solve the break at once and the march of its cascade would take over an hour, the analysis is refused.
+#[test]
+fn a_cascade_of_hours_is_refused() {
+    let text = "[coupler]\nstiffness = \"30 MN/m\"\nrated_load = \"9 MN\"\n[[vehicle]]\nmass = \"100 t\"\ncount = 60\n\
+                [[coupler_override]]\nat = 30\nstiffness = \"3e19 N/m\"\n[load]\nuniform = \"0.1 MN\"\n[[scenario]]\nkind = \"break\"\n\
+                coupler = 59\ncascade = true\n";
+    let train = consist::parse(text, Path::new("a.toml")).unwrap_or_else(|e| panic!("{e}"));
+    let refused = analyze(&train, &Options::default()).expect_err("hours").to_string();
+    assert!(
+        refused.contains("the method taylor would take about") && refused.contains("a shorter horizon"),
+        "{refused}"
+    );
+}

@@ -12,13 +12,14 @@
 
 use super::Wanted;
 use super::local::{COEFFICIENTS, Local, Point};
-use super::motion::{BLOCK, Motion, bracket, least_slope};
+use super::lanes::Layout;
+use super::motion::{Motion, bracket, least_slope};
 use super::series::{DEGREE, POWERS, table};
 use super::watch::{SpringPeaks, Watch};
 use crate::chain::Scene;
 
 /// Springs around the one in question that the series need, and its place among them.
-const WINDOW: usize = 2 * POWERS - 1;
+pub(super) const WINDOW: usize = 2 * POWERS - 1;
 const CENTRE: usize = POWERS - 1;
 /// Steps looked into side by side.
 const LANES: usize = 8;
@@ -66,7 +67,7 @@ struct Side {
 #[derive(Clone)]
 pub struct Search<'a> {
     scene: &'a Scene,
-    motion: &'a Motion,
+    pub(super) motion: &'a Motion,
     watch: Watch,
     /// What every side is expected to pass; and the largest utilisation expected, where only the worst is wanted.
     expected: Levels,
@@ -75,7 +76,8 @@ pub struct Search<'a> {
     /// side has certainly passed its rating.
     last_to_cross: u64,
     sides: Vec<[Side; 2]>,
-    /// Per sign and spring: what G, or -G, has to pass to matter; whole blocks of springs.
+    layout: Layout,
+    /// Per sign and spring: what G, or -G, has to pass to matter; laid out by `layout`.
     pub levels: [Vec<f64>; 2],
     /// Per sign and spring: what G, or -G, has to pass for a first exceedance; infinite once there is one.
     pub crossings: [Vec<f64>; 2],
@@ -106,7 +108,8 @@ impl<'a> Search<'a> {
             .filter(|&(s, negative)| sides[s][usize::from(negative)].at_rating)
             .map(|(s, negative)| (s, negative, watch.peaks[s].side(negative).best.value))
             .collect();
-        let [levels, crossings] = [0, 1].map(|_| [0, 1].map(|_| vec![f64::INFINITY; springs.next_multiple_of(BLOCK)]));
+        let layout = Layout::new(springs);
+        let [levels, crossings] = [0, 1].map(|_| [0, 1].map(|_| vec![f64::INFINITY; layout.len()]));
         let mut search = Search {
             scene,
             motion,
@@ -115,6 +118,7 @@ impl<'a> Search<'a> {
             expected_utilisation: None,
             last_to_cross: u64::MAX,
             sides,
+            layout,
             levels,
             crossings,
             looked: 0,
@@ -163,11 +167,6 @@ impl<'a> Search<'a> {
         Search { watch: self.watch.until(mark), ..self.clone() }
     }
 
-    /// A change of force too small to matter.
-    pub(crate) fn negligible(&self) -> f64 {
-        0.01 * self.watch.min_rise()
-    }
-
     fn set_levels(&mut self) {
         self.watch.sides().for_each(|(s, negative)| self.set_level(s, negative));
     }
@@ -184,8 +183,9 @@ impl<'a> Search<'a> {
         let crossing = if side.over_in.is_some() { f64::INFINITY } else { level.max(rating - self.watch.bound()) };
         let initial = self.scene.initial[spring];
         let before = if negative { -initial } else { initial };
-        self.levels[usize::from(negative)][spring] = level - before;
-        self.crossings[usize::from(negative)][spring] = crossing - before;
+        let place = self.layout.place(spring);
+        self.levels[usize::from(negative)][place] = level - before;
+        self.crossings[usize::from(negative)][place] = crossing - before;
     }
 
     /// What a side's force has to pass for its largest value to matter.
@@ -206,14 +206,20 @@ impl<'a> Search<'a> {
         step.from + step.width > self.watch.horizon()
     }
 
-    /// Examines a spring in a step where it may matter. `force` and `bend` are rows of G and of `-h^2 G''` at both
-    /// ends, in which spring s stands at s + 1; `remainder` is the spring's second one.
+    /// Examines a spring in a step where it may matter, from `G`, `h^2 G''` and `h^4 G''''` at both ends and the spring's second remainder.
+    /// `window` gives the forces of the springs around at both ends.
     #[inline(never)]
-    pub(crate) fn consider(&mut self, step: &Step, spring: usize, remainder: f64, [force, bend]: [[&[f64]; 2]; 2]) {
-        let ends = [0, 1].map(|end| even_derivatives(self.motion, step, spring, force[end], bend[end]));
+    pub(crate) fn consider(
+        &mut self,
+        step: &Step,
+        spring: usize,
+        remainder: f64,
+        ends: [[f64; 3]; 2],
+        window: impl FnOnce() -> [[f64; WINDOW]; 2] + Copy,
+    ) {
         for negative in [false, true] {
             let sign = if negative { -1.0 } else { 1.0 };
-            let level = self.levels[usize::from(negative)][spring];
+            let level = self.levels[usize::from(negative)][self.layout.place(spring)];
             let [[a, b, c], [d, e, f]] = ends;
             let ends = [[sign * a, sign * b, sign * c], [sign * d, sign * e, sign * f]];
             let [mut lower, upper, at] = bracket(ends, remainder);
@@ -230,7 +236,7 @@ impl<'a> Search<'a> {
             if self.is_narrow(spring, negative, step, [lower, upper]) {
                 self.take(spring, negative, Point { at: step.from + at * step.width, value: lower });
             } else if self.reach(spring, negative, step, [lower, upper]) {
-                let window = Box::new(windows(self.sides.len(), spring, |end, s| force[end][s + 1]));
+                let window = Box::new(window());
                 self.keep(spring, negative, Open { step: *step, upper, window });
             }
         }
@@ -438,18 +444,9 @@ impl<'a> Search<'a> {
     }
 }
 
-/// `G`, `h^2 G''` and `h^4 G''''` of a spring at one end of a step, from rows as for [`Search::consider`].
-#[inline(always)]
-pub(crate) fn even_derivatives(motion: &Motion, step: &Step, spring: usize, force: &[f64], bend: &[f64]) -> [f64; 3] {
-    let (ahead, behind) = (motion.ahead[spring], motion.behind[spring]);
-    let around = &bend[spring..spring + 3];
-    let pull = ahead * (around[1] - around[0]) + behind * (around[1] - around[2]);
-    [force[spring + 1], -around[1], step.width * step.width * pull]
-}
-
 /// Forces of the springs around at both ends of a step.
 #[inline(always)]
-fn windows(springs: usize, spring: usize, at: impl Fn(usize, usize) -> f64) -> [[f64; WINDOW]; 2] {
+pub(crate) fn windows(springs: usize, spring: usize, at: impl Fn(usize, usize) -> f64) -> [[f64; WINDOW]; 2] {
     let mut windows = [[0.0; WINDOW]; 2];
     for (end, window) in windows.iter_mut().enumerate() {
         for (l, w) in window.iter_mut().enumerate() {

@@ -16,6 +16,7 @@ pub mod dd;
 pub mod field;
 pub mod foresee;
 pub mod fronts;
+mod lanes;
 pub mod local;
 pub mod modal;
 pub mod motion;

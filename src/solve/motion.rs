@@ -56,12 +56,11 @@ impl Motion {
         Motion { ahead, behind, drive, row }
     }
 
-    /// The two remainders of every spring over steps of `width`, per unit of the local norm of `h^2 G''`; whole blocks of springs.
+    /// The two remainders of every spring over steps of `width`, per unit of the local norm of `h^2 G''`.
     pub(crate) fn remainders(&self, width: f64) -> [Vec<f64>; 2] {
         let square = width * width;
         let factor = [5.0 / 384.0 * square, 61.0 / 46_080.0 * square * square];
-        let padding = self.row.len().next_multiple_of(BLOCK) - self.row.len();
-        [0, 1].map(|d| self.row.iter().map(|r| factor[d] * r[d]).chain(std::iter::repeat_n(0.0, padding)).collect())
+        [0, 1].map(|d| self.row.iter().map(|r| factor[d] * r[d]).collect())
     }
 }
 
@@ -72,9 +71,7 @@ fn row_norm(ahead: &[f64], behind: &[f64], stiffness: &[f64], i: usize) -> f64 {
     middle.hypot(side(ahead[i], i.checked_sub(1))).hypot(side(behind[i], Some(i + 1)))
 }
 
-/// Springs whose norms are taken together.
-pub(crate) const BLOCK: usize = 8;
-/// Blocks on either side that count in full: others are 7 springs or more from a block and two springs beside it.
+/// Blocks of 8 springs on either side that count in full: others are 7 springs or more from a block and two springs beside it.
 const NEAR: usize = 1;
 /// Blocks on either side beyond which, 15 springs or more, a step brings at most this much of a motion.
 pub(crate) const FAR: usize = 2;
@@ -90,17 +87,18 @@ const FROM_SPRINGS: [f64; SHELLS + 2] =
     [1.367, 0.196, 1.29e-2, 8.35e-4, 5.4e-5, 3.49e-6, 2.26e-7, 1.46e-8, 9.39e-10, 6.07e-11, 3.92e-12, 2.54e-13];
 /// Springs beyond the next two whose motion is taken one by one.
 const SHELLS: usize = 10;
-/// Zeros before a row of springs' sizes; at least as many follow it.
-pub(crate) const MARGIN: usize = SHELLS + 2;
+/// Springs on either side of one that are taken one by one.
+pub(super) const MARGIN: usize = SHELLS + 2;
 
 /// Bounds on the norm of `h^2 G''` over blocks and two springs beside them during a step, `L` side by side, and on what comes over the next
-/// two of a block's springs from more than [`SHELLS`] springs beyond; from squared norms at the step's two ends: those of the blocks
-/// from `FAR` before to `FAR` behind, and of all blocks together.
+/// two of a block's springs from more than [`SHELLS`] springs beyond; from squared norms at the step's two ends: `around(end, n)` of the
+/// blocks from `FAR` before, n = 0, to `FAR` behind, and `all` of all blocks together.
 #[inline(always)]
-pub(crate) fn local_norms<const L: usize>(around: [[[f64; L]; 2 * FAR + 1]; 2], all: [[f64; L]; 2]) -> [[f64; L]; 2] {
+pub(super) fn local_norms<const L: usize>(around: impl Fn(usize, usize) -> [f64; L], all: [f64; 2]) -> [[f64; L]; 2] {
     let (mut near, mut far) = ([[0.0; L]; 2], [[0.0; L]; 2]);
     for end in 0..2 {
-        for (n, block) in around[end].iter().enumerate() {
+        for n in 0..=2 * FAR {
+            let block = around(end, n);
             for l in 0..L {
                 far[end][l] += block[l];
                 near[end][l] += if n.abs_diff(FAR) <= NEAR { block[l] } else { 0.0 };
@@ -109,26 +107,29 @@ pub(crate) fn local_norms<const L: usize>(around: [[[f64; L]; 2 * FAR + 1]; 2], 
     }
     let more = |a: f64, b: f64| if a > b { a } else { b };
     let mut norms = [[0.0; L]; 2];
+    let afar = FROM_AFAR * (all[0] + all[1]).sqrt();
     for l in 0..L {
         let (near, far) = (more(near[0][l], near[1][l]).sqrt(), more(far[0][l], far[1][l]).sqrt());
-        let afar = FROM_AFAR * (all[0][l] + all[1][l]).sqrt();
         norms[0][l] = FROM_SPRINGS[0] * near + FROM_SPRINGS[7] * far + afar;
         norms[1][l] = FROM_SPRINGS[SHELLS + 1] * far + afar;
     }
     norms
 }
 
-/// Bounds on the norm of `h^2 G''` during a step over every spring of a block and the next two on either side: from its size
-/// `|h^2 G''| / sqrt(k)` at both ends in every spring, the block's first at `from`, and the two bounds of [`local_norms`].
+/// Bounds on the norm of `h^2 G''` during a step over a spring and the next two on either side, `L` side by side: from its
+/// `size(n) = |h^2 G''| / sqrt(k)` at both ends in the springs from `MARGIN` before, n = 0, to `MARGIN` behind, and the two bounds of
+/// [`local_norms`].
 #[inline(always)]
-pub(crate) fn norms_around(sizes: [&[f64]; 2], from: usize, [norm, beyond]: [f64; 2]) -> [f64; BLOCK] {
+pub(super) fn norms_around<const L: usize>(
+    size: impl Fn(usize) -> [[f64; L]; 2],
+    [norm, mut beyond]: [[f64; L]; 2],
+) -> [f64; L] {
     let more = |a: f64, b: f64| if a > b { a } else { b };
-    let (mut near, mut beyond) = ([[0.0; BLOCK]; 2], [beyond; BLOCK]);
+    let mut near = [[0.0; L]; 2];
     for place in 0..=2 * MARGIN {
-        let mut size = [[0.0; BLOCK]; 2];
-        (0..2).for_each(|end| size[end].copy_from_slice(&sizes[end][from + place..from + place + BLOCK]));
+        let size = size(place);
         let apart = place.abs_diff(MARGIN);
-        for l in 0..BLOCK {
+        for l in 0..L {
             if apart <= 2 {
                 (0..2).for_each(|end| near[end][l] += size[end][l] * size[end][l]);
             } else {
@@ -136,10 +137,10 @@ pub(crate) fn norms_around(sizes: [&[f64]; 2], from: usize, [norm, beyond]: [f64
             }
         }
     }
-    let mut norms = [norm; BLOCK];
-    for l in 0..BLOCK {
+    let mut norms = norm;
+    for l in 0..L {
         let narrow = FROM_SPRINGS[0] * more(near[0][l], near[1][l]).sqrt() + beyond[l];
-        norms[l] = if narrow < norm { narrow } else { norm };
+        norms[l] = if narrow < norm[l] { narrow } else { norm[l] };
     }
     norms
 }

@@ -1,9 +1,12 @@
 //! What is done with the steps of a march ([`super::propagator`]): the largest forces, a history, forces at given times.
 
-use super::between::{Levels, Search};
+use pulp::Simd;
+
+use super::between::{Levels, Search, windows};
 use super::foresee;
-use super::motion::{BLOCK, Motion, any_positive, excess, norms_around};
-use super::propagator::{KICK_TERMS, StepObserver, View, block, error_bound_of_terms, march, terms};
+use super::lanes::{HALO, LANES, Row, Rows, lanes};
+use super::motion::{MARGIN, Motion, any_positive, excess, norms_around};
+use super::propagator::{KICK_TERMS, StepObserver, View, error_bound_of_terms, march, terms};
 use super::watch::SpringPeaks;
 use super::{Wanted, Work};
 use crate::chain::Scene;
@@ -39,9 +42,8 @@ fn peaks_from(
         search.expect(&first, wanted);
         later
     });
-    let negligible = search.negligible();
     let mut observer = PeaksObserver { search, wanted, mark, later, to_mark: Some(Vec::new()), work: Work::default() };
-    march(scene, &motion, [omega, negligible], terms, &mut observer);
+    march(scene, &motion, omega, terms, &mut observer);
     let PeaksObserver { search, mark, to_mark, mut work, .. } = observer;
     let (peaks, looked) = search.finish();
     work.refinements += looked;
@@ -56,7 +58,7 @@ pub fn history(scene: &Scene, omega: f64, spring: usize, times: &[f64]) -> Vec<f
     let search = Search::new(scene, &motion, [0.0; 2]);
     let values = vec![scene.initial[spring]; times.len()];
     let mut record = HistoryObserver { search, spring, times, values, next: 0, horizon: scene.horizon };
-    march(scene, &motion, [omega, 0.0], KICK_TERMS, &mut record);
+    march(scene, &motion, omega, KICK_TERMS, &mut record);
     record.values
 }
 
@@ -64,7 +66,7 @@ pub fn history(scene: &Scene, omega: f64, spring: usize, times: &[f64]) -> Vec<f
 /// of a step. Calls `see(index of the time, spring, force)` for each.
 pub fn field(scene: &Scene, omega: f64, times: &[f64], see: &mut dyn FnMut(usize, usize, f64)) {
     let motion = Motion::new(scene);
-    march(scene, &motion, [omega, 0.0], KICK_TERMS, &mut FieldObserver { scene, times, next: 0, see });
+    march(scene, &motion, omega, KICK_TERMS, &mut FieldObserver { scene, times, next: 0, see });
 }
 
 /// Shows the search what may matter.
@@ -82,23 +84,23 @@ struct PeaksObserver<'a> {
 
 impl StepObserver for PeaksObserver<'_> {
     #[inline(always)]
-    fn see(&mut self, view: &View) {
-        self.work.marched += view.range.len() as u64;
+    fn see<S: Simd, const H: usize>(&mut self, rows: Rows<S, H>, view: &View) {
+        self.work.marched += self.search.motion.ahead.len() as u64;
         if self.mark.is_some_and(|mark| mark <= view.step.from + view.step.width) {
-            self.pass_mark(view);
+            self.pass_mark(rows, view);
         }
-        view.show(&mut self.search);
+        view.show(rows, &mut self.search);
     }
 }
 
 impl PeaksObserver<'_> {
     /// Extremes up to the mark, which lies within the step: looks into all that is open, and the step up to the mark.
     #[cold]
-    fn pass_mark(&mut self, view: &View) {
+    fn pass_mark<S: Simd, const H: usize>(&mut self, rows: Rows<S, H>, view: &View) {
         let Some(mark) = self.mark.take() else { return };
         self.search.look_into_all();
         let mut search = self.search.until(mark);
-        view.show(&mut search);
+        view.show(rows, &mut search);
         let (peaks, looked) = search.finish();
         self.work.refinements += looked - self.search.looked;
         self.to_mark = peaks;
@@ -111,78 +113,136 @@ impl PeaksObserver<'_> {
 impl View<'_> {
     /// Shows the search every spring that may matter in the step.
     #[inline(always)]
-    fn show(&self, search: &mut Search) {
+    fn show<S: Simd, const H: usize>(&self, rows: Rows<S, H>, search: &mut Search) {
         let last = search.is_last(&self.step);
-        let at = |end: usize, s: usize| self.force[end][s + 1];
-        for block in self.range.start / BLOCK..self.range.end.div_ceil(BLOCK) {
-            let Some((open, remainders)) = open_springs(self, [&search.levels, &search.crossings], block, last) else {
-                continue;
-            };
-            for l in (0..BLOCK).filter(|&l| open[l] > 0.0) {
-                search.consider(&self.step, block * BLOCK + l, remainders[l], [self.force, self.bend]);
+        for block in 0..self.layout.blocks() {
+            for row in self.open_rows(rows, &search.levels, block) {
+                let Some((open, remainders)) = self.open_springs([&search.levels, &search.crossings], row, last) else {
+                    continue;
+                };
+                for lane in (0..LANES).filter(|&lane| open[lane] > 0.0) {
+                    search.show(self, self.layout.number(row, lane), remainders[lane]);
+                }
             }
         }
-        search.note_all_left_rating(&self.step, at);
+        search.note_all_left_rating(&self.step, |end, spring| self.force(end, spring));
+    }
+
+    /// Rows of a block in which a quick bound passes `levels`, per sign and spring, of G or -G.
+    #[inline(always)]
+    pub(super) fn open_rows<S: Simd, const H: usize>(
+        &self,
+        v: Rows<S, H>,
+        levels: &[Vec<f64>; 2],
+        block: usize,
+    ) -> impl Iterator<Item = usize> + use<S, H> {
+        let inner = self.layout.block(block);
+        let (from, count) = (inner.start, inner.len());
+        let of = |row| -> &[Row<S, H>] { &v.of(row)[inner.clone()] };
+        let norm: Row<S, H> = v.of(&self.norms[0])[HALO + block];
+        let ([f, g], [q, p]) = (self.force.map(of), self.bend.map(of));
+        let (remainder, high, low) = (of(&self.remainders[0]), of(&levels[0]), of(&levels[1]));
+        let (zero, eighth) = (v.splat(0.0), v.splat(0.125));
+        let mut open = 0u16;
+        for n in 0..count {
+            let beyond = v.mul(norm, remainder[n]);
+            let up = v.mul_add(eighth, v.max(v.max(q[n], p[n]), zero), v.max(f[n], g[n]));
+            let down = v.mul_add(eighth, v.min(v.min(q[n], p[n]), zero), v.min(f[n], g[n]));
+            let passed = v.max(v.sub(up, high[n]), v.sub(v.sub(zero, down), low[n]));
+            open |= u16::from(v.any_larger(v.add(passed, beyond), zero)) << n;
+        }
+        (0..count).filter(move |n| open >> n & 1 == 1).map(move |n| from + n)
+    }
+
+    /// By how much the quick bounds of a row's springs over the step pass their levels, and their second remainders;
+    /// `None` if no bound does. Per sign and spring, G, or -G, must pass `levels`, and `crossings` if it rises through the
+    /// whole step.
+    pub(super) fn open_springs(
+        &self,
+        levels: [&[Vec<f64>; 2]; 2],
+        row: usize,
+        last: bool,
+    ) -> Option<([f64; LANES], [f64; LANES])> {
+        pulp::Arch::new().dispatch(Closer { view: self, levels, row, last })
+    }
+
+    /// How far the quick bounds of a row's springs pass what matters, given bounds on the norms around them.
+    #[inline(always)]
+    fn passing(
+        &self,
+        [levels, crossings]: [&[Vec<f64>; 2]; 2],
+        row: usize,
+        norms: [f64; LANES],
+        last: bool,
+    ) -> [f64; LANES] {
+        let (f0, f1) = (lanes(self.force[0], row), lanes(self.force[1], row));
+        let (q0, q1) = (lanes(self.bend[0], row), lanes(self.bend[1], row));
+        let remainder = lanes(&self.remainders[0], row);
+        let (high, low) = (lanes(&levels[0], row), lanes(&levels[1], row));
+        let (over, under) = (lanes(&crossings[0], row), lanes(&crossings[1], row));
+        let mut open = [0.0; LANES];
+        for l in 0..LANES {
+            let (level, crossing) = ([high[l], low[l]], [over[l], under[l]]);
+            open[l] = excess([f0[l], f1[l]], [q0[l], q1[l]], norms[l] * remainder[l], level, crossing, last);
+        }
+        open
+    }
+
+    /// `|q| / sqrt(k)` at both ends in the springs `offset` places behind those of a row.
+    #[inline(always)]
+    fn sizes(&self, row: usize, offset: isize) -> [[f64; LANES]; 2] {
+        let there = row.wrapping_add_signed(offset);
+        let mut root = [0.0; LANES];
+        let mut q = [[0.0; LANES]; 2];
+        if (HALO..HALO + self.layout.rows).contains(&there) {
+            root = lanes(self.root, there);
+            q = [lanes(self.bend[0], there), lanes(self.bend[1], there)];
+        } else {
+            for lane in 0..LANES {
+                let number = self.layout.number(row, lane);
+                root[lane] = self.layout.beside(self.root, number, offset);
+                (0..2).for_each(|end| q[end][lane] = self.layout.beside(self.bend[end], number, offset));
+            }
+        }
+        for q in &mut q {
+            (0..LANES).for_each(|l| q[l] = q[l].abs() * root[l]);
+        }
+        q
     }
 }
 
-/// By how much the quick bounds of a block's springs over the step pass their levels, and their second remainders;
-/// `None` if no bound does. Per sign and spring, G, or -G, must pass `levels`, and `crossings` if it rises through the
-/// whole step.
-#[inline(always)]
-pub(super) fn open_springs(
-    view: &View,
-    levels: [&[Vec<f64>; 2]; 2],
-    number: usize,
-    last: bool,
-) -> Option<([f64; BLOCK], [f64; BLOCK])> {
-    let norms = view.norms.map(|row| row[number]);
-    let open = passing(view, levels, number, [norms[0]; BLOCK], last);
-    if any_positive(open) { pulp::Arch::new().dispatch(Closer { view, levels, number, norms, last }) } else { None }
-}
-
-/// How far the quick bounds of a block's springs pass what matters, given bounds on the norms around them.
-#[inline(always)]
-fn passing(
-    view: &View,
-    [levels, crossings]: [&[Vec<f64>; 2]; 2],
-    number: usize,
-    norms: [f64; BLOCK],
-    last: bool,
-) -> [f64; BLOCK] {
-    let from = number * BLOCK;
-    let (f0, f1) = (block(view.force[0], from + 1), block(view.force[1], from + 1));
-    let (q0, q1) = (block(view.bend[0], from + 1), block(view.bend[1], from + 1));
-    let remainder = block(&view.remainders[0], from);
-    let (high, low) = (block(&levels[0], from), block(&levels[1], from));
-    let (over, under) = (block(&crossings[0], from), block(&crossings[1], from));
-    let mut open = [0.0; BLOCK];
-    for l in 0..BLOCK {
-        let (level, crossing) = ([high[l], low[l]], [over[l], under[l]]);
-        open[l] = excess([f0[l], f1[l]], [q0[l], q1[l]], norms[l] * remainder[l], level, crossing, last);
+impl Search<'_> {
+    /// Examines a spring.
+    fn show(&mut self, view: &View, spring: usize, remainder: f64) {
+        let ends = view.even_derivatives(self.motion, spring);
+        let springs = self.motion.ahead.len();
+        self.consider(&view.step, spring, remainder, ends, || windows(springs, spring, |end, s| view.force(end, s)));
     }
-    open
 }
 
-/// The second test of [`open_springs`], with each spring's own norm; few blocks need it, so it is compiled apart from the march.
+/// The test of [`View::open_springs`]; few rows need it, so it is compiled apart from the march.
 struct Closer<'a> {
     view: &'a View<'a>,
     levels: [&'a [Vec<f64>; 2]; 2],
-    number: usize,
-    norms: [f64; 2],
+    row: usize,
     last: bool,
 }
 
 impl pulp::WithSimd for Closer<'_> {
-    type Output = Option<([f64; BLOCK], [f64; BLOCK])>;
+    type Output = Option<([f64; LANES], [f64; LANES])>;
 
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
-        let from = self.number * BLOCK;
-        let norms = norms_around(self.view.sizes, from, self.norms);
-        let open = passing(self.view, self.levels, self.number, norms, self.last);
-        let mut remainders = block(&self.view.remainders[1], from);
-        (0..BLOCK).for_each(|l| remainders[l] *= norms[l]);
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        let Closer { view, levels, row, last } = self;
+        let block = HALO + view.layout.block_of(row);
+        let bounds = [lanes(&view.norms[0], block), lanes(&view.norms[1], block)];
+        if !any_positive(view.passing(levels, row, bounds[0], last)) {
+            return None;
+        }
+        let norms = norms_around(|place| view.sizes(row, place as isize - MARGIN as isize), bounds);
+        let open = view.passing(levels, row, norms, last);
+        let mut remainders = lanes(&view.remainders[1], row);
+        (0..LANES).for_each(|l| remainders[l] *= norms[l]);
         any_positive(open).then_some((open, remainders))
     }
 }
@@ -198,13 +258,13 @@ struct HistoryObserver<'a> {
 }
 
 impl StepObserver for HistoryObserver<'_> {
-    fn see(&mut self, view: &View) {
+    fn see<S: Simd, const H: usize>(&mut self, _: Rows<S, H>, view: &View) {
         let from = self.next;
         let until = view.step.from + view.step.width;
         let last = until + 0.5 * view.step.width > self.horizon;
         self.next += self.times[from..].iter().take_while(|t| last || **t <= until).count();
-        if self.next > from && view.range.contains(&self.spring) {
-            let at = |end: usize, s: usize| view.force[end][s + 1];
+        if self.next > from {
+            let at = |end: usize, s: usize| view.force(end, s);
             let values = self.search.values(&view.step, self.spring, &self.times[from..self.next], at);
             self.values[from..self.next].iter_mut().zip(values).for_each(|(f, g)| *f += g);
         }
@@ -220,17 +280,17 @@ struct FieldObserver<'a> {
 }
 
 impl StepObserver for FieldObserver<'_> {
-    fn see(&mut self, view: &View) {
+    fn see<S: Simd, const H: usize>(&mut self, _: Rows<S, H>, view: &View) {
         let until = view.step.from + view.step.width;
         let last = until + 0.5 * view.step.width > self.scene.horizon;
         while let Some(t) = self.times.get(self.next).filter(|t| last || **t <= until) {
             let x = ((t - view.step.from) / view.step.width).min(1.0);
             let end = |share: f64, end: usize, s: usize| {
-                share * (view.force[end][s + 1] + (1.0 - share * share) / 6.0 * view.bend[end][s + 1])
+                let place = view.layout.place(s);
+                share * (view.force[end][place] + (1.0 - share * share) / 6.0 * view.bend[end][place])
             };
             for (s, steady) in self.scene.initial.iter().enumerate() {
-                let change = if view.range.contains(&s) { end(1.0 - x, 0, s) + end(x, 1, s) } else { 0.0 };
-                (self.see)(self.next, s, steady + change);
+                (self.see)(self.next, s, steady + (end(1.0 - x, 0, s) + end(x, 1, s)));
             }
             self.next += 1;
         }

@@ -14,14 +14,16 @@
 //!
 //! Rounding: every increment is a difference of neighbours, and the running sums G and v carry their own rounding along
 //! (compensated summation, W. Kahan, *Comm. ACM* 8 (1965) 40). So a step's error is a few units of the *increments*, whose norm
-//! is bounded by the conserved energy of the motion's derivative, not of the state, which grows with the train. What no wave
-//! has reached is exactly zero and is not touched.
+//! is bounded by the conserved energy of the motion's derivative, not of the state, which grows with the train.
 
 use std::sync::OnceLock;
 
+use pulp::Simd;
+
 use super::between::Step;
 use super::dd::{Dd, two_sum};
-use super::motion::{BLOCK, FAR, MARGIN, Motion, local_norms};
+use super::lanes::{Aligned, BLOCK, HALO, LANES, Layout, Row, Rows, WithRows, dispatch, lanes, wrap};
+use super::motion::{FAR, Motion, local_norms};
 use super::path::Path;
 use super::series::{PHASE, polynomial, sine_over_root};
 use crate::chain::Scene;
@@ -34,12 +36,8 @@ const SWITCH_TERMS: usize = 14;
 const FEWEST_TERMS: usize = 4;
 /// With fewer terms than the full series the error bound is at most this share of the difference that is ignored.
 const BOUND_SHARE: f64 = 0.05;
-/// Below this share of the force, motion ahead of the front is set to zero.
-const ZERO_BELOW: f64 = 1e-22;
-/// A step at the largest phase carries under 1e-16 of a motion across this many springs: 1.5^24 / 24!.
-const CARRY: usize = 12;
-/// Springs by which a step can extend the motion.
-const REACH: usize = KICK_TERMS + 3;
+/// Adding and subtracting this share of the force sets to zero what is smaller than 1e-16 of it: denormal numbers are slow.
+const TINY: f64 = 1e-22;
 
 /// Steps within the horizon at the largest phase.
 pub fn steps(scene: &Scene, omega: f64) -> f64 {
@@ -83,10 +81,9 @@ pub(super) fn error_bound_of_terms(scene: &Scene, omega: f64, terms: usize) -> f
     // The error of the full series is within the 4 roundoffs that are counted for the series.
     let rate = 40.0 * roundoff + if terms < KICK_TERMS { 4.0 * dropped_terms } else { 0.0 };
     let marching = rate * (scene.horizon + 20.0 * width) * acceleration_norm * stiffest;
-    // Rounding of the state's and the polynomial's own numbers, and the series' last terms.
+    // Rounding of the state's and the polynomial's own numbers.
     let size = scene.initial.iter().fold(0.0f64, |a, f| a.max(f.abs())) + 4.0 * pulses * force;
-    let dropped = steps(scene, omega) * ZERO_BELOW * force * 100.0;
-    marching + 8.0 * size * roundoff + dropped
+    marching + 8.0 * size * roundoff
 }
 
 /// The fewest terms of the series for a search that ignores differences under `min_rise`.
@@ -97,58 +94,49 @@ pub(super) fn terms(scene: &Scene, omega: f64, min_rise: f64) -> usize {
 
 /// What to do with each step of a march; compiled into it.
 pub(super) trait StepObserver {
-    fn see(&mut self, view: &View);
+    fn see<S: Simd, const H: usize>(&mut self, rows: Rows<S, H>, view: &View);
 }
 
-#[inline(always)]
-fn total([a, b, c, d, e, f, g, h]: [f64; BLOCK]) -> f64 {
-    ((a + b) + (c + d)) + ((e + f) + (g + h))
+/// What a march shows of a step. Rows are laid out by `layout`.
+pub(super) struct View<'a> {
+    pub step: Step,
+    pub layout: Layout,
+    /// G at both ends.
+    pub force: [&'a [f64]; 2],
+    /// `q = -h^2 G''` at both ends, with halos.
+    pub bend: [&'a [f64]; 2],
+    /// The two remainders of every spring, per unit of the norm of `h^2 G''` around it.
+    pub remainders: &'a [Aligned; 2],
+    /// `1 / sqrt(k)`
+    pub root: &'a [f64],
+    /// The bounds of [`local_norms`] for each block of rows, with halos.
+    pub norms: &'a [Aligned; 2],
 }
 
-/// `BLOCK` numbers of a row from a place on.
-#[inline(always)]
-pub(super) fn block(row: &[f64], from: usize) -> [f64; BLOCK] {
-    let mut out = [0.0; BLOCK];
-    out.copy_from_slice(&row[from..from + BLOCK]);
-    out
-}
+impl View<'_> {
+    /// G of a spring at the step's beginning (0) or end (1).
+    #[inline(always)]
+    pub(super) fn force(&self, end: usize, spring: usize) -> f64 {
+        self.force[end][self.layout.place(spring)]
+    }
 
-/// The first `count` of `BLOCK` numbers into a row from a place on.
-#[inline(always)]
-fn put(row: &mut [f64], from: usize, values: [f64; BLOCK], count: usize) {
-    if count >= BLOCK {
-        row[from..from + BLOCK].copy_from_slice(&values);
-    } else {
-        row[from..from + count].iter_mut().zip(values).for_each(|(r, v)| *r = v);
+    /// `G`, `h^2 G''` and `h^4 G''''` of a spring at both ends.
+    #[inline(always)]
+    pub(super) fn even_derivatives(&self, motion: &Motion, spring: usize) -> [[f64; 3]; 2] {
+        let (ahead, behind) = (motion.ahead[spring], motion.behind[spring]);
+        let place = self.layout.place(spring);
+        [0, 1].map(|end| {
+            let q = self.bend[end];
+            let pull = ahead * (q[place] - q[place - LANES]) + behind * (q[place] - q[place + LANES]);
+            [self.force[end][place], -q[place], self.step.width * self.step.width * pull]
+        })
     }
 }
 
-/// What a march shows of a step. Spring i is at index i + 1, with a zero at either end.
-pub(super) struct View<'a> {
-    pub step: Step,
-    /// G at both ends.
-    pub force: [&'a [f64]; 2],
-    /// `q = -h^2 G''` at both ends.
-    pub bend: [&'a [f64]; 2],
-    pub remainders: &'a [Vec<f64>; 2],
-    /// `|q| / sqrt(k)` at both ends, spring i at i + MARGIN.
-    pub sizes: [&'a [f64]; 2],
-    /// The bounds of [`local_norms`], per block of springs.
-    pub norms: [&'a [f64]; 2],
-    /// Springs whose force may have changed by more than `negligible`; elsewhere G counts as 0.
-    pub range: std::ops::Range<usize>,
-}
-
 /// Marches to the horizon, with so many terms of the series, and passes every step to `see`. `omega` is an upper bound on the largest
-/// frequency, `negligible` a change of force too small to matter.
-pub(super) fn march(
-    scene: &Scene,
-    motion: &Motion,
-    [omega, negligible]: [f64; 2],
-    terms: usize,
-    see: &mut impl StepObserver,
-) {
-    let mut state = State::new(scene, motion, negligible, terms);
+/// frequency.
+pub(super) fn march(scene: &Scene, motion: &Motion, omega: f64, terms: usize, see: &mut impl StepObserver) {
+    let mut state = State::new(scene, motion, terms);
     let stretches = if scene.duration < scene.horizon {
         vec![(0.0, scene.duration, scene.force), (scene.duration, scene.horizon, 0.0)]
     } else {
@@ -159,11 +147,11 @@ pub(super) fn march(
         let count = ((to - from) * omega / PHASE).ceil().max(1.0) as u64;
         let step = Step { number, from, width: (to - from) / count as f64, force };
         number += count;
-        pulp::Arch::new().dispatch(Stretch { state: &mut state, step, count, see });
+        dispatch(Stretch { state: &mut state, step, count, see });
     }
 }
 
-/// Steps of equal width under constant force, compiled for the widest vector unit at hand.
+/// Steps of equal width under constant force.
 struct Stretch<'s, 'a, F> {
     state: &'s mut State<'a>,
     step: Step,
@@ -171,138 +159,119 @@ struct Stretch<'s, 'a, F> {
     see: &'s mut F,
 }
 
-impl<F: StepObserver> pulp::WithSimd for Stretch<'_, '_, F> {
+impl<F: StepObserver> WithRows for Stretch<'_, '_, F> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) {
-        self.state.stretch(self.step, self.count, self.see);
+    fn run<S: Simd, const H: usize>(self, rows: Rows<S, H>) {
+        self.state.stretch(rows, self.step, self.count, self.see);
     }
 }
 
-/// The present state. Spring i is at index i + 1, mass v at v + 1; spring i lies between those at i + 1 and i + 2.
-///
-/// Rows are long enough to read a whole block from any index in a range. Loops read a block before they write it: so
-/// the compiler sees that rows do not overlap, and vectorises.
+/// The present state, in rows ([`super::lanes`]). Spring i lies between masses i and i + 1.
 struct State<'a> {
     scene: &'a Scene,
     motion: &'a Motion,
-    stiffness: Vec<f64>,
+    layout: Layout,
     /// `1 / sqrt(k)`
-    root: Vec<f64>,
-    inverse_mass: Vec<f64>,
+    root: Aligned,
     /// G at the beginning and the end of a step, and its rounding error.
-    force: [Vec<f64>; 2],
-    force_rest: Vec<f64>,
+    force: [Aligned; 2],
+    force_rest: Aligned,
     /// Velocities, half a step ahead (between stretches: at the whole step), and their rounding errors.
-    velocity: Vec<f64>,
-    velocity_rest: Vec<f64>,
+    velocity: Aligned,
+    velocity_rest: Aligned,
     /// `(h / m) (G_{v-1} - G_v + p_v)`
-    pull: Vec<f64>,
-    bend: [Vec<f64>; 2],
-    /// `|q_i| / sqrt(k_i)` at the beginning and the end of a step, the first at MARGIN; the sums of their squares over blocks of springs, the
-    /// first at FAR; and the norms from them.
-    sizes: [Vec<f64>; 2],
-    energy: [Vec<f64>; 2],
-    norms: [Vec<f64>; 2],
-    scratch: [Vec<f64>; 2],
-    /// Coefficients of P.
-    series: &'static [f64],
-    /// A change of force too small to matter.
-    negligible: f64,
-    /// Springs that may differ from their initial force.
-    reached: std::ops::Range<usize>,
+    pull: Aligned,
+    bend: [Aligned; 2],
+    /// Sums of `q_i^2 / k_i` over the blocks of rows, lane by lane, at the beginning and the end of a step, with halos; and the norms from
+    /// them.
+    energy: [Aligned; 2],
+    norms: [Aligned; 2],
+    scratch: [Aligned; 2],
+    /// Coefficients of P, highest power first: the leading one, and two for each pass.
+    series: Vec<f64>,
 }
 
-/// The chain's coefficients for a step width.
+/// `h / m` and `h k` of every mass and spring.
 struct Coefficients {
-    ahead: Vec<f64>,
-    behind: Vec<f64>,
-    /// `h / m` and `h k`
-    kick: Vec<f64>,
-    drift: Vec<f64>,
+    kick: Aligned,
+    drift: Aligned,
 }
 
 impl<'a> State<'a> {
-    fn new(scene: &'a Scene, motion: &'a Motion, negligible: f64, terms: usize) -> State<'a> {
-        let springs = scene.initial.len();
-        let zero = vec![0.0; springs.next_multiple_of(BLOCK) + BLOCK + 3];
-        let mut stiffness = zero.clone();
-        stiffness[1..=springs].copy_from_slice(&scene.chain.stiffness);
-        let mut inverse_mass = zero.clone();
-        for v in (0..=springs).filter(|&v| scene.chain.live(v)) {
-            inverse_mass[v + 1] = 1.0 / scene.chain.mass[v];
-        }
-        let source = scene.source;
+    fn new(scene: &'a Scene, motion: &'a Motion, terms: usize) -> State<'a> {
+        let layout = Layout::new(scene.initial.len());
+        let zero = Aligned::from(vec![0.0; layout.len()]);
+        let blocks = Aligned::from(vec![0.0; (layout.blocks() + 2 * HALO) * LANES]);
         let two = || [zero.clone(), zero.clone()];
+        let series = &KICK_SERIES.get_or_init(|| std::array::from_fn(|k| kick_series(k, PHASE)))[terms];
         State {
             scene,
             motion,
-            root: stiffness.iter().map(|&k| if k > 0.0 { 1.0 / k.sqrt() } else { 0.0 }).collect(),
-            stiffness,
-            inverse_mass,
+            layout,
+            root: layout.spread(scene.chain.stiffness.iter().map(|k| 1.0 / k.sqrt()), 0.0).into(),
             force: two(),
             force_rest: zero.clone(),
             velocity: zero.clone(),
             velocity_rest: zero.clone(),
             pull: zero.clone(),
             bend: two(),
-            sizes: [0, 1].map(|_| vec![0.0; springs.next_multiple_of(BLOCK) + 2 * MARGIN + BLOCK]),
-            energy: [0, 1].map(|_| vec![0.0; springs.div_ceil(BLOCK).next_multiple_of(BLOCK) + 2 * FAR]),
-            norms: [0, 1].map(|_| vec![0.0; springs.div_ceil(BLOCK).next_multiple_of(BLOCK)]),
+            energy: [blocks.clone(), blocks.clone()],
+            norms: [blocks.clone(), blocks],
             scratch: two(),
-            series: &KICK_SERIES.get_or_init(|| std::array::from_fn(|k| kick_series(k, PHASE)))[terms],
-            negligible,
-            reached: source.saturating_sub(1)..(source + 1).min(springs),
+            series: std::iter::repeat_n(0.0, (terms + 1) % 2).chain(series.iter().rev().copied()).collect(),
         }
     }
 
     fn coefficients(&self, width: f64) -> Coefficients {
-        let padded = |x: &[f64]| {
-            let mut row = vec![0.0; self.stiffness.len()];
-            row[1..=x.len()].iter_mut().zip(x).for_each(|(r, c)| *r = c * width * width);
-            row
-        };
-        Coefficients {
-            ahead: padded(&self.motion.ahead),
-            behind: padded(&self.motion.behind),
-            kick: self.inverse_mass.iter().map(|m| width * m).collect(),
-            drift: self.stiffness.iter().map(|k| width * k).collect(),
-        }
+        let chain = &self.scene.chain;
+        let inverse = |v: usize| if chain.live(v) { 1.0 / chain.mass[v] } else { 0.0 };
+        let mut kick = self.layout.spread((0..chain.mass.len()).map(|v| width * inverse(v)), 0.0);
+        let mut drift = self.layout.spread(chain.stiffness.iter().map(|k| width * k), 0.0);
+        wrap(&mut kick);
+        wrap(&mut drift);
+        Coefficients { kick: kick.into(), drift: drift.into() }
     }
 
     #[inline(always)]
-    fn stretch(&mut self, first: Step, count: u64, see: &mut impl StepObserver) {
+    fn stretch<S: Simd, const H: usize>(
+        &mut self,
+        rows: Rows<S, H>,
+        first: Step,
+        count: u64,
+        see: &mut impl StepObserver,
+    ) {
         let Step { width, force, .. } = first;
+        let layout = self.layout;
         let c = self.coefficients(width);
-        let remainders = self.motion.remainders(width);
+        let remainders: [Aligned; 2] = self.motion.remainders(width).map(|row| layout.spread(row, 0.0).into());
         self.convert_velocity(&c, sine_over_root);
-        self.find_bend(&c, force);
-        let mut share = 0.5;
+        self.find_bend(rows, &c, first);
         for n in 0..count {
-            self.kick(&c, share);
-            share = 1.0;
+            let share = if n == 0 { 0.5 } else { 1.0 };
+            self.sum_series(rows, &c);
             self.force.swap(0, 1);
             self.bend.swap(0, 1);
-            self.sizes.swap(0, 1);
             self.energy.swap(0, 1);
-            self.drift(&c);
-            self.find_bend(&c, force);
-            self.trim();
+            self.kick_and_drift(rows, &c, share);
+            self.find_bend(rows, &c, first);
             self.find_norms();
             let step = Step { number: first.number + n, from: first.from + n as f64 * width, width, force };
-            see.see(&View {
+            let view = View {
                 step,
+                layout,
                 force: [&self.force[0], &self.force[1]],
                 bend: [&self.bend[0], &self.bend[1]],
                 remainders: &remainders,
-                sizes: [&self.sizes[0], &self.sizes[1]],
-                norms: [&self.norms[0], &self.norms[1]],
-                range: self.moving(),
-            });
+                root: &self.root,
+                norms: &self.norms,
+            };
+            see.see(rows, &view);
         }
         if first.number == 0 && self.scene.duration < self.scene.horizon {
-            self.kick(&c, 0.5);
+            self.sum_series(rows, &c);
+            self.half_kick(&c);
             self.convert_velocity(&c, |x| Dd::ONE / sine_over_root(x));
         }
     }
@@ -313,215 +282,176 @@ impl<'a> State<'a> {
         if self.velocity.iter().all(|v| *v == 0.0) {
             return;
         }
-        let springs = self.scene.initial.len();
+        let masses = self.scene.chain.mass.len();
+        let [kick, drift, mut velocity] =
+            [&c.kick, &c.drift, &self.velocity].map(|row| self.layout.gather(row, masses));
         let series =
             polynomial(SWITCH_TERMS, PHASE, |x| if x.hi == 0.0 { Dd::ZERO } else { (factor(x) - Dd::ONE) / x });
-        // Y = X applied to masses: (h / m) (h k (v_{i-1} - v_i) ...), from velocities to velocities.
-        let times = |v: &[f64]| {
-            let extension: Vec<f64> = (0..=springs + 1)
-                .map(|i| if i == 0 || i > springs { 0.0 } else { c.drift[i] * (v[i] - v[i + 1]) })
-                .collect();
-            let mut out = vec![0.0; v.len()];
-            for v in 1..=springs + 1 {
-                out[v] = c.kick[v] * (extension[v] - extension[v - 1]);
-            }
-            out
+        // X applied to masses: (h / m) (h k (v_{i-1} - v_i) ...), from velocities to velocities.
+        let times = |v: &[f64]| -> Vec<f64> {
+            let extension = |i: usize| drift[i] * (v[i] - v[i + 1]);
+            let before = |v: usize| v.checked_sub(1).map_or(0.0, extension);
+            let behind = |v: usize| if v + 1 < masses { extension(v) } else { 0.0 };
+            (0..masses).map(|v| kick[v] * (behind(v) - before(v))).collect()
         };
-        let base = times(&self.velocity);
-        let mut sum = vec![0.0; base.len()];
+        let base = times(&velocity);
+        let mut sum = vec![0.0; masses];
         for coefficient in series.iter().rev() {
             sum = times(&sum);
             sum.iter_mut().zip(&base).for_each(|(s, b)| *s += coefficient * b);
         }
-        self.velocity.iter_mut().zip(&sum).for_each(|(v, s)| *v += s);
-        self.reached = 0..springs;
+        velocity.iter_mut().zip(&sum).for_each(|(v, s)| *v += s);
+        self.velocity = self.layout.spread(velocity, 0.0).into();
+        wrap(&mut self.velocity);
+        wrap(&mut self.velocity_rest);
     }
 
-    /// Springs that a step can move.
-    fn reach(&self) -> std::ops::Range<usize> {
-        self.reached.start.saturating_sub(REACH)..(self.reached.end + REACH).min(self.scene.initial.len())
+    /// `r = P(X) q`, into the first of `scratch`, with its halo.
+    ///
+    /// By Horner's rule, two powers a pass: `X r = h k_i (w_{i+1} - w_i)`, `w_v = h / m_v (r_{v-1} - r_v)`.
+    #[inline(always)]
+    fn sum_series<S: Simd, const H: usize>(&mut self, rows: Rows<S, H>, c: &Coefficients) {
+        let [r, next] = &mut self.scratch;
+        let (leading, rest) = self.series.split_first().unwrap_or((&0.0, &[]));
+        let mut is_first = true;
+        for pair in rest.as_chunks::<2>().0 {
+            let (from, scale) = if is_first { (&self.bend[1], *leading) } else { (&*r, 1.0) };
+            two_powers(rows, c, [&self.bend[1], from], next, [scale, pair[0], pair[1]]);
+            wrap(next);
+            std::mem::swap(r, next);
+            is_first = false;
+        }
+    }
+
+    /// `v <- v + share (pull + (h / m) (r_{v-1} - r_v))`, `G <- G + h k (v_i - v_{i+1})`
+    #[inline(always)]
+    fn kick_and_drift<S: Simd, const H: usize>(&mut self, v: Rows<S, H>, c: &Coefficients, share: f64) {
+        let end = self.layout.rows + 2 * HALO;
+        let (kick, drift, pull) = (&v.of(&c.kick)[..end], &v.of(&c.drift)[..end], &v.of(&self.pull)[..end]);
+        let r: &[Row<S, H>] = &v.of(&self.scratch[0])[..end];
+        let [before, after] = &mut self.force;
+        let (before, after) = (&v.of(before)[..end], &mut v.of_mut(after)[..end]);
+        let force_rest = &mut v.of_mut(&mut self.force_rest)[..end];
+        let velocity = &mut v.of_mut(&mut self.velocity)[..end];
+        let velocity_rest = &mut v.of_mut(&mut self.velocity_rest)[..end];
+        let share = v.splat(share);
+        let mut last_r = r[HALO - 1];
+        let mut last = [v.splat(0.0); 2];
+        for p in HALO..end - HALO + 1 {
+            let change = v.mul(share, v.mul_add(kick[p], v.sub(last_r, r[p]), pull[p]));
+            last_r = r[p];
+            let [speed, rest] = v.two_sum(velocity[p], v.add(velocity_rest[p], change));
+            velocity[p] = speed;
+            velocity_rest[p] = rest;
+            let apart = v.add(v.sub(last[0], speed), v.sub(last[1], rest));
+            last = [speed, rest];
+            // The first row is in the halo, which is written below.
+            let change = v.mul_add(drift[p - 1], apart, force_rest[p - 1]);
+            let [force, rest] = v.two_sum(before[p - 1], change);
+            after[p - 1] = force;
+            force_rest[p - 1] = rest;
+        }
+        wrap(&mut self.force[1]);
+        wrap(&mut self.force_rest);
+    }
+
+    /// The second half of a step's kick, where a stretch ends.
+    fn half_kick(&mut self, c: &Coefficients) {
+        let r = &self.scratch[0];
+        for place in HALO * LANES..self.layout.len() - HALO * LANES {
+            let change = 0.5 * c.kick[place].mul_add(r[place - LANES] - r[place], self.pull[place]);
+            [self.velocity[place], self.velocity_rest[place]] =
+                two_sum(self.velocity[place], self.velocity_rest[place] + change);
+        }
     }
 
     /// Pulls on the masses, and from them `q = h k (pull_{i+1} - pull_i)`.
     #[inline(always)]
-    fn find_bend(&mut self, c: &Coefficients, force: f64) {
-        let range = self.reach();
-        let (from, to) = (range.start + 1, range.end + 1);
-        let (g, rest) = (&self.force[1], &self.force_rest);
-        let mut v = from;
-        while v <= to {
-            let (g, next_g) = (block(g, v - 1), block(g, v));
-            let (rest, next_rest) = (block(rest, v - 1), block(rest, v));
-            let mut pull = block(&c.kick, v);
-            for l in 0..BLOCK {
-                pull[l] *= (g[l] - next_g[l]) + (rest[l] - next_rest[l]);
+    fn find_bend<S: Simd, const H: usize>(&mut self, v: Rows<S, H>, c: &Coefficients, step: Step) {
+        let end = self.layout.rows + 2 * HALO;
+        let (kick, drift) = (&v.of(&c.kick)[..end], &v.of(&c.drift)[..end]);
+        let (force, rest) = (&v.of(&self.force[1])[..end], &v.of(&self.force_rest)[..end]);
+        let tiny = v.splat(TINY * self.scene.force.abs());
+        // The source, and its copy in the halo of the piece before.
+        let source = self.layout.place(self.scene.source);
+        let copy = if source % LANES > 0 { source + self.layout.rows * LANES - 1 } else { source };
+        let mut done = HALO;
+        for block in 0..self.layout.blocks() {
+            let inner = self.layout.block(block);
+            let to = inner.end;
+            let pull = &mut v.of_mut(&mut self.pull)[..end];
+            for p in done..to + 1 {
+                let apart = v.add(v.sub(force[p - 1], force[p]), v.sub(rest[p - 1], rest[p]));
+                pull[p] = v.sub(v.add(v.mul(kick[p], apart), tiny), tiny);
             }
-            put(&mut self.pull, v, pull, to + 1 - v);
-            v += BLOCK;
-        }
-        let source = self.scene.source + 1;
-        let outside = (g_at(&self.force[1], source) + g_at(&self.force_rest, source)) + force;
-        self.pull[source] = c.kick[source] * outside;
-        let mut i = from;
-        while i < to {
-            let (pull, next_pull) = (block(&self.pull, i), block(&self.pull, i + 1));
-            let mut bend = block(&c.drift, i);
-            for l in 0..BLOCK {
-                bend[l] *= next_pull[l] - pull[l];
+            for place in [source, copy] {
+                if (done * LANES..(to + 1) * LANES).contains(&place) {
+                    let apart = |g: &[f64]| g[place - LANES] - g[place];
+                    let outside = (apart(&self.force[1]) + apart(&self.force_rest)) + step.force;
+                    self.pull[place] = c.kick[place] * outside;
+                }
             }
-            put(&mut self.bend[1], i, bend, to - i);
-            i += BLOCK;
-        }
-        for number in range.start / BLOCK..range.end.div_ceil(BLOCK) {
-            let (q, root) = (block(&self.bend[1], number * BLOCK + 1), block(&self.root, number * BLOCK + 1));
-            let (mut size, mut energy) = ([0.0; BLOCK], [0.0; BLOCK]);
-            for l in 0..BLOCK {
-                size[l] = q[l].abs() * root[l];
-                energy[l] = size[l] * size[l];
+            done = to + 1;
+            let pull = &v.of(&self.pull)[..end];
+            let bend = &mut v.of_mut(&mut self.bend[1])[..end];
+            let mut energy = v.splat(0.0);
+            for p in inner {
+                let apart = v.sub(pull[p + 1], pull[p]);
+                let q = v.mul(drift[p], apart);
+                bend[p] = q;
+                energy = v.mul_add(q, apart, energy);
             }
-            put(&mut self.sizes[1], MARGIN + number * BLOCK, size, BLOCK);
-            self.energy[1][FAR + number] = total(energy);
+            v.of_mut(&mut self.energy[1])[HALO + block] = v.mul(energy, v.splat(step.width));
         }
+        wrap(&mut self.energy[1]);
+        wrap(&mut self.bend[1]);
     }
 
+    /// Bounds on the norms of `h^2 G''` around blocks, from the energy at both ends.
     #[inline(always)]
     fn find_norms(&mut self) {
-        let mut all = [[0.0; BLOCK]; 2];
-        for (sum, row) in all.iter_mut().zip(&self.energy) {
-            let mut sums = [0.0; BLOCK];
-            for from in 0..self.norms[0].len() / BLOCK {
-                let energy = block(row, FAR + from * BLOCK);
-                for l in 0..BLOCK {
-                    sums[l] += energy[l];
-                }
-            }
-            *sum = [total(sums); BLOCK];
+        let inner = HALO * LANES..self.energy[0].len() - HALO * LANES;
+        let all = [0, 1].map(|end| self.energy[end][inner.clone()].iter().sum());
+        for from in inner.step_by(LANES) {
+            // Short blocks: all are near.
+            let norms = if self.layout.rows < BLOCK {
+                local_norms(|end, n| [if n == FAR { all[end] } else { 0.0 }; LANES], all)
+            } else {
+                local_norms(|end, n| lanes(&self.energy[end], from / LANES + n - FAR), all)
+            };
+            (0..2).for_each(|n| self.norms[n][from..from + LANES].copy_from_slice(&norms[n]));
         }
-        for number in 0..self.norms[0].len() / BLOCK {
-            let mut around = [[[0.0; BLOCK]; 2 * FAR + 1]; 2];
-            for (around, row) in around.iter_mut().zip(&self.energy) {
-                for (n, energy) in around.iter_mut().enumerate() {
-                    *energy = block(row, number * BLOCK + n);
-                }
-            }
-            let norms = local_norms(around, all);
-            self.norms.iter_mut().zip(norms).for_each(|(row, norms)| put(row, number * BLOCK, norms, BLOCK));
-        }
-    }
-
-    /// `v <- v + share (pull + (h / m) (r_{v-1} - r_v))`, `r = P(X) q`.
-    #[inline(always)]
-    fn kick(&mut self, c: &Coefficients, share: f64) {
-        let range = self.reach();
-        let [r, spare] = &mut self.scratch;
-        horner(c, range.clone(), self.series, &self.bend[1], r, spare);
-        let to = range.end + 1;
-        let mut v = range.start + 1;
-        while v <= to {
-            let (r, next_r) = (block(r, v - 1), block(r, v));
-            let (pull, kick) = (block(&self.pull, v), block(&c.kick, v));
-            let (mut velocity, mut rest) = (block(&self.velocity, v), block(&self.velocity_rest, v));
-            for l in 0..BLOCK {
-                let change = share * kick[l].mul_add(r[l] - next_r[l], pull[l]);
-                [velocity[l], rest[l]] = two_sum(velocity[l], rest[l] + change);
-            }
-            put(&mut self.velocity, v, velocity, to + 1 - v);
-            put(&mut self.velocity_rest, v, rest, to + 1 - v);
-            v += BLOCK;
-        }
-    }
-
-    /// `G <- G + h k (v_i - v_{i+1})`
-    #[inline(always)]
-    fn drift(&mut self, c: &Coefficients) {
-        let range = self.reach();
-        let to = range.end + 1;
-        let mut i = range.start + 1;
-        while i < to {
-            let (v, next_v) = (block(&self.velocity, i), block(&self.velocity, i + 1));
-            let (v_rest, next_v_rest) = (block(&self.velocity_rest, i), block(&self.velocity_rest, i + 1));
-            let (mut force, mut rest) = (block(&self.force[0], i), block(&self.force_rest, i));
-            let drift = block(&c.drift, i);
-            for l in 0..BLOCK {
-                let change = drift[l] * ((v[l] - next_v[l]) + (v_rest[l] - next_v_rest[l]));
-                [force[l], rest[l]] = two_sum(force[l], rest[l] + change);
-            }
-            put(&mut self.force[1], i, force, to - i);
-            put(&mut self.force_rest, i, rest, to - i);
-            i += BLOCK;
-        }
-        self.reached = range;
-    }
-
-    /// Springs whose force may have changed during the step by more than `negligible`.
-    fn moving(&self) -> std::ops::Range<usize> {
-        let moving = |i: &usize| {
-            let rows = self.force.iter().zip(&self.bend);
-            rows.into_iter().any(|(f, q)| f[i + 1].abs() > self.negligible || q[i + 1].abs() > self.negligible)
-        };
-        let first = self.reached.clone().find(moving).unwrap_or(self.reached.end);
-        let last = self.reached.clone().rev().find(moving).map_or(first, |l| l + 1);
-        first.saturating_sub(CARRY)..(last + CARRY).min(self.scene.initial.len())
-    }
-
-    /// Sets to zero what is negligible ahead of the front.
-    fn trim(&mut self) {
-        let zero_below = ZERO_BELOW * self.scene.force.abs();
-        let (force, bend) = (&self.force[1], &self.bend[1]);
-        let is_zero = |i: usize| force[i + 1].abs() <= zero_below && bend[i + 1].abs() <= zero_below;
-        let mut range = self.reached.clone();
-        while range.end > self.scene.source + 1 && is_zero(range.end - 1) {
-            range.end -= 1;
-        }
-        while range.start + 1 < self.scene.source && is_zero(range.start) {
-            range.start += 1;
-        }
-        let wide = self.reach();
-        for i in (wide.start..range.start).chain(range.end..wide.end) {
-            self.force.iter_mut().chain(&mut self.bend).chain([&mut self.force_rest]).for_each(|row| row[i + 1] = 0.0);
-        }
-        for v in (wide.start..range.start).chain(range.end + 1..wide.end + 1) {
-            [&mut self.velocity, &mut self.velocity_rest, &mut self.pull].into_iter().for_each(|row| row[v + 1] = 0.0);
-        }
-        self.reached = range;
     }
 }
 
-/// `G_{v-1} - G_v` at mass position v.
-fn g_at(g: &[f64], v: usize) -> f64 {
-    g[v - 1] - g[v]
-}
-
-/// `out = sum_k coefficient[k] X^k q` over the springs of `range`; what lies outside is zero.
+/// `next = (c_2 + X (c_1 + scale X)) q`, where `from` stands for the last q, over the pieces; with halos of q and `from`.
 #[inline(always)]
-fn horner(
+fn two_powers<S: Simd, const H: usize>(
+    v: Rows<S, H>,
     c: &Coefficients,
-    range: std::ops::Range<usize>,
-    coefficient: &[f64],
-    q: &[f64],
-    out: &mut Vec<f64>,
-    spare: &mut Vec<f64>,
+    [q, from]: [&[f64]; 2],
+    next: &mut [f64],
+    [scale, first, second]: [f64; 3],
 ) {
-    let (from, count) = (range.start + 1, range.len());
-    let (first, rest) = coefficient.split_last().unwrap_or((&0.0, &[]));
-    for row in [&mut *out, &mut *spare] {
-        row[from - 1] = 0.0;
-        row[from + count] = 0.0;
-    }
-    out[from..from + count].iter_mut().zip(&q[from..from + count]).for_each(|(o, q)| *o = first * q);
-    for &factor in rest.iter().rev() {
-        let mut i = from;
-        while i < from + count {
-            let (before, here, after) = (block(out, i - 1), block(out, i), block(out, i + 1));
-            let (ahead, behind, mut next) = (block(&c.ahead, i), block(&c.behind, i), block(q, i));
-            for l in 0..BLOCK {
-                let pull = behind[l].mul_add(here[l] - after[l], ahead[l] * (here[l] - before[l]));
-                next[l] = factor.mul_add(next[l], pull);
-            }
-            put(spare, i, next, from + count - i);
-            i += BLOCK;
-        }
-        std::mem::swap(out, spare);
+    let end = c.kick.len() / LANES;
+    let (kick, drift) = (&v.of(&c.kick)[..end], &v.of(&c.drift)[..end]);
+    let (q, from): (&[Row<S, H>], &[Row<S, H>]) = (&v.of(q)[..end], &v.of(from)[..end]);
+    let next = &mut v.of_mut(next)[..end];
+    let [scale, first, second] = [scale, first, second].map(|x| v.splat(x));
+    // r and w of the row before; the same of the first sum, one row later.
+    let mut r = v.mul(scale, from[HALO - 1]);
+    let mut w = v.mul(kick[HALO - 1], v.sub(v.mul(scale, from[HALO - 2]), r));
+    let (mut sum, mut w_of_sum) = (v.splat(0.0), v.splat(0.0));
+    let mut last_q = v.splat(0.0);
+    for p in HALO - 1..end - HALO + 1 {
+        let next_r = v.mul(scale, from[p + 1]);
+        let next_w = v.mul(kick[p + 1], v.sub(r, next_r));
+        let next_sum = v.mul_add(drift[p], v.sub(next_w, w), v.mul(first, q[p]));
+        (r, w) = (next_r, next_w);
+        let next_w = v.mul(kick[p], v.sub(sum, next_sum));
+        // The first two rows are in the halo, which is written later.
+        next[p - 1] = v.mul_add(drift[p - 1], v.sub(next_w, w_of_sum), v.mul(second, last_q));
+        (sum, w_of_sum, last_q) = (next_sum, next_w, q[p]);
     }
 }
 

@@ -9,10 +9,12 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::between::{Step, even_derivatives, piece};
+use pulp::Simd;
+
+use super::between::{Step, piece};
 use super::local::{Local, Point};
-use super::motion::{BLOCK, Motion, bracket, least_slope};
-use super::observers::open_springs;
+use super::motion::{Motion, bracket, least_slope};
+use super::lanes::{LANES, Layout, Rows};
 use super::propagator::{self, StepObserver, View, march};
 use super::watch::{Side, SpringPeaks, bound_of_extremes};
 use super::{Ask, Method, Solution, Wanted, Work};
@@ -91,13 +93,13 @@ impl UnitResponse {
         let motion = Motion::new(scene);
         let bound = propagator::error_bound(scene, omega_max);
         let min_rise = MIN_RISE * bound;
-        let padded = |s: usize| if s < springs { min_rise } else { f64::INFINITY };
-        let levels = [0, 1].map(|_| (0..springs.next_multiple_of(BLOCK)).map(padded).collect());
+        let rise = std::iter::repeat_n(min_rise, springs);
+        let levels = [0, 1].map(|_| Layout::new(springs).spread(rise.clone(), f64::INFINITY));
         let (steps, rows, records) = (Vec::new(), Vec::new(), vec![Default::default(); springs]);
         let horizon = scene.horizon;
         let mut recorder =
             Recorder { horizon, motion: &motion, levels, min_rise, last: u64::MAX, steps, rows, records };
-        march(scene, &motion, [omega_max, 0.01 * min_rise], propagator::KICK_TERMS, &mut recorder);
+        march(scene, &motion, omega_max, propagator::KICK_TERMS, &mut recorder);
         let Recorder { steps, rows, mut records, .. } = recorder;
         records.iter_mut().flatten().for_each(Vec::shrink_to_fit);
         let tops = records.iter().flatten().filter_map(|of_side| Some(of_side.last()?.top.value));
@@ -287,7 +289,7 @@ impl Row {
 struct Recorder<'a> {
     horizon: f64,
     motion: &'a Motion,
-    /// Per sign and spring: what R, or -R, has to pass for a record; whole blocks of springs.
+    /// Per sign and spring: what R, or -R, has to pass for a record; laid out in lanes.
     levels: [Vec<f64>; 2],
     min_rise: f64,
     /// The step whose end is the last row.
@@ -299,12 +301,14 @@ struct Recorder<'a> {
 
 impl StepObserver for Recorder<'_> {
     #[inline(always)]
-    fn see(&mut self, view: &View) {
+    fn see<S: Simd, const H: usize>(&mut self, rows: Rows<S, H>, view: &View) {
         let mut any = false;
-        for number in view.range.start / BLOCK..view.range.end.div_ceil(BLOCK) {
-            let Some((open, remainders)) = open_springs(view, [&self.levels; 2], number, false) else { continue };
-            for l in (0..BLOCK).filter(|&l| open[l] > 0.0) {
-                any |= self.record(view, number * BLOCK + l, remainders[l]);
+        for block in 0..view.layout.blocks() {
+            for row in view.open_rows(rows, &self.levels, block) {
+                let Some((open, remainders)) = view.open_springs([&self.levels; 2], row, false) else { continue };
+                for lane in (0..LANES).filter(|&lane| open[lane] > 0.0) {
+                    any |= self.record(view, view.layout.number(row, lane), remainders[lane]);
+                }
             }
         }
         if any {
@@ -318,13 +322,13 @@ impl Recorder<'_> {
     #[inline]
     fn record(&mut self, view: &View, spring: usize, remainder: f64) -> bool {
         let step = &view.step;
-        let at = |end: usize, s: usize| view.force[end][s + 1];
-        let ends = [0, 1].map(|end| even_derivatives(self.motion, step, spring, view.force[end], view.bend[end]));
+        let at = |end: usize, s: usize| view.force(end, s);
+        let ends = view.even_derivatives(self.motion, spring);
         let mut any = false;
         for negative in [false, true] {
             let sign = if negative { -1.0 } else { 1.0 };
             let ends = ends.map(|even_derivatives| even_derivatives.map(|x| sign * x));
-            let level = self.levels[usize::from(negative)][spring];
+            let level = self.levels[usize::from(negative)][view.layout.place(spring)];
             if bracket(ends, remainder)[1] <= level {
                 continue;
             }
@@ -339,7 +343,7 @@ impl Recorder<'_> {
             let Some(top) = top else { continue };
             let record = Record { step: self.steps.len() as u32, top };
             self.records[spring][usize::from(negative)].push(record);
-            self.levels[usize::from(negative)][spring] = top.value + self.min_rise;
+            self.levels[usize::from(negative)][view.layout.place(spring)] = top.value + self.min_rise;
             any = true;
         }
         any
@@ -347,12 +351,12 @@ impl Recorder<'_> {
 
     /// Keeps the forces at both ends of a step.
     fn keep(&mut self, view: &View) {
-        let springs = 1..self.records.len() + 1;
+        let row = |end: usize| Row::new(&view.layout.gather(view.force[end], self.records.len()));
         // The end of the step before is the beginning of this one.
         if view.step.number == 0 || self.last != view.step.number - 1 {
-            self.rows.push(Row::new(&view.force[0][springs.clone()]));
+            self.rows.push(row(0));
         }
-        self.rows.push(Row::new(&view.force[1][springs]));
+        self.rows.push(row(1));
         self.last = view.step.number;
         self.steps.push(Kept { step: view.step, rows: [self.rows.len() - 2, self.rows.len() - 1] });
     }

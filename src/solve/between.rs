@@ -12,7 +12,7 @@
 
 use super::Wanted;
 use super::local::{COEFFICIENTS, Local, Point};
-use super::lanes::Layout;
+use super::lanes::{Aligned, Layout};
 use super::motion::{Motion, bracket, least_slope};
 use super::series::{DEGREE, POWERS, table};
 use super::watch::{SpringPeaks, Watch};
@@ -78,9 +78,9 @@ pub struct Search<'a> {
     sides: Vec<[Side; 2]>,
     layout: Layout,
     /// Per sign and spring: what G, or -G, has to pass to matter; laid out by `layout`.
-    pub levels: [Vec<f64>; 2],
+    pub(super) levels: [Aligned; 2],
     /// Per sign and spring: what G, or -G, has to pass for a first exceedance; infinite once there is one.
-    pub crossings: [Vec<f64>; 2],
+    pub(super) crossings: [Aligned; 2],
     /// Steps looked into.
     pub looked: u64,
     /// Sides that stood at their rating and have not left it, and the lowest they were seen at.
@@ -109,7 +109,8 @@ impl<'a> Search<'a> {
             .map(|(s, negative)| (s, negative, watch.peaks[s].side(negative).best.value))
             .collect();
         let layout = Layout::new(springs);
-        let [levels, crossings] = [0, 1].map(|_| [0, 1].map(|_| vec![f64::INFINITY; layout.len()]));
+        let none = Aligned::new(layout.len(), f64::INFINITY);
+        let (levels, crossings) = ([none.clone(), none.clone()], [none.clone(), none]);
         let mut search = Search {
             scene,
             motion,

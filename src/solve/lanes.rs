@@ -3,13 +3,16 @@
 //! Row r holds place r of every piece, so that a spring's neighbours are in the rows before and after, and vectors need no shuffling.
 //! Beyond a piece's ends lie `HALO` rows with copies of its neighbours' ends, zeros at the ends of the chain.
 
+use std::marker::PhantomData;
+use std::ops::{Deref, DerefMut};
+
 use pulp::Simd;
 
 /// Pieces of a chain.
 pub(super) const LANES: usize = 8;
 /// Rows before and behind the pieces.
 pub(super) const HALO: usize = 2;
-/// Blocks of a piece have this many rows or more; a shorter piece is one block.
+/// Rows of a block of a piece. The last block has up to twice as many; a shorter piece is one block.
 pub(super) const BLOCK: usize = 8;
 
 /// Where springs and masses of a chain are.
@@ -31,16 +34,16 @@ impl Layout {
         (self.rows / BLOCK).max(1)
     }
 
-    /// The rows of a block.
+    /// The rows of a block; the last one has what is left.
     #[inline(always)]
     pub(super) fn block(self, number: usize) -> std::ops::Range<usize> {
-        let first = |number: usize| HALO + number * self.rows / self.blocks();
-        first(number)..first(number + 1)
+        let to = if number + 1 < self.blocks() { (number + 1) * BLOCK } else { self.rows };
+        HALO + number * BLOCK..HALO + to
     }
 
     /// The block of a row.
     pub(super) fn block_of(self, row: usize) -> usize {
-        ((row - HALO + 1) * self.blocks() - 1) / self.rows
+        ((row - HALO) / BLOCK).min(self.blocks() - 1)
     }
 
     /// Numbers that are stored for each spring or mass.
@@ -60,7 +63,7 @@ impl Layout {
         lane * self.rows + row - HALO
     }
 
-    /// The number at `ahead` places behind that of a row and lane, 0 outside the chain.
+    /// The value `offset` places behind spring or mass `number`, 0 outside the chain.
     #[inline(always)]
     pub(super) fn beside(self, of: &[f64], number: usize, offset: isize) -> f64 {
         let number = number.wrapping_add_signed(offset);
@@ -68,150 +71,226 @@ impl Layout {
     }
 
     /// Values in the order of springs or masses to their places, `other` elsewhere.
-    pub(super) fn spread(self, values: impl IntoIterator<Item = f64>, other: f64) -> Vec<f64> {
-        let mut out = vec![other; self.len()];
-        values.into_iter().enumerate().for_each(|(number, value)| out[self.place(number)] = value);
+    pub(super) fn spread<T: Number>(self, values: impl IntoIterator<Item = f64>, other: f64) -> Aligned<T> {
+        let mut out = Aligned::new(self.len(), T::from_f64(other));
+        values.into_iter().enumerate().for_each(|(number, value)| out[self.place(number)] = T::from_f64(value));
         out
     }
 
     /// The first `count` values in the order of springs or masses.
-    pub(super) fn gather(self, values: &[f64], count: usize) -> Vec<f64> {
-        (0..count).map(|number| values[self.place(number)]).collect()
+    pub(super) fn gather<T: Number>(self, values: &[T], count: usize) -> Vec<f64> {
+        (0..count).map(|number| values[self.place(number)].to_f64()).collect()
     }
 
 }
 
 /// Copies the ends of pieces into the `HALO` rows of their neighbours, zeros beyond the ends of the chain.
 #[inline(always)]
-pub(super) fn wrap(of: &mut [f64]) {
+pub(super) fn wrap<T: Number>(of: &mut [T]) {
     let rows = of.len() / LANES - 2 * HALO;
     for depth in 0..HALO {
-        let (before, last) = ((HALO - 1 - depth) * LANES, (HALO + rows - 1 - depth) * LANES);
-        of.copy_within(last..last + LANES - 1, before + 1);
-        of[before] = 0.0;
-        let (behind, first) = ((HALO + rows + depth) * LANES, (HALO + depth) * LANES);
-        of.copy_within(first + 1..first + LANES, behind);
-        of[behind + LANES - 1] = 0.0;
+        let (before, last) = (HALO - 1 - depth, HALO + rows - 1 - depth);
+        let row = lanes(of, last);
+        let mut moved = [T::default(); LANES];
+        (1..LANES).for_each(|l| moved[l] = row[l - 1]);
+        of[before * LANES..(before + 1) * LANES].copy_from_slice(&moved);
+        let (behind, first) = (HALO + rows + depth, HALO + depth);
+        let row = lanes(of, first);
+        let mut moved = [T::default(); LANES];
+        (1..LANES).for_each(|l| moved[l - 1] = row[l]);
+        of[behind * LANES..(behind + 1) * LANES].copy_from_slice(&moved);
     }
 }
 
-/// Numbers that begin at the beginning of a cache line, so that no vector lies across two.
+/// Numbers that begin at the beginning of a cache line, so that no row lies across two.
 #[derive(Debug)]
-pub(super) struct Aligned {
-    numbers: Vec<f64>,
+pub(super) struct Aligned<T = f64> {
+    numbers: Vec<T>,
     first: usize,
     len: usize,
 }
 
-impl From<Vec<f64>> for Aligned {
-    fn from(values: Vec<f64>) -> Aligned {
-        let len = values.len();
-        let mut numbers = vec![0.0; len + LANES];
-        let first = numbers.as_ptr().align_offset(LANES * size_of::<f64>()).min(LANES);
-        numbers[first..first + len].copy_from_slice(&values);
+impl<T: Number> Aligned<T> {
+    /// So many of the same number.
+    pub(super) fn new(len: usize, number: T) -> Aligned<T> {
+        const LINE: usize = LANES * size_of::<f64>();
+        let most = LINE / size_of::<T>();
+        let numbers = vec![number; len + most];
+        let first = numbers.as_ptr().align_offset(LINE).min(most);
         Aligned { numbers, first, len }
     }
 }
 
-impl Clone for Aligned {
-    fn clone(&self) -> Aligned {
-        Aligned::from(self.to_vec())
+impl<T: Number> Clone for Aligned<T> {
+    fn clone(&self) -> Aligned<T> {
+        let mut out = Aligned::new(self.len, T::default());
+        out.copy_from_slice(self);
+        out
     }
 }
 
-impl std::ops::Deref for Aligned {
-    type Target = [f64];
+impl<T> Deref for Aligned<T> {
+    type Target = [T];
 
     #[inline(always)]
-    fn deref(&self) -> &[f64] {
+    fn deref(&self) -> &[T] {
         &self.numbers[self.first..self.first + self.len]
     }
 }
 
-impl std::ops::DerefMut for Aligned {
+impl<T> DerefMut for Aligned<T> {
     #[inline(always)]
-    fn deref_mut(&mut self) -> &mut [f64] {
+    fn deref_mut(&mut self) -> &mut [T] {
         &mut self.numbers[self.first..self.first + self.len]
     }
 }
 
 /// A row.
 #[inline(always)]
-pub(super) fn lanes(of: &[f64], row: usize) -> [f64; LANES] {
-    let mut out = [0.0; LANES];
+pub(super) fn lanes<T: Number>(of: &[T], row: usize) -> [T; LANES] {
+    let mut out = [T::default(); LANES];
     out.copy_from_slice(&of[row * LANES..(row + 1) * LANES]);
     out
 }
 
-/// A row of `LANES` numbers in `H` vectors, and arithmetic on them.
-pub(super) type Row<S, const H: usize> = [<S as Simd>::f64s; H];
+/// A floating-point number, and vectors of it.
+pub(super) trait Number: Copy + Default + PartialEq + std::fmt::Debug + 'static {
+    /// Long sums carry their rounding errors along.
+    const COMPENSATED: bool;
+    type Vector<S: Simd>: Copy;
+
+    fn from_f64(value: f64) -> Self;
+    fn to_f64(self) -> f64;
+    fn vectors<S: Simd>(numbers: &[Self]) -> &[Self::Vector<S>];
+    fn vectors_mut<S: Simd>(numbers: &mut [Self]) -> &mut [Self::Vector<S>];
+    fn splat<S: Simd>(simd: S, a: Self) -> Self::Vector<S>;
+    fn add<S: Simd>(simd: S, a: Self::Vector<S>, b: Self::Vector<S>) -> Self::Vector<S>;
+    fn sub<S: Simd>(simd: S, a: Self::Vector<S>, b: Self::Vector<S>) -> Self::Vector<S>;
+    fn mul<S: Simd>(simd: S, a: Self::Vector<S>, b: Self::Vector<S>) -> Self::Vector<S>;
+    fn max<S: Simd>(simd: S, a: Self::Vector<S>, b: Self::Vector<S>) -> Self::Vector<S>;
+    fn min<S: Simd>(simd: S, a: Self::Vector<S>, b: Self::Vector<S>) -> Self::Vector<S>;
+    fn mul_add<S: Simd>(simd: S, a: Self::Vector<S>, b: Self::Vector<S>, c: Self::Vector<S>) -> Self::Vector<S>;
+}
+
+macro_rules! number {
+    ($number:ty, $compensated:literal, $vector:ident, $as:ident, $as_mut:ident, $splat:ident, $fma:ident, $($op:ident $name:ident),*) => {
+        impl Number for $number {
+            const COMPENSATED: bool = $compensated;
+            type Vector<S: Simd> = S::$vector;
+
+            #[inline(always)]
+            fn from_f64(value: f64) -> Self {
+                value as $number
+            }
+
+            #[inline(always)]
+            fn to_f64(self) -> f64 {
+                f64::from(self)
+            }
+
+            #[inline(always)]
+            fn vectors<S: Simd>(numbers: &[Self]) -> &[S::$vector] {
+                S::$as(numbers).0
+            }
+
+            #[inline(always)]
+            fn vectors_mut<S: Simd>(numbers: &mut [Self]) -> &mut [S::$vector] {
+                S::$as_mut(numbers).0
+            }
+
+            #[inline(always)]
+            fn splat<S: Simd>(simd: S, a: Self) -> S::$vector {
+                simd.$splat(a)
+            }
+
+            #[inline(always)]
+            fn mul_add<S: Simd>(simd: S, a: S::$vector, b: S::$vector, c: S::$vector) -> S::$vector {
+                simd.$fma(a, b, c)
+            }
+
+            $(#[inline(always)]
+            fn $op<S: Simd>(simd: S, a: S::$vector, b: S::$vector) -> S::$vector {
+                simd.$name(a, b)
+            })*
+        }
+    };
+}
+
+number!(
+    f64, true, f64s, as_simd_f64s, as_mut_simd_f64s, splat_f64s, mul_add_f64s,
+    add add_f64s, sub sub_f64s, mul mul_f64s, max max_f64s, min min_f64s
+);
+number!(
+    f32, false, f32s, as_simd_f32s, as_mut_simd_f32s, splat_f32s, mul_add_f32s,
+    add add_f32s, sub sub_f32s, mul mul_f32s, max max_f32s, min min_f32s
+);
+
+/// A row of `LANES` numbers in `H` vectors.
+pub(super) type Row<S, const H: usize, T = f64> = [<T as Number>::Vector<S>; H];
 
 /// Arithmetic on rows, lane by lane.
 #[derive(Clone, Copy)]
-pub(super) struct Rows<S, const H: usize>(pub(super) S);
+pub(super) struct Rows<S, const H: usize, T = f64>(S, PhantomData<T>);
 
-impl<S: Simd, const H: usize> Rows<S, H> {
+impl<S: Simd, const H: usize, T: Number> Rows<S, H, T> {
     /// Numbers as rows.
     #[inline(always)]
-    pub(super) fn of(self, numbers: &[f64]) -> &[Row<S, H>] {
-        S::as_simd_f64s(numbers).0.as_chunks().0
+    pub(super) fn of(self, numbers: &[T]) -> &[Row<S, H, T>] {
+        T::vectors(numbers).as_chunks().0
     }
 
     /// The same, to be written.
     #[inline(always)]
-    pub(super) fn of_mut(self, numbers: &mut [f64]) -> &mut [Row<S, H>] {
-        S::as_mut_simd_f64s(numbers).0.as_chunks_mut().0
+    pub(super) fn of_mut(self, numbers: &mut [T]) -> &mut [Row<S, H, T>] {
+        T::vectors_mut(numbers).as_chunks_mut().0
     }
 
     #[inline(always)]
-    pub(super) fn splat(self, a: f64) -> Row<S, H> {
-        [self.0.splat_f64s(a); H]
+    pub(super) fn splat(self, a: f64) -> Row<S, H, T> {
+        [T::splat(self.0, T::from_f64(a)); H]
     }
 
     #[inline(always)]
-    fn of_two(self, a: Row<S, H>, b: Row<S, H>, f: impl Fn(S::f64s, S::f64s) -> S::f64s) -> Row<S, H> {
-        std::array::from_fn(|h| f(a[h], b[h]))
+    pub(super) fn add(self, a: Row<S, H, T>, b: Row<S, H, T>) -> Row<S, H, T> {
+        std::array::from_fn(|h| T::add(self.0, a[h], b[h]))
     }
 
     #[inline(always)]
-    pub(super) fn add(self, a: Row<S, H>, b: Row<S, H>) -> Row<S, H> {
-        self.of_two(a, b, |a, b| self.0.add_f64s(a, b))
+    pub(super) fn sub(self, a: Row<S, H, T>, b: Row<S, H, T>) -> Row<S, H, T> {
+        std::array::from_fn(|h| T::sub(self.0, a[h], b[h]))
     }
 
     #[inline(always)]
-    pub(super) fn sub(self, a: Row<S, H>, b: Row<S, H>) -> Row<S, H> {
-        self.of_two(a, b, |a, b| self.0.sub_f64s(a, b))
+    pub(super) fn mul(self, a: Row<S, H, T>, b: Row<S, H, T>) -> Row<S, H, T> {
+        std::array::from_fn(|h| T::mul(self.0, a[h], b[h]))
     }
 
     #[inline(always)]
-    pub(super) fn mul(self, a: Row<S, H>, b: Row<S, H>) -> Row<S, H> {
-        self.of_two(a, b, |a, b| self.0.mul_f64s(a, b))
+    pub(super) fn max(self, a: Row<S, H, T>, b: Row<S, H, T>) -> Row<S, H, T> {
+        std::array::from_fn(|h| T::max(self.0, a[h], b[h]))
     }
 
     #[inline(always)]
-    pub(super) fn max(self, a: Row<S, H>, b: Row<S, H>) -> Row<S, H> {
-        self.of_two(a, b, |a, b| self.0.max_f64s(a, b))
-    }
-
-    #[inline(always)]
-    pub(super) fn min(self, a: Row<S, H>, b: Row<S, H>) -> Row<S, H> {
-        self.of_two(a, b, |a, b| self.0.min_f64s(a, b))
+    pub(super) fn min(self, a: Row<S, H, T>, b: Row<S, H, T>) -> Row<S, H, T> {
+        std::array::from_fn(|h| T::min(self.0, a[h], b[h]))
     }
 
     /// `a b + c`, rounded once.
     #[inline(always)]
-    pub(super) fn mul_add(self, a: Row<S, H>, b: Row<S, H>, c: Row<S, H>) -> Row<S, H> {
-        std::array::from_fn(|h| self.0.mul_add_f64s(a[h], b[h], c[h]))
+    pub(super) fn mul_add(self, a: Row<S, H, T>, b: Row<S, H, T>, c: Row<S, H, T>) -> Row<S, H, T> {
+        std::array::from_fn(|h| T::mul_add(self.0, a[h], b[h], c[h]))
     }
 
     /// `a + b`, and its rounding error.
     #[inline(always)]
-    pub(super) fn two_sum(self, a: Row<S, H>, b: Row<S, H>) -> [Row<S, H>; 2] {
+    pub(super) fn two_sum(self, a: Row<S, H, T>, b: Row<S, H, T>) -> [Row<S, H, T>; 2] {
         let s = self.add(a, b);
         let t = self.sub(s, a);
         [s, self.add(self.sub(a, self.sub(s, t)), self.sub(b, t))]
     }
+}
 
+impl<S: Simd, const H: usize> Rows<S, H> {
     /// Whether any number of `a` is larger than that of `b`.
     #[inline(always)]
     pub(super) fn any_larger(self, a: Row<S, H>, b: Row<S, H>) -> bool {
@@ -223,29 +302,29 @@ impl<S: Simd, const H: usize> Rows<S, H> {
     }
 }
 
-/// Something to do with rows, compiled for the widest vectors at hand.
-pub(super) trait WithRows {
+/// Something to do with rows of numbers T, compiled for the widest vectors at hand.
+pub(super) trait WithRows<T> {
     type Output;
-    fn run<S: Simd, const H: usize>(self, rows: Rows<S, H>) -> Self::Output;
+    fn run<S: Simd, const H: usize>(self, rows: Rows<S, H, T>) -> Self::Output;
 }
 
 /// Does it.
-pub(super) fn dispatch<T: WithRows>(task: T) -> T::Output {
-    pulp::Arch::new().dispatch(Task(task))
+pub(super) fn dispatch<T: Number, W: WithRows<T>>(task: W) -> W::Output {
+    pulp::Arch::new().dispatch(Task(task, PhantomData))
 }
 
-struct Task<T>(T);
+struct Task<T, W>(W, PhantomData<T>);
 
-impl<T: WithRows> pulp::WithSimd for Task<T> {
-    type Output = T::Output;
+impl<T: Number, W: WithRows<T>> pulp::WithSimd for Task<T, W> {
+    type Output = W::Output;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> T::Output {
-        match S::F64_LANES {
-            1 => self.0.run(Rows::<S, 8>(simd)),
-            2 => self.0.run(Rows::<S, 4>(simd)),
-            4 => self.0.run(Rows::<S, 2>(simd)),
-            _ => self.0.run(Rows::<S, 1>(simd)),
+    fn with_simd<S: Simd>(self, simd: S) -> W::Output {
+        match size_of::<T::Vector<S>>() / size_of::<T>() {
+            1 => self.0.run(Rows::<S, 8, T>(simd, PhantomData)),
+            2 => self.0.run(Rows::<S, 4, T>(simd, PhantomData)),
+            4 => self.0.run(Rows::<S, 2, T>(simd, PhantomData)),
+            _ => self.0.run(Rows::<S, 1, T>(simd, PhantomData)),
         }
     }
 }

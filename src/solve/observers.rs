@@ -4,9 +4,9 @@ use pulp::Simd;
 
 use super::between::{Levels, Search, windows};
 use super::foresee;
-use super::lanes::{HALO, LANES, Row, Rows, lanes};
+use super::lanes::{Aligned, HALO, LANES, Row, Rows, lanes};
 use super::motion::{MARGIN, Motion, any_positive, excess, norms_around};
-use super::propagator::{KICK_TERMS, StepObserver, View, error_bound_of_terms, march, terms};
+use super::propagator::{KICK_TERMS, StepObserver, Steps, View, error_bound_of_terms, march, terms};
 use super::watch::SpringPeaks;
 use super::{Wanted, Work};
 use crate::chain::Scene;
@@ -20,30 +20,31 @@ pub fn peaks(
     wanted: Wanted,
     mark: Option<f64>,
 ) -> ([Vec<SpringPeaks>; 2], Work) {
-    let from = |expected| peaks_from(scene, [omega, min_rise], wanted, mark, expected);
+    let motion = Motion::new(scene);
+    let from = |expected| peaks_from(scene, &motion, [omega, min_rise], wanted, mark, expected);
     // A guess lies `MARGIN` under the peaks: where larger differences are ignored, it excludes few further steps.
     let pays = wanted == Wanted::Worst || min_rise < foresee::MARGIN * scene.force.abs();
-    let expected = pays.then(|| foresee::levels(scene, omega, mark.unwrap_or(scene.horizon)));
+    let expected = pays.then(|| foresee::levels(scene, &motion, omega, mark.unwrap_or(scene.horizon)));
     expected.and_then(|expected| from(Some(expected))).or_else(|| from(None)).unwrap_or_default()
 }
 
 /// The same, given what forces are expected to pass up to the mark and up to the horizon; `None` if some do not.
 fn peaks_from(
     scene: &Scene,
+    motion: &Motion,
     [omega, min_rise]: [f64; 2],
     wanted: Wanted,
     mark: Option<f64>,
     expected: Option<[Levels; 2]>,
 ) -> Option<([Vec<SpringPeaks>; 2], Work)> {
-    let motion = Motion::new(scene);
     let terms = terms(scene, omega, min_rise);
-    let mut search = Search::new(scene, &motion, [error_bound_of_terms(scene, omega, terms), min_rise]);
+    let mut search = Search::new(scene, motion, [error_bound_of_terms(scene, omega, terms), min_rise]);
     let later = expected.map(|[first, later]| {
         search.expect(&first, wanted);
         later
     });
     let mut observer = PeaksObserver { search, wanted, mark, later, to_mark: Some(Vec::new()), work: Work::default() };
-    march(scene, &motion, omega, terms, &mut observer);
+    march(scene, motion, Steps::exact(omega, terms), scene.force, &mut observer);
     let PeaksObserver { search, mark, to_mark, mut work, .. } = observer;
     let (peaks, looked) = search.finish();
     work.refinements += looked;
@@ -58,7 +59,7 @@ pub fn history(scene: &Scene, omega: f64, spring: usize, times: &[f64]) -> Vec<f
     let search = Search::new(scene, &motion, [0.0; 2]);
     let values = vec![scene.initial[spring]; times.len()];
     let mut record = HistoryObserver { search, spring, times, values, next: 0, horizon: scene.horizon };
-    march(scene, &motion, omega, KICK_TERMS, &mut record);
+    march(scene, &motion, Steps::exact(omega, KICK_TERMS), scene.force, &mut record);
     record.values
 }
 
@@ -66,7 +67,7 @@ pub fn history(scene: &Scene, omega: f64, spring: usize, times: &[f64]) -> Vec<f
 /// of a step. Calls `see(index of the time, spring, force)` for each.
 pub fn field(scene: &Scene, omega: f64, times: &[f64], see: &mut dyn FnMut(usize, usize, f64)) {
     let motion = Motion::new(scene);
-    march(scene, &motion, omega, KICK_TERMS, &mut FieldObserver { scene, times, next: 0, see });
+    march(scene, &motion, Steps::exact(omega, KICK_TERMS), scene.force, &mut FieldObserver { scene, times, next: 0, see });
 }
 
 /// Shows the search what may matter.
@@ -114,9 +115,9 @@ impl View<'_> {
     /// Shows the search every spring that may matter in the step.
     #[inline(always)]
     fn show<S: Simd, const H: usize>(&self, rows: Rows<S, H>, search: &mut Search) {
-        let last = search.is_last(&self.step);
+        let (last, whole) = (search.is_last(&self.step), self.whole_energy());
         for block in 0..self.layout.blocks() {
-            for row in self.open_rows(rows, &search.levels, block) {
+            for row in self.open_rows(rows, &search.levels, block, whole) {
                 let Some((open, remainders)) = self.open_springs([&search.levels, &search.crossings], row, last) else {
                     continue;
                 };
@@ -133,13 +134,14 @@ impl View<'_> {
     pub(super) fn open_rows<S: Simd, const H: usize>(
         &self,
         v: Rows<S, H>,
-        levels: &[Vec<f64>; 2],
+        levels: &[Aligned; 2],
         block: usize,
+        whole: [f64; 2],
     ) -> impl Iterator<Item = usize> + use<S, H> {
         let inner = self.layout.block(block);
         let (from, count) = (inner.start, inner.len());
         let of = |row| -> &[Row<S, H>] { &v.of(row)[inner.clone()] };
-        let norm: Row<S, H> = v.of(&self.norms[0])[HALO + block];
+        let norm = v.of(&self.norms(block, whole)[0])[0];
         let ([f, g], [q, p]) = (self.force.map(of), self.bend.map(of));
         let (remainder, high, low) = (of(&self.remainders[0]), of(&levels[0]), of(&levels[1]));
         let (zero, eighth) = (v.splat(0.0), v.splat(0.125));
@@ -159,7 +161,7 @@ impl View<'_> {
     /// whole step.
     pub(super) fn open_springs(
         &self,
-        levels: [&[Vec<f64>; 2]; 2],
+        levels: [&[Aligned; 2]; 2],
         row: usize,
         last: bool,
     ) -> Option<([f64; LANES], [f64; LANES])> {
@@ -170,7 +172,7 @@ impl View<'_> {
     #[inline(always)]
     fn passing(
         &self,
-        [levels, crossings]: [&[Vec<f64>; 2]; 2],
+        [levels, crossings]: [&[Aligned; 2]; 2],
         row: usize,
         norms: [f64; LANES],
         last: bool,
@@ -223,7 +225,7 @@ impl Search<'_> {
 /// The test of [`View::open_springs`]; few rows need it, so it is compiled apart from the march.
 struct Closer<'a> {
     view: &'a View<'a>,
-    levels: [&'a [Vec<f64>; 2]; 2],
+    levels: [&'a [Aligned; 2]; 2],
     row: usize,
     last: bool,
 }
@@ -234,8 +236,7 @@ impl pulp::WithSimd for Closer<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Self::Output {
         let Closer { view, levels, row, last } = self;
-        let block = HALO + view.layout.block_of(row);
-        let bounds = [lanes(&view.norms[0], block), lanes(&view.norms[1], block)];
+        let bounds = view.norms(view.layout.block_of(row), view.whole_energy());
         if !any_positive(view.passing(levels, row, bounds[0], last)) {
             return None;
         }

@@ -16,13 +16,11 @@
 //! (compensated summation, W. Kahan, *Comm. ACM* 8 (1965) 40). So a step's error is a few units of the *increments*, whose norm
 //! is bounded by the conserved energy of the motion's derivative, not of the state, which grows with the train.
 
-use std::sync::OnceLock;
-
 use pulp::Simd;
 
 use super::between::Step;
 use super::dd::{Dd, two_sum};
-use super::lanes::{Aligned, BLOCK, HALO, LANES, Layout, Row, Rows, WithRows, dispatch, lanes, wrap};
+use super::lanes::{Aligned, BLOCK, HALO, LANES, Layout, Number, Row, Rows, WithRows, dispatch, lanes, wrap};
 use super::motion::{FAR, Motion, local_norms};
 use super::path::Path;
 use super::series::{PHASE, polynomial, sine_over_root};
@@ -92,25 +90,47 @@ pub(super) fn terms(scene: &Scene, omega: f64, min_rise: f64) -> usize {
     (FEWEST_TERMS..KICK_TERMS).find(fits).unwrap_or(KICK_TERMS)
 }
 
-/// What to do with each step of a march; compiled into it.
-pub(super) trait StepObserver {
-    fn see<S: Simd, const H: usize>(&mut self, rows: Rows<S, H>, view: &View);
+/// What to do with each step of a march in numbers T; compiled into it.
+pub(super) trait StepObserver<T: Number = f64> {
+    fn see<S: Simd, const H: usize>(&mut self, rows: Rows<S, H, T>, view: &View<T>);
+}
+
+/// How a march is made.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Steps {
+    /// Largest phase of a step, and an upper bound on the largest frequency.
+    pub phase: f64,
+    pub omega: f64,
+    /// Terms of the series.
+    pub terms: usize,
+}
+
+impl Steps {
+    /// Those within the error bound for so many terms.
+    pub(super) fn exact(omega: f64, terms: usize) -> Steps {
+        Steps { phase: PHASE, omega, terms }
+    }
+
+    /// Steps of a stretch of time.
+    pub(super) fn count(&self, time: f64) -> u64 {
+        (time * self.omega / self.phase).ceil().max(1.0) as u64
+    }
 }
 
 /// What a march shows of a step. Rows are laid out by `layout`.
-pub(super) struct View<'a> {
+pub(super) struct View<'a, T: Number = f64> {
     pub step: Step,
     pub layout: Layout,
     /// G at both ends.
-    pub force: [&'a [f64]; 2],
+    pub force: [&'a [T]; 2],
     /// `q = -h^2 G''` at both ends, with halos.
-    pub bend: [&'a [f64]; 2],
+    pub bend: [&'a [T]; 2],
     /// The two remainders of every spring, per unit of the norm of `h^2 G''` around it.
-    pub remainders: &'a [Aligned; 2],
+    pub remainders: &'a [Aligned<T>; 2],
     /// `1 / sqrt(k)`
-    pub root: &'a [f64],
-    /// The bounds of [`local_norms`] for each block of rows, with halos.
-    pub norms: &'a [Aligned; 2],
+    pub root: &'a [T],
+    /// Sums of `q_i^2 / k_i` over the blocks of rows, lane by lane, at both ends, with halos.
+    pub energy: [&'a [T]; 2],
 }
 
 impl View<'_> {
@@ -131,20 +151,51 @@ impl View<'_> {
             [self.force[end][place], -q[place], self.step.width * self.step.width * pull]
         })
     }
+
+    /// The energy of all blocks together, at both ends.
+    #[inline(always)]
+    pub(super) fn whole_energy(&self) -> [f64; 2] {
+        let sum = |row: &[f64]| {
+            let mut sums = [0.0; LANES];
+            for block in HALO..row.len() / LANES - HALO {
+                let energy = lanes(row, block);
+                (0..LANES).for_each(|l| sums[l] += energy[l]);
+            }
+            let [a, b, c, d, e, f, g, h] = sums;
+            ((a + b) + (c + d)) + ((e + f) + (g + h))
+        };
+        [sum(self.energy[0]), sum(self.energy[1])]
+    }
+
+    /// The bounds of [`local_norms`] for a block of rows.
+    #[inline(always)]
+    pub(super) fn norms(&self, block: usize, whole: [f64; 2]) -> [[f64; LANES]; 2] {
+        if self.layout.rows < BLOCK {
+            // Short blocks: all of them count as near.
+            local_norms(|end, n| [if n == FAR { whole[end] } else { 0.0 }; LANES], whole)
+        } else {
+            local_norms(|end, n| lanes(self.energy[end], HALO + block + n - FAR), whole)
+        }
+    }
 }
 
-/// Marches to the horizon, with so many terms of the series, and passes every step to `see`. `omega` is an upper bound on the largest
-/// frequency.
-pub(super) fn march(scene: &Scene, motion: &Motion, omega: f64, terms: usize, see: &mut impl StepObserver) {
-    let mut state = State::new(scene, motion, terms);
+/// Marches to the horizon in numbers T and passes every step to `see`; `force` is the size of the scene's.
+pub(super) fn march<T: Number>(
+    scene: &Scene,
+    motion: &Motion,
+    steps: Steps,
+    force: f64,
+    see: &mut impl StepObserver<T>,
+) {
+    let mut state = State::<T>::new(scene, motion, steps, force);
     let stretches = if scene.duration < scene.horizon {
-        vec![(0.0, scene.duration, scene.force), (scene.duration, scene.horizon, 0.0)]
+        vec![(0.0, scene.duration, force), (scene.duration, scene.horizon, 0.0)]
     } else {
-        vec![(0.0, scene.horizon, scene.force)]
+        vec![(0.0, scene.horizon, force)]
     };
     let mut number = 0;
     for (from, to, force) in stretches {
-        let count = ((to - from) * omega / PHASE).ceil().max(1.0) as u64;
+        let count = steps.count(to - from);
         let step = Step { number, from, width: (to - from) / count as f64, force };
         number += count;
         dispatch(Stretch { state: &mut state, step, count, see });
@@ -152,100 +203,102 @@ pub(super) fn march(scene: &Scene, motion: &Motion, omega: f64, terms: usize, se
 }
 
 /// Steps of equal width under constant force.
-struct Stretch<'s, 'a, F> {
-    state: &'s mut State<'a>,
+struct Stretch<'s, 'a, T: Number, F> {
+    state: &'s mut State<'a, T>,
     step: Step,
     count: u64,
     see: &'s mut F,
 }
 
-impl<F: StepObserver> WithRows for Stretch<'_, '_, F> {
+impl<T: Number, F: StepObserver<T>> WithRows<T> for Stretch<'_, '_, T, F> {
     type Output = ();
 
     #[inline(always)]
-    fn run<S: Simd, const H: usize>(self, rows: Rows<S, H>) {
+    fn run<S: Simd, const H: usize>(self, rows: Rows<S, H, T>) {
         self.state.stretch(rows, self.step, self.count, self.see);
     }
 }
 
 /// The present state, in rows ([`super::lanes`]). Spring i lies between masses i and i + 1.
-struct State<'a> {
+struct State<'a, T: Number> {
     scene: &'a Scene,
     motion: &'a Motion,
+    steps: Steps,
+    /// Adding and subtracting this sets to zero what is far smaller: denormal numbers are slow.
+    tiny: f64,
     layout: Layout,
     /// `1 / sqrt(k)`
-    root: Aligned,
+    root: Aligned<T>,
     /// G at the beginning and the end of a step, and its rounding error.
-    force: [Aligned; 2],
-    force_rest: Aligned,
+    force: [Aligned<T>; 2],
+    force_rest: Aligned<T>,
     /// Velocities, half a step ahead (between stretches: at the whole step), and their rounding errors.
-    velocity: Aligned,
-    velocity_rest: Aligned,
+    velocity: Aligned<T>,
+    velocity_rest: Aligned<T>,
     /// `(h / m) (G_{v-1} - G_v + p_v)`
-    pull: Aligned,
-    bend: [Aligned; 2],
-    /// Sums of `q_i^2 / k_i` over the blocks of rows, lane by lane, at the beginning and the end of a step, with halos; and the norms from
-    /// them.
-    energy: [Aligned; 2],
-    norms: [Aligned; 2],
-    scratch: [Aligned; 2],
+    pull: Aligned<T>,
+    bend: [Aligned<T>; 2],
+    /// Sums of `q_i^2 / k_i` over the blocks of rows, lane by lane, at the beginning and the end of a step, with halos.
+    energy: [Aligned<T>; 2],
+    scratch: [Aligned<T>; 2],
     /// Coefficients of P, highest power first: the leading one, and two for each pass.
     series: Vec<f64>,
 }
 
 /// `h / m` and `h k` of every mass and spring.
-struct Coefficients {
-    kick: Aligned,
-    drift: Aligned,
+struct Coefficients<T> {
+    kick: Aligned<T>,
+    drift: Aligned<T>,
 }
 
-impl<'a> State<'a> {
-    fn new(scene: &'a Scene, motion: &'a Motion, terms: usize) -> State<'a> {
+impl<'a, T: Number> State<'a, T> {
+    fn new(scene: &'a Scene, motion: &'a Motion, steps: Steps, force: f64) -> State<'a, T> {
         let layout = Layout::new(scene.initial.len());
-        let zero = Aligned::from(vec![0.0; layout.len()]);
-        let blocks = Aligned::from(vec![0.0; (layout.blocks() + 2 * HALO) * LANES]);
+        let zero = Aligned::new(layout.len(), T::default());
+        let blocks = Aligned::new((layout.blocks() + 2 * HALO) * LANES, T::default());
         let two = || [zero.clone(), zero.clone()];
-        let series = &KICK_SERIES.get_or_init(|| std::array::from_fn(|k| kick_series(k, PHASE)))[terms];
+        let series = kick_series(steps.terms, steps.phase);
         State {
             scene,
             motion,
+            steps,
+            tiny: TINY * force.abs(),
             layout,
-            root: layout.spread(scene.chain.stiffness.iter().map(|k| 1.0 / k.sqrt()), 0.0).into(),
+            root: layout.spread(scene.chain.stiffness.iter().map(|k| 1.0 / k.sqrt()), 0.0),
             force: two(),
             force_rest: zero.clone(),
             velocity: zero.clone(),
             velocity_rest: zero.clone(),
             pull: zero.clone(),
             bend: two(),
-            energy: [blocks.clone(), blocks.clone()],
-            norms: [blocks.clone(), blocks],
+            energy: [blocks.clone(), blocks],
             scratch: two(),
-            series: std::iter::repeat_n(0.0, (terms + 1) % 2).chain(series.iter().rev().copied()).collect(),
+            series: std::iter::repeat_n(0.0, (steps.terms + 1) % 2).chain(series.into_iter().rev()).collect(),
         }
     }
 
-    fn coefficients(&self, width: f64) -> Coefficients {
+    fn coefficients(&self, width: f64) -> Coefficients<T> {
         let chain = &self.scene.chain;
         let inverse = |v: usize| if chain.live(v) { 1.0 / chain.mass[v] } else { 0.0 };
-        let mut kick = self.layout.spread((0..chain.mass.len()).map(|v| width * inverse(v)), 0.0);
-        let mut drift = self.layout.spread(chain.stiffness.iter().map(|k| width * k), 0.0);
+        let mut kick: Aligned<T> = self.layout.spread((0..chain.mass.len()).map(|v| width * inverse(v)), 0.0);
+        let mut drift: Aligned<T> = self.layout.spread(chain.stiffness.iter().map(|k| width * k), 0.0);
         wrap(&mut kick);
         wrap(&mut drift);
-        Coefficients { kick: kick.into(), drift: drift.into() }
+        Coefficients { kick, drift }
     }
 
     #[inline(always)]
     fn stretch<S: Simd, const H: usize>(
         &mut self,
-        rows: Rows<S, H>,
+        rows: Rows<S, H, T>,
         first: Step,
         count: u64,
-        see: &mut impl StepObserver,
+        see: &mut impl StepObserver<T>,
     ) {
         let Step { width, force, .. } = first;
         let layout = self.layout;
         let c = self.coefficients(width);
-        let remainders: [Aligned; 2] = self.motion.remainders(width).map(|row| layout.spread(row, 0.0).into());
+        let remainders = self.motion.remainders(width).map(|row| layout.spread(row, 0.0));
         self.convert_velocity(&c, sine_over_root);
         self.find_bend(rows, &c, first);
         for n in 0..count {
@@ -256,7 +309,6 @@ impl<'a> State<'a> {
             self.energy.swap(0, 1);
             self.kick_and_drift(rows, &c, share);
             self.find_bend(rows, &c, first);
-            self.find_norms();
             let step = Step { number: first.number + n, from: first.from + n as f64 * width, width, force };
             let view = View {
                 step,
@@ -265,7 +317,7 @@ impl<'a> State<'a> {
                 bend: [&self.bend[0], &self.bend[1]],
                 remainders: &remainders,
                 root: &self.root,
-                norms: &self.norms,
+                energy: [&self.energy[0], &self.energy[1]],
             };
             see.see(rows, &view);
         }
@@ -278,15 +330,15 @@ impl<'a> State<'a> {
 
     /// Converts velocities at a whole step to the mean of those half a step before and after, or back: `factor` is
     /// `sin(theta) / theta`, or its inverse, as a function of X.
-    fn convert_velocity(&mut self, c: &Coefficients, factor: impl Fn(Dd) -> Dd) {
-        if self.velocity.iter().all(|v| *v == 0.0) {
+    fn convert_velocity(&mut self, c: &Coefficients<T>, factor: impl Fn(Dd) -> Dd) {
+        if self.velocity.iter().all(|v| *v == T::default()) {
             return;
         }
         let masses = self.scene.chain.mass.len();
         let [kick, drift, mut velocity] =
             [&c.kick, &c.drift, &self.velocity].map(|row| self.layout.gather(row, masses));
         let series =
-            polynomial(SWITCH_TERMS, PHASE, |x| if x.hi == 0.0 { Dd::ZERO } else { (factor(x) - Dd::ONE) / x });
+            polynomial(SWITCH_TERMS, self.steps.phase, |x| if x.hi == 0.0 { Dd::ZERO } else { (factor(x) - Dd::ONE) / x });
         // X applied to masses: (h / m) (h k (v_{i-1} - v_i) ...), from velocities to velocities.
         let times = |v: &[f64]| -> Vec<f64> {
             let extension = |i: usize| drift[i] * (v[i] - v[i + 1]);
@@ -301,7 +353,7 @@ impl<'a> State<'a> {
             sum.iter_mut().zip(&base).for_each(|(s, b)| *s += coefficient * b);
         }
         velocity.iter_mut().zip(&sum).for_each(|(v, s)| *v += s);
-        self.velocity = self.layout.spread(velocity, 0.0).into();
+        self.velocity = self.layout.spread(velocity, 0.0);
         wrap(&mut self.velocity);
         wrap(&mut self.velocity_rest);
     }
@@ -310,7 +362,7 @@ impl<'a> State<'a> {
     ///
     /// By Horner's rule, two powers a pass: `X r = h k_i (w_{i+1} - w_i)`, `w_v = h / m_v (r_{v-1} - r_v)`.
     #[inline(always)]
-    fn sum_series<S: Simd, const H: usize>(&mut self, rows: Rows<S, H>, c: &Coefficients) {
+    fn sum_series<S: Simd, const H: usize>(&mut self, rows: Rows<S, H, T>, c: &Coefficients<T>) {
         let [r, next] = &mut self.scratch;
         let (leading, rest) = self.series.split_first().unwrap_or((&0.0, &[]));
         let mut is_first = true;
@@ -325,10 +377,10 @@ impl<'a> State<'a> {
 
     /// `v <- v + share (pull + (h / m) (r_{v-1} - r_v))`, `G <- G + h k (v_i - v_{i+1})`
     #[inline(always)]
-    fn kick_and_drift<S: Simd, const H: usize>(&mut self, v: Rows<S, H>, c: &Coefficients, share: f64) {
+    fn kick_and_drift<S: Simd, const H: usize>(&mut self, v: Rows<S, H, T>, c: &Coefficients<T>, share: f64) {
         let end = self.layout.rows + 2 * HALO;
         let (kick, drift, pull) = (&v.of(&c.kick)[..end], &v.of(&c.drift)[..end], &v.of(&self.pull)[..end]);
-        let r: &[Row<S, H>] = &v.of(&self.scratch[0])[..end];
+        let r: &[Row<S, H, T>] = &v.of(&self.scratch[0])[..end];
         let [before, after] = &mut self.force;
         let (before, after) = (&v.of(before)[..end], &mut v.of_mut(after)[..end]);
         let force_rest = &mut v.of_mut(&mut self.force_rest)[..end];
@@ -340,38 +392,47 @@ impl<'a> State<'a> {
         for p in HALO..end - HALO + 1 {
             let change = v.mul(share, v.mul_add(kick[p], v.sub(last_r, r[p]), pull[p]));
             last_r = r[p];
-            let [speed, rest] = v.two_sum(velocity[p], v.add(velocity_rest[p], change));
-            velocity[p] = speed;
-            velocity_rest[p] = rest;
-            let apart = v.add(v.sub(last[0], speed), v.sub(last[1], rest));
-            last = [speed, rest];
-            // The first row is in the halo, which is written below.
-            let change = v.mul_add(drift[p - 1], apart, force_rest[p - 1]);
-            let [force, rest] = v.two_sum(before[p - 1], change);
-            after[p - 1] = force;
-            force_rest[p - 1] = rest;
+            // The first row of forces is in the halo, which is written below.
+            if T::COMPENSATED {
+                let [speed, rest] = v.two_sum(velocity[p], v.add(velocity_rest[p], change));
+                velocity[p] = speed;
+                velocity_rest[p] = rest;
+                let apart = v.add(v.sub(last[0], speed), v.sub(last[1], rest));
+                last = [speed, rest];
+                let change = v.mul_add(drift[p - 1], apart, force_rest[p - 1]);
+                [after[p - 1], force_rest[p - 1]] = v.two_sum(before[p - 1], change);
+            } else {
+                let speed = v.add(velocity[p], change);
+                after[p - 1] = v.mul_add(drift[p - 1], v.sub(last[0], speed), before[p - 1]);
+                velocity[p] = speed;
+                last[0] = speed;
+            }
         }
         wrap(&mut self.force[1]);
-        wrap(&mut self.force_rest);
+        if T::COMPENSATED {
+            wrap(&mut self.force_rest);
+        }
     }
 
     /// The second half of a step's kick, where a stretch ends.
-    fn half_kick(&mut self, c: &Coefficients) {
+    fn half_kick(&mut self, c: &Coefficients<T>) {
         let r = &self.scratch[0];
         for place in HALO * LANES..self.layout.len() - HALO * LANES {
-            let change = 0.5 * c.kick[place].mul_add(r[place - LANES] - r[place], self.pull[place]);
-            [self.velocity[place], self.velocity_rest[place]] =
-                two_sum(self.velocity[place], self.velocity_rest[place] + change);
+            let apart = r[place - LANES].to_f64() - r[place].to_f64();
+            let change = 0.5 * c.kick[place].to_f64().mul_add(apart, self.pull[place].to_f64());
+            let [speed, rest] =
+                two_sum(self.velocity[place].to_f64(), self.velocity_rest[place].to_f64() + change);
+            (self.velocity[place], self.velocity_rest[place]) = (T::from_f64(speed), T::from_f64(rest));
         }
     }
 
     /// Pulls on the masses, and from them `q = h k (pull_{i+1} - pull_i)`.
     #[inline(always)]
-    fn find_bend<S: Simd, const H: usize>(&mut self, v: Rows<S, H>, c: &Coefficients, step: Step) {
+    fn find_bend<S: Simd, const H: usize>(&mut self, v: Rows<S, H, T>, c: &Coefficients<T>, step: Step) {
         let end = self.layout.rows + 2 * HALO;
         let (kick, drift) = (&v.of(&c.kick)[..end], &v.of(&c.drift)[..end]);
         let (force, rest) = (&v.of(&self.force[1])[..end], &v.of(&self.force_rest)[..end]);
-        let tiny = v.splat(TINY * self.scene.force.abs());
+        let tiny = v.splat(self.tiny);
         // The source, and its copy in the halo of the piece before.
         let source = self.layout.place(self.scene.source);
         let copy = if source % LANES > 0 { source + self.layout.rows * LANES - 1 } else { source };
@@ -381,14 +442,17 @@ impl<'a> State<'a> {
             let to = inner.end;
             let pull = &mut v.of_mut(&mut self.pull)[..end];
             for p in done..to + 1 {
-                let apart = v.add(v.sub(force[p - 1], force[p]), v.sub(rest[p - 1], rest[p]));
+                let mut apart = v.sub(force[p - 1], force[p]);
+                if T::COMPENSATED {
+                    apart = v.add(apart, v.sub(rest[p - 1], rest[p]));
+                }
                 pull[p] = v.sub(v.add(v.mul(kick[p], apart), tiny), tiny);
             }
             for place in [source, copy] {
                 if (done * LANES..(to + 1) * LANES).contains(&place) {
-                    let apart = |g: &[f64]| g[place - LANES] - g[place];
+                    let apart = |g: &[T]| g[place - LANES].to_f64() - g[place].to_f64();
                     let outside = (apart(&self.force[1]) + apart(&self.force_rest)) + step.force;
-                    self.pull[place] = c.kick[place] * outside;
+                    self.pull[place] = T::from_f64(c.kick[place].to_f64() * outside);
                 }
             }
             done = to + 1;
@@ -406,36 +470,20 @@ impl<'a> State<'a> {
         wrap(&mut self.energy[1]);
         wrap(&mut self.bend[1]);
     }
-
-    /// Bounds on the norms of `h^2 G''` around blocks, from the energy at both ends.
-    #[inline(always)]
-    fn find_norms(&mut self) {
-        let inner = HALO * LANES..self.energy[0].len() - HALO * LANES;
-        let all = [0, 1].map(|end| self.energy[end][inner.clone()].iter().sum());
-        for from in inner.step_by(LANES) {
-            // Short blocks: all are near.
-            let norms = if self.layout.rows < BLOCK {
-                local_norms(|end, n| [if n == FAR { all[end] } else { 0.0 }; LANES], all)
-            } else {
-                local_norms(|end, n| lanes(&self.energy[end], from / LANES + n - FAR), all)
-            };
-            (0..2).for_each(|n| self.norms[n][from..from + LANES].copy_from_slice(&norms[n]));
-        }
-    }
 }
 
 /// `next = (c_2 + X (c_1 + scale X)) q`, where `from` stands for the last q, over the pieces; with halos of q and `from`.
 #[inline(always)]
-fn two_powers<S: Simd, const H: usize>(
-    v: Rows<S, H>,
-    c: &Coefficients,
-    [q, from]: [&[f64]; 2],
-    next: &mut [f64],
+fn two_powers<S: Simd, const H: usize, T: Number>(
+    v: Rows<S, H, T>,
+    c: &Coefficients<T>,
+    [q, from]: [&[T]; 2],
+    next: &mut [T],
     [scale, first, second]: [f64; 3],
 ) {
     let end = c.kick.len() / LANES;
     let (kick, drift) = (&v.of(&c.kick)[..end], &v.of(&c.drift)[..end]);
-    let (q, from): (&[Row<S, H>], &[Row<S, H>]) = (&v.of(q)[..end], &v.of(from)[..end]);
+    let (q, from): (&[Row<S, H, T>], &[Row<S, H, T>]) = (&v.of(q)[..end], &v.of(from)[..end]);
     let next = &mut v.of_mut(next)[..end];
     let [scale, first, second] = [scale, first, second].map(|x| v.splat(x));
     // r and w of the row before; the same of the first sum, one row later.
@@ -454,9 +502,6 @@ fn two_powers<S: Simd, const H: usize>(
         (sum, w_of_sum, last_q) = (next_sum, next_w, q[p]);
     }
 }
-
-/// By the number of terms.
-static KICK_SERIES: OnceLock<[Vec<f64>; KICK_TERMS + 1]> = OnceLock::new();
 
 /// `(4 sin^2(theta / 2) / theta^2 - 1) / theta^2` as a polynomial in theta^2: `2 sum_k (-1)^(k+1) x^k / (2k + 4)!`.
 pub(crate) fn kick_series(terms: usize, phase: f64) -> Vec<f64> {

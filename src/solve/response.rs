@@ -14,8 +14,8 @@ use pulp::Simd;
 use super::between::{Step, piece};
 use super::local::{Local, Point};
 use super::motion::{Motion, bracket, least_slope};
-use super::lanes::{LANES, Layout, Rows};
-use super::propagator::{self, StepObserver, View, march};
+use super::lanes::{Aligned, LANES, Layout, Rows};
+use super::propagator::{self, StepObserver, Steps, View, march};
 use super::watch::{Side, SpringPeaks, bound_of_extremes};
 use super::{Ask, Method, Solution, Wanted, Work};
 use crate::chain::Scene;
@@ -99,7 +99,8 @@ impl UnitResponse {
         let horizon = scene.horizon;
         let mut recorder =
             Recorder { horizon, motion: &motion, levels, min_rise, last: u64::MAX, steps, rows, records };
-        march(scene, &motion, omega_max, propagator::KICK_TERMS, &mut recorder);
+        let steps = Steps::exact(omega_max, propagator::KICK_TERMS);
+        march(scene, &motion, steps, scene.force, &mut recorder);
         let Recorder { steps, rows, mut records, .. } = recorder;
         records.iter_mut().flatten().for_each(Vec::shrink_to_fit);
         let tops = records.iter().flatten().filter_map(|of_side| Some(of_side.last()?.top.value));
@@ -290,7 +291,7 @@ struct Recorder<'a> {
     horizon: f64,
     motion: &'a Motion,
     /// Per sign and spring: what R, or -R, has to pass for a record; laid out in lanes.
-    levels: [Vec<f64>; 2],
+    levels: [Aligned; 2],
     min_rise: f64,
     /// The step whose end is the last row.
     last: u64,
@@ -302,9 +303,9 @@ struct Recorder<'a> {
 impl StepObserver for Recorder<'_> {
     #[inline(always)]
     fn see<S: Simd, const H: usize>(&mut self, rows: Rows<S, H>, view: &View) {
-        let mut any = false;
+        let (mut any, whole) = (false, view.whole_energy());
         for block in 0..view.layout.blocks() {
-            for row in view.open_rows(rows, &self.levels, block) {
+            for row in view.open_rows(rows, &self.levels, block, whole) {
                 let Some((open, remainders)) = view.open_springs([&self.levels; 2], row, false) else { continue };
                 for lane in (0..LANES).filter(|&lane| open[lane] > 0.0) {
                     any |= self.record(view, view.layout.number(row, lane), remainders[lane]);

@@ -12,7 +12,6 @@
 
 use super::Wanted;
 use super::local::{COEFFICIENTS, Local, Point};
-use super::lanes::{Aligned, Layout};
 use super::motion::{Motion, bracket, least_slope};
 use super::series::{DEGREE, POWERS, table};
 use super::watch::{SpringPeaks, Watch};
@@ -76,11 +75,12 @@ pub struct Search<'a> {
     /// side has certainly passed its rating.
     last_to_cross: u64,
     sides: Vec<[Side; 2]>,
-    layout: Layout,
-    /// Per sign and spring: what G, or -G, has to pass to matter; laid out by `layout`.
-    pub(super) levels: [Aligned; 2],
+    /// Per sign and spring: what G, or -G, has to pass to matter.
+    pub levels: [Vec<f64>; 2],
     /// Per sign and spring: what G, or -G, has to pass for a first exceedance; infinite once there is one.
-    pub(super) crossings: [Aligned; 2],
+    pub crossings: [Vec<f64>; 2],
+    /// Springs of which one of these has changed.
+    pub changed: Vec<usize>,
     /// Steps looked into.
     pub looked: u64,
     /// Sides that stood at their rating and have not left it, and the lowest they were seen at.
@@ -108,9 +108,7 @@ impl<'a> Search<'a> {
             .filter(|&(s, negative)| sides[s][usize::from(negative)].at_rating)
             .map(|(s, negative)| (s, negative, watch.peaks[s].side(negative).best.value))
             .collect();
-        let layout = Layout::new(springs);
-        let none = Aligned::new(layout.len(), f64::INFINITY);
-        let (levels, crossings) = ([none.clone(), none.clone()], [none.clone(), none]);
+        let [levels, crossings] = [0, 1].map(|_| [0, 1].map(|_| vec![f64::INFINITY; springs]));
         let mut search = Search {
             scene,
             motion,
@@ -119,9 +117,9 @@ impl<'a> Search<'a> {
             expected_utilisation: None,
             last_to_cross: u64::MAX,
             sides,
-            layout,
             levels,
             crossings,
+            changed: Vec::new(),
             looked: 0,
             at_rating,
         };
@@ -168,7 +166,7 @@ impl<'a> Search<'a> {
         Search { watch: self.watch.until(mark), ..self.clone() }
     }
 
-    fn set_levels(&mut self) {
+    pub(super) fn set_levels(&mut self) {
         self.watch.sides().for_each(|(s, negative)| self.set_level(s, negative));
     }
 
@@ -184,9 +182,9 @@ impl<'a> Search<'a> {
         let crossing = if side.over_in.is_some() { f64::INFINITY } else { level.max(rating - self.watch.bound()) };
         let initial = self.scene.initial[spring];
         let before = if negative { -initial } else { initial };
-        let place = self.layout.place(spring);
-        self.levels[usize::from(negative)][place] = level - before;
-        self.crossings[usize::from(negative)][place] = crossing - before;
+        self.levels[usize::from(negative)][spring] = level - before;
+        self.crossings[usize::from(negative)][spring] = crossing - before;
+        self.changed.push(spring);
     }
 
     /// What a side's force has to pass for its largest value to matter.
@@ -220,7 +218,7 @@ impl<'a> Search<'a> {
     ) {
         for negative in [false, true] {
             let sign = if negative { -1.0 } else { 1.0 };
-            let level = self.levels[usize::from(negative)][self.layout.place(spring)];
+            let level = self.levels[usize::from(negative)][spring];
             let [[a, b, c], [d, e, f]] = ends;
             let ends = [[sign * a, sign * b, sign * c], [sign * d, sign * e, sign * f]];
             let [mut lower, upper, at] = bracket(ends, remainder);

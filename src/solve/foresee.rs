@@ -8,8 +8,7 @@ use pulp::Simd;
 
 use super::between::Levels;
 use super::lanes::{Aligned, Layout, Rows};
-use super::motion::Motion;
-use super::propagator::{StepObserver, Steps, View, march};
+use super::propagator::{Kind, Marched, StepObserver, View, march};
 use crate::chain::Scene;
 
 /// Phase of a step, and terms of its series.
@@ -18,41 +17,55 @@ const TERMS: usize = 5;
 /// A guess is lower than the largest value by this share of the force, far more than what single precision loses.
 pub(super) const MARGIN: f64 = 1e-4;
 
-/// What forces are expected to pass up to a mark and up to the horizon.
-pub(super) fn levels(scene: &Scene, motion: &Motion, omega: f64, mark: f64) -> [Levels; 2] {
-    let layout = Layout::new(scene.initial.len());
+/// What forces are expected to pass up to a mark and up to the horizon, in each scene.
+pub(super) fn levels(scenes: &[Marched], marks: &[f64]) -> Vec<[Levels; 2]> {
+    let springs: Vec<usize> = scenes.iter().map(|of| of.scene.initial.len()).collect();
+    let layout = Layout::new(&springs);
     let zero = Aligned::new(layout.len(), 0.0);
-    let mut guess = Guess { mark, to_mark: None, extremes: [zero.clone(), zero] };
-    // A unit force: the numbers are small enough for single precision.
-    march(scene, motion, Steps { phase: PHASE, omega, terms: TERMS }, 1.0, &mut guess);
-    let Guess { to_mark, extremes, .. } = guess;
-    [to_mark.as_ref().unwrap_or(&extremes), &extremes].map(|extremes| levels_of(scene, layout, extremes))
-}
-
-/// What F and -F have passed, less the margin; minus infinity where that is not known.
-fn levels_of(scene: &Scene, layout: Layout, extremes: &[Aligned<f32>; 2]) -> Levels {
-    let level = |s: usize, negative: bool| {
-        let extreme = extremes[usize::from(negative != (scene.force < 0.0))][layout.place(s)];
-        let initial = if negative { -scene.initial[s] } else { scene.initial[s] };
-        let level = initial + scene.force.abs() * (f64::from(extreme.abs()) - MARGIN);
-        if level.is_finite() { level } else { f64::NEG_INFINITY }
-    };
-    (0..scene.initial.len()).map(|s| [level(s, false), level(s, true)]).collect()
+    let levels = vec![Default::default(); scenes.len()];
+    let mut guess = Guess { scenes, marks, extremes: [zero.clone(), zero], levels };
+    // A unit force: the numbers are neither too large nor too small for single precision.
+    march(scenes, Kind { phase: PHASE, terms: TERMS, unit: true }, &mut guess);
+    for [to_mark, to_horizon] in &mut guess.levels {
+        if to_mark.is_empty() {
+            to_mark.clone_from(to_horizon);
+        }
+    }
+    guess.levels
 }
 
 /// Keeps the largest and the smallest forces.
-struct Guess {
-    mark: f64,
-    /// Those up to the mark, once it is passed.
-    to_mark: Option<[Aligned<f32>; 2]>,
+struct Guess<'a> {
+    scenes: &'a [Marched<'a>],
+    marks: &'a [f64],
     extremes: [Aligned<f32>; 2],
+    /// What forces are expected to pass, as far as marks and horizons are reached.
+    levels: Vec<[Levels; 2]>,
 }
 
-impl StepObserver<f32> for Guess {
+impl Guess<'_> {
+    /// What F and -F of a chain have passed, less the margin; minus infinity where that is not known.
+    #[cold]
+    fn level(&self, layout: Layout, chain: usize) -> Levels {
+        let Scene { initial, force, .. } = self.scenes[chain].scene;
+        let level = |s: usize, negative: bool| {
+            let extreme = self.extremes[usize::from(negative != (*force < 0.0))][layout.place(chain, s)];
+            let before = if negative { -initial[s] } else { initial[s] };
+            let level = before + force.abs() * (f64::from(extreme.abs()) - MARGIN);
+            if level.is_finite() { level } else { f64::NEG_INFINITY }
+        };
+        (0..initial.len()).map(|s| [level(s, false), level(s, true)]).collect()
+    }
+}
+
+impl StepObserver<f32> for Guess<'_> {
     #[inline(always)]
     fn see<S: Simd, const H: usize>(&mut self, v: Rows<S, H, f32>, view: &View<f32>) {
-        if self.to_mark.is_none() && view.step.from + view.step.width > self.mark {
-            self.to_mark = Some(self.extremes.clone());
+        for chain in 0..self.scenes.len() {
+            let step = view.step(chain);
+            if self.levels[chain][0].is_empty() && step.from + step.width > self.marks[chain] {
+                self.levels[chain][0] = self.level(view.layout, chain);
+            }
         }
         let [largest, smallest] = &mut self.extremes;
         for ((largest, smallest), force) in
@@ -60,6 +73,10 @@ impl StepObserver<f32> for Guess {
         {
             *largest = v.max(*largest, *force);
             *smallest = v.min(*smallest, *force);
+        }
+        // The last is that of the horizon, where a mark may be too.
+        for chain in (0..self.scenes.len()).filter(|&chain| view.is_last(chain)) {
+            self.levels[chain][1] = self.level(view.layout, chain);
         }
     }
 }

@@ -1,34 +1,39 @@
-//! A chain laid out for vectors: cut into `LANES` pieces of equal length, one in each lane.
+//! Chains laid out for vectors of `LANES` numbers.
 //!
-//! Row r holds place r of every piece, so that a spring's neighbours are in the rows before and after, and vectors need no shuffling.
-//! Beyond a piece's ends lie `HALO` rows with copies of its neighbours' ends, zeros at the ends of the chain.
+//! One chain is cut into pieces of equal length, one in each lane; of several chains each has a lane. Row r holds place r of every piece
+//! or chain, so that a spring's neighbours are in the rows before and after, and vectors need no shuffling. Before and behind lie `HALO`
+//! rows: copies of the ends of the neighbouring pieces, or zeros.
 
 use std::marker::PhantomData;
-use std::ops::{Deref, DerefMut};
+use std::ops::{Deref, DerefMut, Range};
 
 use pulp::Simd;
 
-/// Pieces of a chain.
+/// Numbers in a row.
 pub(super) const LANES: usize = 8;
 /// Rows before and behind the pieces.
 pub(super) const HALO: usize = 2;
-/// Rows of a block of a piece. The last block has up to twice as many; a shorter piece is one block.
+/// Rows of a block. The last block of a piece has up to twice as many; a shorter piece is one block.
 pub(super) const BLOCK: usize = 8;
 
-/// Where springs and masses of a chain are.
+/// Where springs and masses are.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Layout {
-    /// Rows of a piece.
+    /// Rows of a piece or chain.
     pub(super) rows: usize,
+    /// One chain in pieces.
+    pub(super) is_cut: bool,
 }
 
 impl Layout {
-    /// That of a chain of so many springs, with one mass more.
-    pub(super) fn new(springs: usize) -> Layout {
-        Layout { rows: (springs + 1).div_ceil(LANES) }
+    /// That of chains with so many springs, and one mass more each.
+    pub(super) fn new(springs: &[usize]) -> Layout {
+        let most = springs.iter().fold(0, |most, &springs| most.max(springs)) + 1;
+        let is_cut = springs.len() == 1;
+        Layout { rows: if is_cut { most.div_ceil(LANES) } else { most.next_multiple_of(BLOCK) }, is_cut }
     }
 
-    /// Blocks of a piece.
+    /// Blocks of a piece or chain.
     #[inline(always)]
     pub(super) fn blocks(self) -> usize {
         (self.rows / BLOCK).max(1)
@@ -36,7 +41,7 @@ impl Layout {
 
     /// The rows of a block; the last one has what is left.
     #[inline(always)]
-    pub(super) fn block(self, number: usize) -> std::ops::Range<usize> {
+    pub(super) fn block(self, number: usize) -> Range<usize> {
         let to = if number + 1 < self.blocks() { (number + 1) * BLOCK } else { self.rows };
         HALO + number * BLOCK..HALO + to
     }
@@ -46,59 +51,76 @@ impl Layout {
         ((row - HALO) / BLOCK).min(self.blocks() - 1)
     }
 
-    /// Numbers that are stored for each spring or mass.
+    /// Numbers that are stored.
     pub(super) fn len(self) -> usize {
         (self.rows + 2 * HALO) * LANES
     }
 
-    /// The place of spring or mass `number`.
+    /// The place of a chain's spring or mass `number`.
     #[inline(always)]
-    pub(super) fn place(self, number: usize) -> usize {
-        (number % self.rows + HALO) * LANES + number / self.rows
+    pub(super) fn place(self, chain: usize, number: usize) -> usize {
+        if self.is_cut {
+            (number % self.rows + HALO) * LANES + number / self.rows
+        } else {
+            (number + HALO) * LANES + chain
+        }
+    }
+
+    /// The chain in a lane.
+    #[inline(always)]
+    pub(super) fn chain(self, lane: usize) -> usize {
+        if self.is_cut { 0 } else { lane }
     }
 
     /// The spring or mass in a lane of a row.
     #[inline(always)]
     pub(super) fn number(self, row: usize, lane: usize) -> usize {
-        lane * self.rows + row - HALO
+        (if self.is_cut { lane * self.rows } else { 0 }) + row - HALO
     }
 
-    /// The value `offset` places behind spring or mass `number`, 0 outside the chain.
+    /// The values `offset` places behind those of a row, 0 outside the chains.
     #[inline(always)]
-    pub(super) fn beside(self, of: &[f64], number: usize, offset: isize) -> f64 {
-        let number = number.wrapping_add_signed(offset);
-        if number < LANES * self.rows { of[self.place(number)] } else { 0.0 }
-    }
-
-    /// Values in the order of springs or masses to their places, `other` elsewhere.
-    pub(super) fn spread<T: Number>(self, values: impl IntoIterator<Item = f64>, other: f64) -> Aligned<T> {
-        let mut out = Aligned::new(self.len(), T::from_f64(other));
-        values.into_iter().enumerate().for_each(|(number, value)| out[self.place(number)] = T::from_f64(value));
+    pub(super) fn beside(self, of: &[f64], row: usize, offset: isize) -> [f64; LANES] {
+        let there = row.wrapping_add_signed(offset);
+        if (HALO..HALO + self.rows).contains(&there) {
+            return lanes(of, there);
+        }
+        let mut out = [0.0; LANES];
+        if self.is_cut {
+            for (lane, out) in out.iter_mut().enumerate() {
+                let number = self.number(row, lane).wrapping_add_signed(offset);
+                if number < LANES * self.rows {
+                    *out = of[self.place(0, number)];
+                }
+            }
+        }
         out
     }
 
-    /// The first `count` values in the order of springs or masses.
-    pub(super) fn gather<T: Number>(self, values: &[T], count: usize) -> Vec<f64> {
-        (0..count).map(|number| values[self.place(number)].to_f64()).collect()
+    /// Puts a chain's values to their places.
+    pub(super) fn put<T: Number>(self, into: &mut [T], chain: usize, values: impl IntoIterator<Item = f64>) {
+        let values = values.into_iter().enumerate();
+        values.for_each(|(number, value)| into[self.place(chain, number)] = T::from_f64(value));
     }
 
-}
+    /// The first `count` values of a chain.
+    pub(super) fn gather<T: Number>(self, of: &[T], chain: usize, count: usize) -> Vec<f64> {
+        (0..count).map(|number| of[self.place(chain, number)].to_f64()).collect()
+    }
 
-/// Copies the ends of pieces into the `HALO` rows of their neighbours, zeros beyond the ends of the chain.
-#[inline(always)]
-pub(super) fn wrap<T: Number>(of: &mut [T]) {
-    let rows = of.len() / LANES - 2 * HALO;
-    for depth in 0..HALO {
-        let (before, last) = (HALO - 1 - depth, HALO + rows - 1 - depth);
-        let row = lanes(of, last);
-        let mut moved = [T::default(); LANES];
-        (1..LANES).for_each(|l| moved[l] = row[l - 1]);
-        of[before * LANES..(before + 1) * LANES].copy_from_slice(&moved);
-        let (behind, first) = (HALO + rows + depth, HALO + depth);
-        let row = lanes(of, first);
-        let mut moved = [T::default(); LANES];
-        (1..LANES).for_each(|l| moved[l - 1] = row[l]);
-        of[behind * LANES..(behind + 1) * LANES].copy_from_slice(&moved);
+    /// Fills the halos: with the ends of the neighbouring pieces, zeros beyond the ends of a chain.
+    #[inline(always)]
+    pub(super) fn fill_halos<T: Number>(self, of: &mut [T]) {
+        let rows = of.len() / LANES - 2 * HALO;
+        for row in (0..HALO).chain(HALO + rows..2 * HALO + rows) {
+            of[row * LANES..(row + 1) * LANES].fill(T::default());
+        }
+        for depth in (0..HALO).filter(|_| self.is_cut) {
+            let (before, last) = ((HALO - 1 - depth) * LANES, (HALO + rows - 1 - depth) * LANES);
+            of.copy_within(last..last + LANES - 1, before + 1);
+            let (behind, first) = ((HALO + rows + depth) * LANES, (HALO + depth) * LANES);
+            of.copy_within(first + 1..first + LANES, behind);
+        }
     }
 }
 

@@ -92,9 +92,9 @@ pub(super) const MARGIN: usize = SHELLS + 2;
 
 /// Bounds on the norm of `h^2 G''` over blocks and two springs beside them during a step, `L` side by side, and on what comes over the next
 /// two of a block's springs from more than [`SHELLS`] springs beyond; from squared norms at the step's two ends: `around(end, n)` of the
-/// blocks from `FAR` before, n = 0, to `FAR` behind, and `all` of all blocks together.
+/// blocks from `FAR` before, n = 0, to `FAR` behind, and `whole` of all blocks together.
 #[inline(always)]
-pub(super) fn local_norms<const L: usize>(around: impl Fn(usize, usize) -> [f64; L], all: [f64; 2]) -> [[f64; L]; 2] {
+pub(super) fn local_norms<const L: usize>(around: impl Fn(usize, usize) -> [f64; L], whole: [[f64; L]; 2]) -> [[f64; L]; 2] {
     let (mut near, mut far) = ([[0.0; L]; 2], [[0.0; L]; 2]);
     for end in 0..2 {
         for n in 0..=2 * FAR {
@@ -107,8 +107,8 @@ pub(super) fn local_norms<const L: usize>(around: impl Fn(usize, usize) -> [f64;
     }
     let more = |a: f64, b: f64| if a > b { a } else { b };
     let mut norms = [[0.0; L]; 2];
-    let afar = FROM_AFAR * (all[0] + all[1]).sqrt();
     for l in 0..L {
+        let afar = FROM_AFAR * (whole[0][l] + whole[1][l]).sqrt();
         let (near, far) = (more(near[0][l], near[1][l]).sqrt(), more(far[0][l], far[1][l]).sqrt());
         norms[0][l] = FROM_SPRINGS[0] * near + FROM_SPRINGS[7] * far + afar;
         norms[1][l] = FROM_SPRINGS[SHELLS + 1] * far + afar;

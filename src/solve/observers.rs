@@ -4,53 +4,63 @@ use pulp::Simd;
 
 use super::between::{Levels, Search, windows};
 use super::foresee;
-use super::lanes::{Aligned, HALO, LANES, Row, Rows, lanes};
+use super::lanes::{Aligned, LANES, Layout, Row, Rows, lanes};
 use super::motion::{MARGIN, Motion, any_positive, excess, norms_around};
-use super::propagator::{KICK_TERMS, StepObserver, Steps, View, error_bound_of_terms, march, terms};
+use super::propagator::{KICK_TERMS, Kind, Marched, StepObserver, View, error_bound_of_terms, march};
 use super::watch::SpringPeaks;
 use super::{Wanted, Work};
 use crate::chain::Scene;
 
-/// Extremes of every spring's force in a scene, up to the horizon and up to a mark before it; one that is larger than another by less
-/// than `min_rise` need not be found.
-pub fn peaks(
-    scene: &Scene,
-    omega: f64,
-    min_rise: f64,
-    wanted: Wanted,
-    mark: Option<f64>,
-) -> ([Vec<SpringPeaks>; 2], Work) {
-    let motion = Motion::new(scene);
-    let from = |expected| peaks_from(scene, &motion, [omega, min_rise], wanted, mark, expected);
+/// Extremes of every spring's force, up to the horizon and up to a mark before it, and the work.
+pub type Peaks = ([Vec<SpringPeaks>; 2], Work);
+
+/// What to find along a march through a scene.
+#[derive(Clone, Copy, Debug)]
+pub struct Quest<'a> {
+    pub scene: &'a Scene,
+    /// An upper bound on the largest frequency.
+    pub omega: f64,
+    /// A peak that is larger than another by less than this need not be found.
+    pub min_rise: f64,
+    pub wanted: Wanted,
+    pub mark: Option<f64>,
+}
+
+/// Extremes along a march with so many terms through one scene, or through several side by side.
+pub(super) fn peaks(of: &[Quest], terms: usize) -> Vec<Peaks> {
+    let motions: Vec<Motion> = of.iter().map(|of| Motion::new(of.scene)).collect();
+    let scenes: Vec<Marched> =
+        of.iter().zip(&motions).map(|(of, motion)| Marched { scene: of.scene, motion, omega: of.omega }).collect();
     // A guess lies `MARGIN` under the peaks: where larger differences are ignored, it excludes few further steps.
-    let pays = wanted == Wanted::Worst || min_rise < foresee::MARGIN * scene.force.abs();
-    let expected = pays.then(|| foresee::levels(scene, &motion, omega, mark.unwrap_or(scene.horizon)));
-    expected.and_then(|expected| from(Some(expected))).or_else(|| from(None)).unwrap_or_default()
+    let pays = |of: &Quest| of.wanted == Wanted::Worst || of.min_rise < foresee::MARGIN * of.scene.force.abs();
+    let mut found: Vec<Option<Peaks>> = vec![None; of.len()];
+    if of.iter().all(pays) {
+        let marks: Vec<f64> = of.iter().map(|of| of.mark.unwrap_or(of.scene.horizon)).collect();
+        let expected = foresee::levels(&scenes, &marks).into_iter().map(Some).collect();
+        found = peaks_from(of, &scenes, terms, expected);
+    }
+    // What passed less than was expected, without that.
+    for n in (0..of.len()).filter(|&n| found[n].is_none()).collect::<Vec<_>>() {
+        found[n] = peaks_from(&of[n..=n], &scenes[n..=n], terms, vec![None]).swap_remove(0);
+    }
+    found.into_iter().map(Option::unwrap_or_default).collect()
 }
 
 /// The same, given what forces are expected to pass up to the mark and up to the horizon; `None` if some do not.
 fn peaks_from(
-    scene: &Scene,
-    motion: &Motion,
-    [omega, min_rise]: [f64; 2],
-    wanted: Wanted,
-    mark: Option<f64>,
-    expected: Option<[Levels; 2]>,
-) -> Option<([Vec<SpringPeaks>; 2], Work)> {
-    let terms = terms(scene, omega, min_rise);
-    let mut search = Search::new(scene, motion, [error_bound_of_terms(scene, omega, terms), min_rise]);
-    let later = expected.map(|[first, later]| {
-        search.expect(&first, wanted);
-        later
-    });
-    let mut observer = PeaksObserver { search, wanted, mark, later, to_mark: Some(Vec::new()), work: Work::default() };
-    march(scene, motion, Steps::exact(omega, terms), scene.force, &mut observer);
-    let PeaksObserver { search, mark, to_mark, mut work, .. } = observer;
-    let (peaks, looked) = search.finish();
-    work.refinements += looked;
-    // The last step may round to end just before a mark.
-    let to_mark = if mark.is_some() { peaks.clone() } else { to_mark };
-    Some(([peaks?, to_mark?], work))
+    of: &[Quest],
+    scenes: &[Marched],
+    terms: usize,
+    expected: Vec<Option<[Levels; 2]>>,
+) -> Vec<Option<Peaks>> {
+    let case = |((of, marched), expected)| CaseSearch::new(of, marched, terms, expected);
+    let mut cases: Vec<CaseSearch> = of.iter().zip(scenes).zip(expected).map(case).collect();
+    let springs: Vec<usize> = of.iter().map(|of| of.scene.initial.len()).collect();
+    let mut levels = RowLevels::new(Layout::new(&springs));
+    cases.iter_mut().enumerate().for_each(|(chain, case)| levels.update(chain, &mut case.search));
+    let mut observer = PeaksObserver { cases, levels };
+    march(scenes, Kind::exact(terms), &mut observer);
+    observer.cases.into_iter().map(CaseSearch::finish).collect()
 }
 
 /// Forces of one spring at given times, ascending.
@@ -59,7 +69,7 @@ pub fn history(scene: &Scene, omega: f64, spring: usize, times: &[f64]) -> Vec<f
     let search = Search::new(scene, &motion, [0.0; 2]);
     let values = vec![scene.initial[spring]; times.len()];
     let mut record = HistoryObserver { search, spring, times, values, next: 0, horizon: scene.horizon };
-    march(scene, &motion, Steps::exact(omega, KICK_TERMS), scene.force, &mut record);
+    march(&[Marched { scene, motion: &motion, omega }], Kind::exact(KICK_TERMS), &mut record);
     record.values
 }
 
@@ -67,11 +77,12 @@ pub fn history(scene: &Scene, omega: f64, spring: usize, times: &[f64]) -> Vec<f
 /// of a step. Calls `see(index of the time, spring, force)` for each.
 pub fn field(scene: &Scene, omega: f64, times: &[f64], see: &mut dyn FnMut(usize, usize, f64)) {
     let motion = Motion::new(scene);
-    march(scene, &motion, Steps::exact(omega, KICK_TERMS), scene.force, &mut FieldObserver { scene, times, next: 0, see });
+    let mut observer = FieldObserver { scene, times, next: 0, see };
+    march(&[Marched { scene, motion: &motion, omega }], Kind::exact(KICK_TERMS), &mut observer);
 }
 
-/// Shows the search what may matter.
-struct PeaksObserver<'a> {
+/// The search along the march through one scene.
+struct CaseSearch<'a> {
     search: Search<'a>,
     wanted: Wanted,
     /// The mark, until it is passed.
@@ -83,25 +94,33 @@ struct PeaksObserver<'a> {
     work: Work,
 }
 
-impl StepObserver for PeaksObserver<'_> {
-    #[inline(always)]
-    fn see<S: Simd, const H: usize>(&mut self, rows: Rows<S, H>, view: &View) {
-        self.work.marched += self.search.motion.ahead.len() as u64;
-        if self.mark.is_some_and(|mark| mark <= view.step.from + view.step.width) {
-            self.pass_mark(rows, view);
-        }
-        view.show(rows, &mut self.search);
+impl<'a> CaseSearch<'a> {
+    fn new(of: &Quest<'a>, marched: &Marched<'a>, terms: usize, expected: Option<[Levels; 2]>) -> CaseSearch<'a> {
+        let bound = error_bound_of_terms(of.scene, of.omega, terms);
+        let mut search = Search::new(of.scene, marched.motion, [bound, of.min_rise]);
+        let later = expected.map(|[first, later]| {
+            search.expect(&first, of.wanted);
+            later
+        });
+        let (wanted, mark, to_mark, work) = (of.wanted, of.mark, Some(Vec::new()), Work::default());
+        CaseSearch { search, wanted, mark, later, to_mark, work }
     }
-}
 
-impl PeaksObserver<'_> {
     /// Extremes up to the mark, which lies within the step: looks into all that is open, and the step up to the mark.
     #[cold]
-    fn pass_mark<S: Simd, const H: usize>(&mut self, rows: Rows<S, H>, view: &View) {
+    fn pass_mark<S: Simd, const H: usize>(&mut self, rows: Rows<S, H>, view: &View, chain: usize) {
         let Some(mark) = self.mark.take() else { return };
         self.search.look_into_all();
         let mut search = self.search.until(mark);
-        view.show(rows, &mut search);
+        search.set_levels();
+        let mut levels = RowLevels::new(view.layout);
+        levels.update(chain, &mut search);
+        let last = [search.is_last(&view.step(chain)); LANES];
+        view.show(rows, &mut levels, last, |_, spring, remainder, levels| {
+            consider(&mut search, view, chain, spring, remainder);
+            levels.update(chain, &mut search);
+        });
+        search.note_all_left_rating(&view.step(chain), |end, spring| view.force(end, chain, spring));
         let (peaks, looked) = search.finish();
         self.work.refinements += looked - self.search.looked;
         self.to_mark = peaks;
@@ -109,24 +128,113 @@ impl PeaksObserver<'_> {
             self.search.expect(later, self.wanted);
         }
     }
+
+    /// What was found; `None` if forces did not pass what was expected.
+    fn finish(self) -> Option<Peaks> {
+        let CaseSearch { search, mark, to_mark, mut work, .. } = self;
+        let (peaks, looked) = search.finish();
+        work.refinements += looked;
+        // The last step may round to end just before a mark.
+        let to_mark = if mark.is_some() { peaks.clone() } else { to_mark };
+        Some(([peaks?, to_mark?], work))
+    }
+}
+
+/// Examines a spring of a chain.
+fn consider(search: &mut Search, view: &View, chain: usize, spring: usize, remainder: f64) {
+    let (ends, springs) = (view.even_derivatives(search.motion, [chain, spring]), search.motion.ahead.len());
+    let window = || windows(springs, spring, |end, s| view.force(end, chain, s));
+    search.consider(&view.step(chain), spring, remainder, ends, window);
+}
+
+/// In rows, per sign and spring: what G, or -G, has to pass to matter, and for a first exceedance.
+struct RowLevels {
+    layout: Layout,
+    levels: [Aligned; 2],
+    crossings: [Aligned; 2],
+}
+
+impl RowLevels {
+    /// Nothing matters.
+    fn new(layout: Layout) -> RowLevels {
+        let none = Aligned::new(layout.len(), f64::INFINITY);
+        RowLevels { layout, levels: [none.clone(), none.clone()], crossings: [none.clone(), none] }
+    }
+
+    /// Takes over what has changed.
+    #[inline]
+    fn update(&mut self, chain: usize, search: &mut Search) {
+        for spring in search.changed.drain(..) {
+            let place = self.layout.place(chain, spring);
+            for sign in 0..2 {
+                self.levels[sign][place] = search.levels[sign][spring];
+                self.crossings[sign][place] = search.crossings[sign][spring];
+            }
+        }
+    }
+}
+
+/// Shows the searches what may matter.
+struct PeaksObserver<'a> {
+    cases: Vec<CaseSearch<'a>>,
+    levels: RowLevels,
+}
+
+impl StepObserver for PeaksObserver<'_> {
+    #[inline(always)]
+    fn see<S: Simd, const H: usize>(&mut self, rows: Rows<S, H>, view: &View) {
+        let PeaksObserver { cases, levels } = self;
+        let mut last = [false; LANES];
+        for (chain, case) in cases.iter_mut().enumerate().filter(|(chain, _)| !view.is_over(*chain)) {
+            let step = view.step(chain);
+            if case.mark.is_some_and(|mark| mark <= step.from + step.width) {
+                case.pass_mark(rows, view, chain);
+                levels.update(chain, &mut case.search);
+            }
+            last[chain] = case.search.is_last(&step);
+        }
+        if view.layout.is_cut {
+            last = [last[0]; LANES];
+        }
+        view.show(rows, levels, last, |chain, spring, remainder, levels| {
+            let search = &mut cases[chain].search;
+            consider(search, view, chain, spring, remainder);
+            levels.update(chain, search);
+        });
+        for (chain, case) in cases.iter_mut().enumerate().filter(|(chain, _)| !view.is_over(*chain)) {
+            let springs = case.search.levels[0].len();
+            case.work.marched += springs as u64;
+            case.search.note_all_left_rating(&view.step(chain), |end, spring| view.force(end, chain, spring));
+            levels.update(chain, &mut case.search);
+            if view.is_last(chain) && !view.layout.is_cut {
+                // What follows is behind the chain's horizon.
+                let none = || std::iter::repeat_n(f64::INFINITY, springs);
+                levels.levels.iter_mut().for_each(|row| view.layout.put(row, chain, none()));
+            }
+        }
+    }
 }
 
 impl View<'_> {
-    /// Shows the search every spring that may matter in the step.
+    /// Passes every spring that may matter in the step, with its chain and second remainder.
     #[inline(always)]
-    fn show<S: Simd, const H: usize>(&self, rows: Rows<S, H>, search: &mut Search) {
-        let (last, whole) = (search.is_last(&self.step), self.whole_energy());
+    fn show<S: Simd, const H: usize>(
+        &self,
+        rows: Rows<S, H>,
+        levels: &mut RowLevels,
+        last: [bool; LANES],
+        mut see: impl FnMut(usize, usize, f64, &mut RowLevels),
+    ) {
+        let whole = self.whole_energy();
         for block in 0..self.layout.blocks() {
-            for row in self.open_rows(rows, &search.levels, block, whole) {
-                let Some((open, remainders)) = self.open_springs([&search.levels, &search.crossings], row, last) else {
-                    continue;
-                };
+            for row in self.open_rows(rows, &levels.levels, block, whole) {
+                let of = [&levels.levels, &levels.crossings];
+                let Some((open, remainders)) = self.open_springs(of, row, last) else { continue };
                 for lane in (0..LANES).filter(|&lane| open[lane] > 0.0) {
-                    search.show(self, self.layout.number(row, lane), remainders[lane]);
+                    see(self.layout.chain(lane), self.layout.number(row, lane), remainders[lane], levels);
                 }
             }
         }
-        search.note_all_left_rating(&self.step, |end, spring| self.force(end, spring));
     }
 
     /// Rows of a block in which a quick bound passes `levels`, per sign and spring, of G or -G.
@@ -136,7 +244,7 @@ impl View<'_> {
         v: Rows<S, H>,
         levels: &[Aligned; 2],
         block: usize,
-        whole: [f64; 2],
+        whole: [[f64; LANES]; 2],
     ) -> impl Iterator<Item = usize> + use<S, H> {
         let inner = self.layout.block(block);
         let (from, count) = (inner.start, inner.len());
@@ -163,7 +271,7 @@ impl View<'_> {
         &self,
         levels: [&[Aligned; 2]; 2],
         row: usize,
-        last: bool,
+        last: [bool; LANES],
     ) -> Option<([f64; LANES], [f64; LANES])> {
         pulp::Arch::new().dispatch(Closer { view: self, levels, row, last })
     }
@@ -175,7 +283,7 @@ impl View<'_> {
         [levels, crossings]: [&[Aligned; 2]; 2],
         row: usize,
         norms: [f64; LANES],
-        last: bool,
+        last: [bool; LANES],
     ) -> [f64; LANES] {
         let (f0, f1) = (lanes(self.force[0], row), lanes(self.force[1], row));
         let (q0, q1) = (lanes(self.bend[0], row), lanes(self.bend[1], row));
@@ -185,7 +293,7 @@ impl View<'_> {
         let mut open = [0.0; LANES];
         for l in 0..LANES {
             let (level, crossing) = ([high[l], low[l]], [over[l], under[l]]);
-            open[l] = excess([f0[l], f1[l]], [q0[l], q1[l]], norms[l] * remainder[l], level, crossing, last);
+            open[l] = excess([f0[l], f1[l]], [q0[l], q1[l]], norms[l] * remainder[l], level, crossing, last[l]);
         }
         open
     }
@@ -193,32 +301,13 @@ impl View<'_> {
     /// `|q| / sqrt(k)` at both ends in the springs `offset` places behind those of a row.
     #[inline(always)]
     fn sizes(&self, row: usize, offset: isize) -> [[f64; LANES]; 2] {
-        let there = row.wrapping_add_signed(offset);
-        let mut root = [0.0; LANES];
-        let mut q = [[0.0; LANES]; 2];
-        if (HALO..HALO + self.layout.rows).contains(&there) {
-            root = lanes(self.root, there);
-            q = [lanes(self.bend[0], there), lanes(self.bend[1], there)];
-        } else {
-            for lane in 0..LANES {
-                let number = self.layout.number(row, lane);
-                root[lane] = self.layout.beside(self.root, number, offset);
-                (0..2).for_each(|end| q[end][lane] = self.layout.beside(self.bend[end], number, offset));
-            }
+        let of = |of: &[f64]| self.layout.beside(of, row, offset);
+        let root = of(self.root);
+        let mut sizes = [of(self.bend[0]), of(self.bend[1])];
+        for size in &mut sizes {
+            (0..LANES).for_each(|l| size[l] = size[l].abs() * root[l]);
         }
-        for q in &mut q {
-            (0..LANES).for_each(|l| q[l] = q[l].abs() * root[l]);
-        }
-        q
-    }
-}
-
-impl Search<'_> {
-    /// Examines a spring.
-    fn show(&mut self, view: &View, spring: usize, remainder: f64) {
-        let ends = view.even_derivatives(self.motion, spring);
-        let springs = self.motion.ahead.len();
-        self.consider(&view.step, spring, remainder, ends, || windows(springs, spring, |end, s| view.force(end, s)));
+        sizes
     }
 }
 
@@ -227,7 +316,7 @@ struct Closer<'a> {
     view: &'a View<'a>,
     levels: [&'a [Aligned; 2]; 2],
     row: usize,
-    last: bool,
+    last: [bool; LANES],
 }
 
 impl pulp::WithSimd for Closer<'_> {
@@ -261,12 +350,13 @@ struct HistoryObserver<'a> {
 impl StepObserver for HistoryObserver<'_> {
     fn see<S: Simd, const H: usize>(&mut self, _: Rows<S, H>, view: &View) {
         let from = self.next;
-        let until = view.step.from + view.step.width;
-        let last = until + 0.5 * view.step.width > self.horizon;
+        let step = view.step(0);
+        let until = step.from + step.width;
+        let last = until + 0.5 * step.width > self.horizon;
         self.next += self.times[from..].iter().take_while(|t| last || **t <= until).count();
         if self.next > from {
-            let at = |end: usize, s: usize| view.force(end, s);
-            let values = self.search.values(&view.step, self.spring, &self.times[from..self.next], at);
+            let at = |end: usize, s: usize| view.force(end, 0, s);
+            let values = self.search.values(&view.step(0), self.spring, &self.times[from..self.next], at);
             self.values[from..self.next].iter_mut().zip(values).for_each(|(f, g)| *f += g);
         }
     }
@@ -282,12 +372,13 @@ struct FieldObserver<'a> {
 
 impl StepObserver for FieldObserver<'_> {
     fn see<S: Simd, const H: usize>(&mut self, _: Rows<S, H>, view: &View) {
-        let until = view.step.from + view.step.width;
-        let last = until + 0.5 * view.step.width > self.scene.horizon;
+        let step = view.step(0);
+        let until = step.from + step.width;
+        let last = until + 0.5 * step.width > self.scene.horizon;
         while let Some(t) = self.times.get(self.next).filter(|t| last || **t <= until) {
-            let x = ((t - view.step.from) / view.step.width).min(1.0);
+            let x = ((t - step.from) / step.width).min(1.0);
             let end = |share: f64, end: usize, s: usize| {
-                let place = view.layout.place(s);
+                let place = view.layout.place(0, s);
                 share * (view.force[end][place] + (1.0 - share * share) / 6.0 * view.bend[end][place])
             };
             for (s, steady) in self.scene.initial.iter().enumerate() {

@@ -3,6 +3,8 @@
 //! Every method's work is counted before it is done; a price per unit of work, measured once on one machine and the same
 //! for everyone, makes the counts comparable. The choice therefore depends on the scene alone, not on the machine or on what else runs on it.
 
+use super::lanes::LANES;
+use super::observers::{Peaks, Quest};
 use super::watch::{SpringPeaks, bound_of_extremes, bound_of_pieces};
 use super::{
     Ask, Method, Solution, SolveError, Wanted, Work, closed_form, fronts, modal, observers, propagator, search, sums,
@@ -31,6 +33,11 @@ const IGNORED_SHARE: f64 = 0.9;
 /// The longest that a scene may take, and the memory that its modes may fill.
 const MOST_SECONDS: f64 = 3600.0;
 const MOST_GIGABYTES: f64 = 4.0;
+
+/// A march in pieces has the work of so many rows more than a piece's.
+const PIECES_ROWS: usize = 5;
+/// Longer chains do not fit the fast memory side by side.
+const MOST_ROWS: usize = 256;
 
 /// What was chosen.
 #[derive(Clone, Debug)]
@@ -206,8 +213,46 @@ fn reason(chosen: &Offer, offers: &[Offer], ask: &Ask, within: bool) -> String {
     text
 }
 
-/// Carries a plan out.
-pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
+/// Carries plans out. Breaks that are marched are marched side by side, where that is less work.
+pub fn run_all(scenes: &[&Scene], ask: &Ask, plans: &[Plan]) -> Vec<Solution> {
+    let is_free = !ask.verdict_only && !ask.all_time_bound;
+    let can_join = |&n: &usize| {
+        let Scene { duration, horizon, .. } = *scenes[n];
+        is_free && plans[n].method == Method::Propagator && duration >= horizon
+    };
+    let springs = |n: usize| scenes[n].initial.len();
+    let mut joined: Vec<usize> = (0..scenes.len()).filter(can_join).collect();
+    joined.sort_by_key(|&n| (quest(scenes[n], ask, &plans[n]).1, springs(n)));
+    let mut found: Vec<Option<Peaks>> = vec![None; scenes.len()];
+    for group in joined.chunk_by(|&a, &b| quest(scenes[a], ask, &plans[a]).1 == quest(scenes[b], ask, &plans[b]).1) {
+        for group in group.chunks(LANES).filter(|group| are_less_work_together(group.iter().map(|&n| springs(n)))) {
+            let quests: Vec<(Quest, usize)> = group.iter().map(|&n| quest(scenes[n], ask, &plans[n])).collect();
+            let terms = quests[0].1;
+            let quests: Vec<Quest> = quests.into_iter().map(|(quest, _)| quest).collect();
+            group.iter().zip(observers::peaks(&quests, terms)).for_each(|(&n, peaks)| found[n] = Some(peaks));
+        }
+    }
+    let all = scenes.iter().zip(plans).zip(found);
+    all.map(|((scene, plan), found)| run(scene, ask, plan, found)).collect()
+}
+
+/// Whether a march through chains side by side is less work than one through each of them in pieces.
+fn are_less_work_together(springs: impl ExactSizeIterator<Item = usize> + Clone) -> bool {
+    let rows = springs.clone().fold(0, usize::max);
+    let in_pieces: usize = springs.clone().map(|springs| springs / LANES + PIECES_ROWS).sum();
+    springs.len() > 1 && rows <= MOST_ROWS && rows < in_pieces
+}
+
+/// What a march has to find, and its number of terms.
+fn quest<'a>(scene: &'a Scene, ask: &Ask, plan: &Plan) -> (Quest<'a>, usize) {
+    let coarse = coarse_min_rise(scene, ask);
+    let terms = propagator::terms(scene, plan.omega_max, coarse);
+    let min_rise = coarse.min(ask.tolerance - propagator::error_bound_of_terms(scene, plan.omega_max, terms));
+    (Quest { scene, omega: plan.omega_max, min_rise, wanted: ask.wanted, mark: ask.mark }, terms)
+}
+
+/// Carries a plan out, as far as it is not yet: `found` along a march.
+pub fn run(scene: &Scene, ask: &Ask, plan: &Plan, found: Option<Peaks>) -> Solution {
     let by_modes = plan.method == Method::Modal;
     let bounds_pay = ask.verdict_only && 1e9 * plan.seconds > price_of_modes(scene);
     let mut modes = (by_modes || ask.all_time_bound || bounds_pay).then(|| modes(scene));
@@ -243,12 +288,11 @@ pub fn run(scene: &Scene, ask: &Ask, plan: &Plan) -> Solution {
             (peaks, work, bound_of_extremes(fronts::error_bound(scene)))
         }
         _ => {
-            let coarse = coarse_min_rise(scene, ask);
-            let terms = propagator::terms(scene, plan.omega_max, coarse);
+            let (quest, terms) = quest(scene, ask, plan);
             let bound = propagator::error_bound_of_terms(scene, plan.omega_max, terms);
-            let min_rise = coarse.min(ask.tolerance - bound);
-            let (peaks, work) = observers::peaks(scene, plan.omega_max, min_rise, ask.wanted, ask.mark);
-            (peaks, work, bound_of_extremes(bound).max(bound + min_rise))
+            let found = found.or_else(|| observers::peaks(&[quest], terms).pop());
+            let (peaks, work) = found.unwrap_or_default();
+            (peaks, work, bound_of_extremes(bound).max(bound + quest.min_rise))
         }
     };
     let kept = |peaks: &[SpringPeaks]| springs.clone().map(|i| peaks.get(i).copied().filter(|_| !safe(i))).collect();

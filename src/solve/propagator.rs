@@ -20,7 +20,7 @@ use pulp::Simd;
 
 use super::between::Step;
 use super::dd::{Dd, two_sum};
-use super::lanes::{Aligned, BLOCK, HALO, LANES, Layout, Number, Row, Rows, WithRows, dispatch, lanes, wrap};
+use super::lanes::{Aligned, BLOCK, HALO, LANES, Layout, Number, Row, Rows, WithRows, dispatch, lanes};
 use super::motion::{FAR, Motion, local_norms};
 use super::path::Path;
 use super::series::{PHASE, polynomial, sine_over_root};
@@ -95,31 +95,49 @@ pub(super) trait StepObserver<T: Number = f64> {
     fn see<S: Simd, const H: usize>(&mut self, rows: Rows<S, H, T>, view: &View<T>);
 }
 
-/// How a march is made.
+/// A scene to be marched through.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Steps {
-    /// Largest phase of a step, and an upper bound on the largest frequency.
-    pub phase: f64,
+pub(super) struct Marched<'a> {
+    pub scene: &'a Scene,
+    pub motion: &'a Motion,
+    /// An upper bound on the largest frequency.
     pub omega: f64,
-    /// Terms of the series.
-    pub terms: usize,
 }
 
-impl Steps {
-    /// Those within the error bound for so many terms.
-    pub(super) fn exact(omega: f64, terms: usize) -> Steps {
-        Steps { phase: PHASE, omega, terms }
-    }
+/// How steps are made.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Kind {
+    /// Their largest phase.
+    pub phase: f64,
+    /// Terms of the series.
+    pub terms: usize,
+    /// The force is a unit one.
+    pub unit: bool,
+}
 
-    /// Steps of a stretch of time.
-    pub(super) fn count(&self, time: f64) -> u64 {
-        (time * self.omega / self.phase).ceil().max(1.0) as u64
+impl Kind {
+    /// Those that [`error_bound_of_terms`] is of.
+    pub(super) fn exact(terms: usize) -> Kind {
+        Kind { phase: PHASE, terms, unit: false }
     }
+}
+
+/// Equal steps under a constant force, of each lane.
+#[derive(Clone, Copy, Debug)]
+struct Stretch {
+    /// The number of the first.
+    number: u64,
+    from: [f64; LANES],
+    width: [f64; LANES],
+    force: [f64; LANES],
+    count: [u64; LANES],
 }
 
 /// What a march shows of a step. Rows are laid out by `layout`.
 pub(super) struct View<'a, T: Number = f64> {
-    pub step: Step,
+    stretch: &'a Stretch,
+    /// Steps of the stretch before this one.
+    done: u64,
     pub layout: Layout,
     /// G at both ends.
     pub force: [&'a [T]; 2],
@@ -130,31 +148,53 @@ pub(super) struct View<'a, T: Number = f64> {
     /// `1 / sqrt(k)`
     pub root: &'a [T],
     /// Sums of `q_i^2 / k_i` over the blocks of rows, lane by lane, at both ends, with halos.
-    pub energy: [&'a [T]; 2],
+    energy: [&'a [T]; 2],
+}
+
+impl<T: Number> View<'_, T> {
+    /// The step of a lane.
+    #[inline(always)]
+    pub(super) fn step(&self, lane: usize) -> Step {
+        let Stretch { number, from, width, force, .. } = self.stretch;
+        let (width, force) = (width[lane], force[lane]);
+        Step { number: number + self.done, from: from[lane] + self.done as f64 * width, width, force }
+    }
+
+    /// The lane's step is its last of a stretch.
+    #[inline(always)]
+    pub(super) fn is_last(&self, lane: usize) -> bool {
+        self.done + 1 == self.stretch.count[lane]
+    }
+
+    /// The lane's steps have ended before.
+    #[inline(always)]
+    pub(super) fn is_over(&self, lane: usize) -> bool {
+        self.done >= self.stretch.count[lane]
+    }
 }
 
 impl View<'_> {
-    /// G of a spring at the step's beginning (0) or end (1).
+    /// G of a chain's spring at the step's beginning (0) or end (1).
     #[inline(always)]
-    pub(super) fn force(&self, end: usize, spring: usize) -> f64 {
-        self.force[end][self.layout.place(spring)]
+    pub(super) fn force(&self, end: usize, chain: usize, spring: usize) -> f64 {
+        self.force[end][self.layout.place(chain, spring)]
     }
 
-    /// `G`, `h^2 G''` and `h^4 G''''` of a spring at both ends.
+    /// `G`, `h^2 G''` and `h^4 G''''` of a chain's spring at both ends.
     #[inline(always)]
-    pub(super) fn even_derivatives(&self, motion: &Motion, spring: usize) -> [[f64; 3]; 2] {
+    pub(super) fn even_derivatives(&self, motion: &Motion, [chain, spring]: [usize; 2]) -> [[f64; 3]; 2] {
         let (ahead, behind) = (motion.ahead[spring], motion.behind[spring]);
-        let place = self.layout.place(spring);
+        let (place, width) = (self.layout.place(chain, spring), self.stretch.width[chain]);
         [0, 1].map(|end| {
             let q = self.bend[end];
             let pull = ahead * (q[place] - q[place - LANES]) + behind * (q[place] - q[place + LANES]);
-            [self.force[end][place], -q[place], self.step.width * self.step.width * pull]
+            [self.force[end][place], -q[place], width * width * pull]
         })
     }
 
-    /// The energy of all blocks together, at both ends.
+    /// The energy of all blocks of a lane's chain together, at both ends.
     #[inline(always)]
-    pub(super) fn whole_energy(&self) -> [f64; 2] {
+    pub(super) fn whole_energy(&self) -> [[f64; LANES]; 2] {
         let sum = |row: &[f64]| {
             let mut sums = [0.0; LANES];
             for block in HALO..row.len() / LANES - HALO {
@@ -162,71 +202,78 @@ impl View<'_> {
                 (0..LANES).for_each(|l| sums[l] += energy[l]);
             }
             let [a, b, c, d, e, f, g, h] = sums;
-            ((a + b) + (c + d)) + ((e + f) + (g + h))
+            if self.layout.is_cut { [((a + b) + (c + d)) + ((e + f) + (g + h)); LANES] } else { sums }
         };
         [sum(self.energy[0]), sum(self.energy[1])]
     }
 
     /// The bounds of [`local_norms`] for a block of rows.
     #[inline(always)]
-    pub(super) fn norms(&self, block: usize, whole: [f64; 2]) -> [[f64; LANES]; 2] {
+    pub(super) fn norms(&self, block: usize, whole: [[f64; LANES]; 2]) -> [[f64; LANES]; 2] {
         if self.layout.rows < BLOCK {
             // Short blocks: all of them count as near.
-            local_norms(|end, n| [if n == FAR { whole[end] } else { 0.0 }; LANES], whole)
+            local_norms(|end, n| if n == FAR { whole[end] } else { [0.0; LANES] }, whole)
         } else {
             local_norms(|end, n| lanes(self.energy[end], HALO + block + n - FAR), whole)
         }
     }
 }
 
-/// Marches to the horizon in numbers T and passes every step to `see`; `force` is the size of the scene's.
-pub(super) fn march<T: Number>(
-    scene: &Scene,
-    motion: &Motion,
-    steps: Steps,
-    force: f64,
-    see: &mut impl StepObserver<T>,
-) {
-    let mut state = State::<T>::new(scene, motion, steps, force);
-    let stretches = if scene.duration < scene.horizon {
-        vec![(0.0, scene.duration, force), (scene.duration, scene.horizon, 0.0)]
-    } else {
-        vec![(0.0, scene.horizon, force)]
-    };
+/// Marches to the horizons in numbers T, through one scene or through as many as there are lanes, each under one force all the time, and
+/// passes every step to `see`.
+pub(super) fn march<T: Number>(scenes: &[Marched], kind: Kind, see: &mut impl StepObserver<T>) {
+    let springs: Vec<usize> = scenes.iter().map(|of| of.scene.initial.len()).collect();
+    let layout = Layout::new(&springs);
+    let mut state = State::<T>::new(scenes, layout, kind);
     let mut number = 0;
-    for (from, to, force) in stretches {
-        let count = steps.count(to - from);
-        let step = Step { number, from, width: (to - from) / count as f64, force };
-        number += count;
-        dispatch(Stretch { state: &mut state, step, count, see });
+    for part in 0..2 {
+        let none = [0.0; LANES];
+        let mut stretch = Stretch { number, from: none, width: none, force: none, count: [0; LANES] };
+        for lane in 0..LANES {
+            let Some(Marched { scene, omega, .. }) = scenes.get(layout.chain(lane)) else { continue };
+            let ends = [0.0, scene.duration.min(scene.horizon), scene.horizon];
+            let time = ends[part + 1] - ends[part];
+            let count = (time * omega / kind.phase).ceil().max(1.0);
+            let force = if kind.unit { 1.0 } else { scene.force };
+            stretch.from[lane] = ends[part];
+            stretch.width[lane] = time / count;
+            stretch.force[lane] = if part == 0 { force } else { 0.0 };
+            stretch.count[lane] = count as u64;
+        }
+        let more = part == 0 && scenes.iter().any(|of| of.scene.duration < of.scene.horizon);
+        number += stretch.count[0];
+        dispatch(March { state: &mut state, stretch, more, see });
+        if !more {
+            return;
+        }
     }
 }
 
-/// Steps of equal width under constant force.
-struct Stretch<'s, 'a, T: Number, F> {
+/// The steps of a stretch.
+struct March<'s, 'a, T: Number, F> {
     state: &'s mut State<'a, T>,
-    step: Step,
-    count: u64,
+    stretch: Stretch,
+    /// Another stretch follows.
+    more: bool,
     see: &'s mut F,
 }
 
-impl<T: Number, F: StepObserver<T>> WithRows<T> for Stretch<'_, '_, T, F> {
+impl<T: Number, F: StepObserver<T>> WithRows<T> for March<'_, '_, T, F> {
     type Output = ();
 
     #[inline(always)]
     fn run<S: Simd, const H: usize>(self, rows: Rows<S, H, T>) {
-        self.state.stretch(rows, self.step, self.count, self.see);
+        self.state.march(rows, &self.stretch, self.more, self.see);
     }
 }
 
 /// The present state, in rows ([`super::lanes`]). Spring i lies between masses i and i + 1.
 struct State<'a, T: Number> {
-    scene: &'a Scene,
-    motion: &'a Motion,
-    steps: Steps,
-    /// Adding and subtracting this sets to zero what is far smaller: denormal numbers are slow.
-    tiny: f64,
+    scenes: &'a [Marched<'a>],
     layout: Layout,
+    kind: Kind,
+    /// Adding and subtracting this sets to zero what is far smaller: denormal numbers are slow.
+    tiny: Aligned<T>,
     /// `1 / sqrt(k)`
     root: Aligned<T>,
     /// G at the beginning and the end of a step, and its rounding error.
@@ -245,26 +292,32 @@ struct State<'a, T: Number> {
     series: Vec<f64>,
 }
 
-/// `h / m` and `h k` of every mass and spring.
+/// `h / m` and `h k` of every mass and spring, and h.
 struct Coefficients<T> {
     kick: Aligned<T>,
     drift: Aligned<T>,
+    width: Aligned<T>,
 }
 
 impl<'a, T: Number> State<'a, T> {
-    fn new(scene: &'a Scene, motion: &'a Motion, steps: Steps, force: f64) -> State<'a, T> {
-        let layout = Layout::new(scene.initial.len());
+    fn new(scenes: &'a [Marched], layout: Layout, kind: Kind) -> State<'a, T> {
         let zero = Aligned::new(layout.len(), T::default());
         let blocks = Aligned::new((layout.blocks() + 2 * HALO) * LANES, T::default());
         let two = || [zero.clone(), zero.clone()];
-        let series = kick_series(steps.terms, steps.phase);
+        let mut root = zero.clone();
+        let mut tiny = Aligned::new(LANES, T::default());
+        for (chain, Marched { scene, .. }) in scenes.iter().enumerate() {
+            layout.put(&mut root, chain, scene.chain.stiffness.iter().map(|k| 1.0 / k.sqrt()));
+            let size = TINY * if kind.unit { 1.0 } else { scene.force.abs() };
+            (0..LANES).filter(|&l| layout.chain(l) == chain).for_each(|l| tiny[l] = T::from_f64(size));
+        }
+        let series = kick_series(kind.terms, kind.phase);
         State {
-            scene,
-            motion,
-            steps,
-            tiny: TINY * force.abs(),
+            scenes,
             layout,
-            root: layout.spread(scene.chain.stiffness.iter().map(|k| 1.0 / k.sqrt()), 0.0),
+            kind,
+            tiny,
+            root,
             force: two(),
             force_rest: zero.clone(),
             velocity: zero.clone(),
@@ -273,45 +326,54 @@ impl<'a, T: Number> State<'a, T> {
             bend: two(),
             energy: [blocks.clone(), blocks],
             scratch: two(),
-            series: std::iter::repeat_n(0.0, (steps.terms + 1) % 2).chain(series.into_iter().rev()).collect(),
+            series: std::iter::repeat_n(0.0, (kind.terms + 1) % 2).chain(series.into_iter().rev()).collect(),
         }
     }
 
-    fn coefficients(&self, width: f64) -> Coefficients<T> {
-        let chain = &self.scene.chain;
-        let inverse = |v: usize| if chain.live(v) { 1.0 / chain.mass[v] } else { 0.0 };
-        let mut kick: Aligned<T> = self.layout.spread((0..chain.mass.len()).map(|v| width * inverse(v)), 0.0);
-        let mut drift: Aligned<T> = self.layout.spread(chain.stiffness.iter().map(|k| width * k), 0.0);
-        wrap(&mut kick);
-        wrap(&mut drift);
-        Coefficients { kick, drift }
+    fn coefficients(&self, stretch: &Stretch) -> Coefficients<T> {
+        let layout = self.layout;
+        let zero = Aligned::new(layout.len(), T::default());
+        let mut c = Coefficients { kick: zero.clone(), drift: zero, width: Aligned::new(LANES, T::default()) };
+        for (number, Marched { scene, .. }) in self.scenes.iter().enumerate() {
+            let (chain, width) = (&scene.chain, stretch.width[number]);
+            let inverse = |v: usize| if chain.live(v) { 1.0 / chain.mass[v] } else { 0.0 };
+            layout.put(&mut c.kick, number, (0..chain.mass.len()).map(|v| width * inverse(v)));
+            layout.put(&mut c.drift, number, chain.stiffness.iter().map(|k| width * k));
+        }
+        layout.fill_halos(&mut c.kick);
+        layout.fill_halos(&mut c.drift);
+        stretch.width.iter().zip(&mut *c.width).for_each(|(width, of)| *of = T::from_f64(*width));
+        c
     }
 
     #[inline(always)]
-    fn stretch<S: Simd, const H: usize>(
+    fn march<S: Simd, const H: usize>(
         &mut self,
         rows: Rows<S, H, T>,
-        first: Step,
-        count: u64,
+        stretch: &Stretch,
+        more: bool,
         see: &mut impl StepObserver<T>,
     ) {
-        let Step { width, force, .. } = first;
         let layout = self.layout;
-        let c = self.coefficients(width);
-        let remainders = self.motion.remainders(width).map(|row| layout.spread(row, 0.0));
+        let c = self.coefficients(stretch);
+        let mut remainders = [0, 1].map(|_| Aligned::new(layout.len(), T::default()));
+        for (chain, Marched { motion, .. }) in self.scenes.iter().enumerate() {
+            let of_chain = motion.remainders(stretch.width[chain]);
+            remainders.iter_mut().zip(of_chain).for_each(|(row, of_chain)| layout.put(row, chain, of_chain));
+        }
         self.convert_velocity(&c, sine_over_root);
-        self.find_bend(rows, &c, first);
-        for n in 0..count {
-            let share = if n == 0 { 0.5 } else { 1.0 };
+        self.find_bend(rows, &c, stretch);
+        for done in 0..stretch.count.into_iter().fold(0, u64::max) {
+            let share = if done == 0 { 0.5 } else { 1.0 };
             self.sum_series(rows, &c);
             self.force.swap(0, 1);
             self.bend.swap(0, 1);
             self.energy.swap(0, 1);
             self.kick_and_drift(rows, &c, share);
-            self.find_bend(rows, &c, first);
-            let step = Step { number: first.number + n, from: first.from + n as f64 * width, width, force };
+            self.find_bend(rows, &c, stretch);
             let view = View {
-                step,
+                stretch,
+                done,
                 layout,
                 force: [&self.force[0], &self.force[1]],
                 bend: [&self.bend[0], &self.bend[1]],
@@ -321,7 +383,7 @@ impl<'a, T: Number> State<'a, T> {
             };
             see.see(rows, &view);
         }
-        if first.number == 0 && self.scene.duration < self.scene.horizon {
+        if more {
             self.sum_series(rows, &c);
             self.half_kick(&c);
             self.convert_velocity(&c, |x| Dd::ONE / sine_over_root(x));
@@ -334,11 +396,12 @@ impl<'a, T: Number> State<'a, T> {
         if self.velocity.iter().all(|v| *v == T::default()) {
             return;
         }
-        let masses = self.scene.chain.mass.len();
+        // Only one scene may have a second stretch.
+        let masses = self.scenes[0].scene.chain.mass.len();
         let [kick, drift, mut velocity] =
-            [&c.kick, &c.drift, &self.velocity].map(|row| self.layout.gather(row, masses));
+            [&c.kick, &c.drift, &self.velocity].map(|row| self.layout.gather(row, 0, masses));
         let series =
-            polynomial(SWITCH_TERMS, self.steps.phase, |x| if x.hi == 0.0 { Dd::ZERO } else { (factor(x) - Dd::ONE) / x });
+            polynomial(SWITCH_TERMS, self.kind.phase, |x| if x.hi == 0.0 { Dd::ZERO } else { (factor(x) - Dd::ONE) / x });
         // X applied to masses: (h / m) (h k (v_{i-1} - v_i) ...), from velocities to velocities.
         let times = |v: &[f64]| -> Vec<f64> {
             let extension = |i: usize| drift[i] * (v[i] - v[i + 1]);
@@ -353,9 +416,9 @@ impl<'a, T: Number> State<'a, T> {
             sum.iter_mut().zip(&base).for_each(|(s, b)| *s += coefficient * b);
         }
         velocity.iter_mut().zip(&sum).for_each(|(v, s)| *v += s);
-        self.velocity = self.layout.spread(velocity, 0.0);
-        wrap(&mut self.velocity);
-        wrap(&mut self.velocity_rest);
+        self.layout.put(&mut self.velocity, 0, velocity);
+        self.layout.fill_halos(&mut self.velocity);
+        self.layout.fill_halos(&mut self.velocity_rest);
     }
 
     /// `r = P(X) q`, into the first of `scratch`, with its halo.
@@ -369,7 +432,7 @@ impl<'a, T: Number> State<'a, T> {
         for pair in rest.as_chunks::<2>().0 {
             let (from, scale) = if is_first { (&self.bend[1], *leading) } else { (&*r, 1.0) };
             two_powers(rows, c, [&self.bend[1], from], next, [scale, pair[0], pair[1]]);
-            wrap(next);
+            self.layout.fill_halos(next);
             std::mem::swap(r, next);
             is_first = false;
         }
@@ -408,9 +471,9 @@ impl<'a, T: Number> State<'a, T> {
                 last[0] = speed;
             }
         }
-        wrap(&mut self.force[1]);
+        self.layout.fill_halos(&mut self.force[1]);
         if T::COMPENSATED {
-            wrap(&mut self.force_rest);
+            self.layout.fill_halos(&mut self.force_rest);
         }
     }
 
@@ -428,14 +491,11 @@ impl<'a, T: Number> State<'a, T> {
 
     /// Pulls on the masses, and from them `q = h k (pull_{i+1} - pull_i)`.
     #[inline(always)]
-    fn find_bend<S: Simd, const H: usize>(&mut self, v: Rows<S, H, T>, c: &Coefficients<T>, step: Step) {
+    fn find_bend<S: Simd, const H: usize>(&mut self, v: Rows<S, H, T>, c: &Coefficients<T>, stretch: &Stretch) {
         let end = self.layout.rows + 2 * HALO;
         let (kick, drift) = (&v.of(&c.kick)[..end], &v.of(&c.drift)[..end]);
         let (force, rest) = (&v.of(&self.force[1])[..end], &v.of(&self.force_rest)[..end]);
-        let tiny = v.splat(self.tiny);
-        // The source, and its copy in the halo of the piece before.
-        let source = self.layout.place(self.scene.source);
-        let copy = if source % LANES > 0 { source + self.layout.rows * LANES - 1 } else { source };
+        let (tiny, width) = (v.of(&self.tiny)[0], v.of(&c.width)[0]);
         let mut done = HALO;
         for block in 0..self.layout.blocks() {
             let inner = self.layout.block(block);
@@ -448,11 +508,17 @@ impl<'a, T: Number> State<'a, T> {
                 }
                 pull[p] = v.sub(v.add(v.mul(kick[p], apart), tiny), tiny);
             }
-            for place in [source, copy] {
-                if (done * LANES..(to + 1) * LANES).contains(&place) {
-                    let apart = |g: &[T]| g[place - LANES].to_f64() - g[place].to_f64();
-                    let outside = (apart(&self.force[1]) + apart(&self.force_rest)) + step.force;
-                    self.pull[place] = T::from_f64(c.kick[place].to_f64() * outside);
+            for (chain, Marched { scene, .. }) in self.scenes.iter().enumerate() {
+                // The source, and its copy in the halo of the piece before.
+                let source = self.layout.place(chain, scene.source);
+                let has_copy = self.layout.is_cut && source % LANES > 0;
+                let copy = if has_copy { source + self.layout.rows * LANES - 1 } else { source };
+                for place in [source, copy] {
+                    if (done * LANES..(to + 1) * LANES).contains(&place) {
+                        let apart = |g: &[T]| g[place - LANES].to_f64() - g[place].to_f64();
+                        let outside = (apart(&self.force[1]) + apart(&self.force_rest)) + stretch.force[chain];
+                        self.pull[place] = T::from_f64(c.kick[place].to_f64() * outside);
+                    }
                 }
             }
             done = to + 1;
@@ -465,10 +531,10 @@ impl<'a, T: Number> State<'a, T> {
                 bend[p] = q;
                 energy = v.mul_add(q, apart, energy);
             }
-            v.of_mut(&mut self.energy[1])[HALO + block] = v.mul(energy, v.splat(step.width));
+            v.of_mut(&mut self.energy[1])[HALO + block] = v.mul(energy, width);
         }
-        wrap(&mut self.energy[1]);
-        wrap(&mut self.bend[1]);
+        self.layout.fill_halos(&mut self.energy[1]);
+        self.layout.fill_halos(&mut self.bend[1]);
     }
 }
 

@@ -15,7 +15,7 @@ use super::between::{Step, piece};
 use super::local::{Local, Point};
 use super::motion::{Motion, bracket, least_slope};
 use super::lanes::{Aligned, LANES, Layout, Rows};
-use super::propagator::{self, StepObserver, Steps, View, march};
+use super::propagator::{self, Kind, Marched, StepObserver, View, march};
 use super::watch::{Side, SpringPeaks, bound_of_extremes};
 use super::{Ask, Method, Solution, Wanted, Work};
 use crate::chain::Scene;
@@ -94,13 +94,15 @@ impl UnitResponse {
         let bound = propagator::error_bound(scene, omega_max);
         let min_rise = MIN_RISE * bound;
         let rise = std::iter::repeat_n(min_rise, springs);
-        let levels = [0, 1].map(|_| Layout::new(springs).spread(rise.clone(), f64::INFINITY));
+        let layout = Layout::new(&[springs]);
+        let mut levels = [0, 1].map(|_| Aligned::new(layout.len(), f64::INFINITY));
+        levels.iter_mut().for_each(|row| layout.put(row, 0, rise.clone()));
         let (steps, rows, records) = (Vec::new(), Vec::new(), vec![Default::default(); springs]);
         let horizon = scene.horizon;
         let mut recorder =
             Recorder { horizon, motion: &motion, levels, min_rise, last: u64::MAX, steps, rows, records };
-        let steps = Steps::exact(omega_max, propagator::KICK_TERMS);
-        march(scene, &motion, steps, scene.force, &mut recorder);
+        let marched = Marched { scene, motion: &motion, omega: omega_max };
+        march(&[marched], Kind::exact(propagator::KICK_TERMS), &mut recorder);
         let Recorder { steps, rows, mut records, .. } = recorder;
         records.iter_mut().flatten().for_each(Vec::shrink_to_fit);
         let tops = records.iter().flatten().filter_map(|of_side| Some(of_side.last()?.top.value));
@@ -306,7 +308,7 @@ impl StepObserver for Recorder<'_> {
         let (mut any, whole) = (false, view.whole_energy());
         for block in 0..view.layout.blocks() {
             for row in view.open_rows(rows, &self.levels, block, whole) {
-                let Some((open, remainders)) = view.open_springs([&self.levels; 2], row, false) else { continue };
+                let Some((open, remainders)) = view.open_springs([&self.levels; 2], row, [false; LANES]) else { continue };
                 for lane in (0..LANES).filter(|&lane| open[lane] > 0.0) {
                     any |= self.record(view, view.layout.number(row, lane), remainders[lane]);
                 }
@@ -322,14 +324,14 @@ impl Recorder<'_> {
     /// Whether a spring has a record in a step; it is noted.
     #[inline]
     fn record(&mut self, view: &View, spring: usize, remainder: f64) -> bool {
-        let step = &view.step;
-        let at = |end: usize, s: usize| view.force(end, s);
-        let ends = view.even_derivatives(self.motion, spring);
+        let step = &view.step(0);
+        let at = |end: usize, s: usize| view.force(end, 0, s);
+        let ends = view.even_derivatives(self.motion, [0, spring]);
         let mut any = false;
         for negative in [false, true] {
             let sign = if negative { -1.0 } else { 1.0 };
             let ends = ends.map(|even_derivatives| even_derivatives.map(|x| sign * x));
-            let level = self.levels[usize::from(negative)][view.layout.place(spring)];
+            let level = self.levels[usize::from(negative)][view.layout.place(0, spring)];
             if bracket(ends, remainder)[1] <= level {
                 continue;
             }
@@ -344,7 +346,7 @@ impl Recorder<'_> {
             let Some(top) = top else { continue };
             let record = Record { step: self.steps.len() as u32, top };
             self.records[spring][usize::from(negative)].push(record);
-            self.levels[usize::from(negative)][view.layout.place(spring)] = top.value + self.min_rise;
+            self.levels[usize::from(negative)][view.layout.place(0, spring)] = top.value + self.min_rise;
             any = true;
         }
         any
@@ -352,13 +354,14 @@ impl Recorder<'_> {
 
     /// Keeps the forces at both ends of a step.
     fn keep(&mut self, view: &View) {
-        let row = |end: usize| Row::new(&view.layout.gather(view.force[end], self.records.len()));
+        let row = |end: usize| Row::new(&view.layout.gather(view.force[end], 0, self.records.len()));
         // The end of the step before is the beginning of this one.
-        if view.step.number == 0 || self.last != view.step.number - 1 {
+        let step = view.step(0);
+        if step.number == 0 || self.last != step.number - 1 {
             self.rows.push(row(0));
         }
         self.rows.push(row(1));
-        self.last = view.step.number;
-        self.steps.push(Kept { step: view.step, rows: [self.rows.len() - 2, self.rows.len() - 1] });
+        self.last = step.number;
+        self.steps.push(Kept { step, rows: [self.rows.len() - 2, self.rows.len() - 1] });
     }
 }

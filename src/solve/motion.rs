@@ -91,25 +91,22 @@ const SHELLS: usize = 10;
 pub(super) const MARGIN: usize = SHELLS + 2;
 
 /// Bounds on the norm of `h^2 G''` over blocks and two springs beside them during a step, `L` side by side, and on what comes over the next
-/// two of a block's springs from more than [`SHELLS`] springs beyond; from squared norms at the step's two ends: `around(end, n)` of the
+/// two of a block's springs from more than [`SHELLS`] springs beyond; from squared norms, the larger ones of the step's two ends: `around(n)` of the
 /// blocks from `FAR` before, n = 0, to `FAR` behind, and `whole` of all blocks together.
 #[inline(always)]
-pub(super) fn local_norms<const L: usize>(around: impl Fn(usize, usize) -> [f64; L], whole: [[f64; L]; 2]) -> [[f64; L]; 2] {
-    let (mut near, mut far) = ([[0.0; L]; 2], [[0.0; L]; 2]);
-    for end in 0..2 {
-        for n in 0..=2 * FAR {
-            let block = around(end, n);
-            for l in 0..L {
-                far[end][l] += block[l];
-                near[end][l] += if n.abs_diff(FAR) <= NEAR { block[l] } else { 0.0 };
-            }
+pub(super) fn local_norms<const L: usize>(around: impl Fn(usize) -> [f64; L], whole: [f64; L]) -> [[f64; L]; 2] {
+    let (mut near, mut far) = ([0.0; L], [0.0; L]);
+    for n in 0..=2 * FAR {
+        let block = around(n);
+        for l in 0..L {
+            far[l] += block[l];
+            near[l] += if n.abs_diff(FAR) <= NEAR { block[l] } else { 0.0 };
         }
     }
-    let more = |a: f64, b: f64| if a > b { a } else { b };
     let mut norms = [[0.0; L]; 2];
     for l in 0..L {
-        let afar = FROM_AFAR * (whole[0][l] + whole[1][l]).sqrt();
-        let (near, far) = (more(near[0][l], near[1][l]).sqrt(), more(far[0][l], far[1][l]).sqrt());
+        let (near, far) = (near[l].sqrt(), far[l].sqrt());
+        let afar = FROM_AFAR * (2.0 * whole[l]).sqrt();
         norms[0][l] = FROM_SPRINGS[0] * near + FROM_SPRINGS[7] * far + afar;
         norms[1][l] = FROM_SPRINGS[SHELLS + 1] * far + afar;
     }

@@ -244,24 +244,42 @@ impl View<'_> {
         v: Rows<S, H>,
         levels: &[Aligned; 2],
         block: usize,
-        whole: [[f64; LANES]; 2],
+        whole: [f64; LANES],
     ) -> impl Iterator<Item = usize> + use<S, H> {
         let inner = self.layout.block(block);
         let (from, count) = (inner.start, inner.len());
-        let of = |row| -> &[Row<S, H>] { &v.of(row)[inner.clone()] };
         let norm = v.of(&self.norms(block, whole)[0])[0];
-        let ([f, g], [q, p]) = (self.force.map(of), self.bend.map(of));
-        let (remainder, high, low) = (of(&self.remainders[0]), of(&levels[0]), of(&levels[1]));
-        let (zero, eighth) = (v.splat(0.0), v.splat(0.125));
+        let mut most = v.splat(0.0);
+        for row in inner.clone() {
+            most = v.max(most, self.passed(v, levels, row, norm));
+        }
         let mut open = 0u16;
-        for n in 0..count {
-            let beyond = v.mul(norm, remainder[n]);
-            let up = v.mul_add(eighth, v.max(v.max(q[n], p[n]), zero), v.max(f[n], g[n]));
-            let down = v.mul_add(eighth, v.min(v.min(q[n], p[n]), zero), v.min(f[n], g[n]));
-            let passed = v.max(v.sub(up, high[n]), v.sub(v.sub(zero, down), low[n]));
-            open |= u16::from(v.any_larger(v.add(passed, beyond), zero)) << n;
+        if v.any_larger(most, v.splat(0.0)) {
+            for row in inner {
+                let passed = self.passed(v, levels, row, norm);
+                open |= u16::from(v.any_larger(passed, v.splat(0.0))) << (row - from);
+            }
         }
         (0..count).filter(move |n| open >> n & 1 == 1).map(move |n| from + n)
+    }
+
+    /// How far a quick bound of a row's springs over the step passes what matters, given a bound on the norms around them.
+    #[inline(always)]
+    fn passed<S: Simd, const H: usize>(
+        &self,
+        v: Rows<S, H>,
+        levels: &[Aligned; 2],
+        row: usize,
+        norm: Row<S, H>,
+    ) -> Row<S, H> {
+        let (f, g) = (v.of(self.force[0])[row], v.of(self.force[1])[row]);
+        let (q, p) = (v.of(self.bend[0])[row], v.of(self.bend[1])[row]);
+        let (zero, eighth) = (v.splat(0.0), v.splat(0.125));
+        let up = v.mul_add(eighth, v.max(v.max(q, p), zero), v.max(f, g));
+        let down = v.mul_add(eighth, v.min(v.min(q, p), zero), v.min(f, g));
+        let high = v.sub(up, v.of(&levels[0])[row]);
+        let low = v.sub(v.sub(zero, down), v.of(&levels[1])[row]);
+        v.mul_add(norm, v.of(&self.remainders[0])[row], v.max(high, low))
     }
 
     /// By how much the quick bounds of a row's springs over the step pass their levels, and their second remainders;

@@ -147,8 +147,8 @@ pub(super) struct View<'a, T: Number = f64> {
     pub remainders: &'a [Aligned<T>; 2],
     /// `1 / sqrt(k)`
     pub root: &'a [T],
-    /// Sums of `q_i^2 / k_i` over the blocks of rows, lane by lane, at both ends, with halos.
-    energy: [&'a [T]; 2],
+    /// Sums of `q_i^2 / k_i` over the blocks of rows, lane by lane: the larger ones of both ends, with halos.
+    energy: &'a [T],
 }
 
 impl<T: Number> View<'_, T> {
@@ -192,29 +192,26 @@ impl View<'_> {
         })
     }
 
-    /// The energy of all blocks of a lane's chain together, at both ends.
+    /// The energy of all blocks of a lane's chain together.
     #[inline(always)]
-    pub(super) fn whole_energy(&self) -> [[f64; LANES]; 2] {
-        let sum = |row: &[f64]| {
-            let mut sums = [0.0; LANES];
-            for block in HALO..row.len() / LANES - HALO {
-                let energy = lanes(row, block);
-                (0..LANES).for_each(|l| sums[l] += energy[l]);
-            }
-            let [a, b, c, d, e, f, g, h] = sums;
-            if self.layout.is_cut { [((a + b) + (c + d)) + ((e + f) + (g + h)); LANES] } else { sums }
-        };
-        [sum(self.energy[0]), sum(self.energy[1])]
+    pub(super) fn whole_energy(&self) -> [f64; LANES] {
+        let mut sums = [0.0; LANES];
+        for block in 0..self.layout.blocks() {
+            let energy = lanes(self.energy, HALO + block);
+            (0..LANES).for_each(|l| sums[l] += energy[l]);
+        }
+        let [a, b, c, d, e, f, g, h] = sums;
+        if self.layout.is_cut { [((a + b) + (c + d)) + ((e + f) + (g + h)); LANES] } else { sums }
     }
 
     /// The bounds of [`local_norms`] for a block of rows.
     #[inline(always)]
-    pub(super) fn norms(&self, block: usize, whole: [[f64; LANES]; 2]) -> [[f64; LANES]; 2] {
+    pub(super) fn norms(&self, block: usize, whole: [f64; LANES]) -> [[f64; LANES]; 2] {
         if self.layout.rows < BLOCK {
             // Short blocks: all of them count as near.
-            local_norms(|end, n| if n == FAR { whole[end] } else { [0.0; LANES] }, whole)
+            local_norms(|n| if n == FAR { whole } else { [0.0; LANES] }, whole)
         } else {
-            local_norms(|end, n| lanes(self.energy[end], HALO + block + n - FAR), whole)
+            local_norms(|n| lanes(self.energy, HALO + block + n - FAR), whole)
         }
     }
 }
@@ -285,11 +282,14 @@ struct State<'a, T: Number> {
     /// `(h / m) (G_{v-1} - G_v + p_v)`
     pull: Aligned<T>,
     bend: [Aligned<T>; 2],
-    /// Sums of `q_i^2 / k_i` over the blocks of rows, lane by lane, at the beginning and the end of a step, with halos.
-    energy: [Aligned<T>; 2],
+    /// Sums of `q_i^2 / k_i` over the blocks of rows, lane by lane, at the end of a step; and the larger ones of both ends, with halos.
+    energy: Aligned<T>,
+    larger_energy: Aligned<T>,
     scratch: [Aligned<T>; 2],
     /// Coefficients of P, highest power first: the leading one, and two for each pass.
     series: Vec<f64>,
+    /// Places where a force acts, and the chain.
+    sources: Vec<(usize, usize)>,
 }
 
 /// `h / m` and `h k` of every mass and spring, and h.
@@ -312,6 +312,13 @@ impl<'a, T: Number> State<'a, T> {
             (0..LANES).filter(|&l| layout.chain(l) == chain).for_each(|l| tiny[l] = T::from_f64(size));
         }
         let series = kick_series(kind.terms, kind.phase);
+        let mut sources: Vec<(usize, usize)> =
+            scenes.iter().enumerate().map(|(chain, of)| (layout.place(chain, of.scene.source), chain)).collect();
+        if layout.is_cut && sources[0].0 / LANES == HALO && sources[0].0 % LANES > 0 {
+            // The copy in the halo of the piece before.
+            sources.push((sources[0].0 + layout.rows * LANES - 1, 0));
+        }
+        sources.sort_unstable();
         State {
             scenes,
             layout,
@@ -324,9 +331,11 @@ impl<'a, T: Number> State<'a, T> {
             velocity_rest: zero.clone(),
             pull: zero.clone(),
             bend: two(),
-            energy: [blocks.clone(), blocks],
+            energy: blocks.clone(),
+            larger_energy: blocks,
             scratch: two(),
             series: std::iter::repeat_n(0.0, (kind.terms + 1) % 2).chain(series.into_iter().rev()).collect(),
+            sources,
         }
     }
 
@@ -368,7 +377,6 @@ impl<'a, T: Number> State<'a, T> {
             self.sum_series(rows, &c);
             self.force.swap(0, 1);
             self.bend.swap(0, 1);
-            self.energy.swap(0, 1);
             self.kick_and_drift(rows, &c, share);
             self.find_bend(rows, &c, stretch);
             let view = View {
@@ -379,7 +387,7 @@ impl<'a, T: Number> State<'a, T> {
                 bend: [&self.bend[0], &self.bend[1]],
                 remainders: &remainders,
                 root: &self.root,
-                energy: [&self.energy[0], &self.energy[1]],
+                energy: &self.larger_energy,
             };
             see.see(rows, &view);
         }
@@ -428,13 +436,15 @@ impl<'a, T: Number> State<'a, T> {
     fn sum_series<S: Simd, const H: usize>(&mut self, rows: Rows<S, H, T>, c: &Coefficients<T>) {
         let [r, next] = &mut self.scratch;
         let (leading, rest) = self.series.split_first().unwrap_or((&0.0, &[]));
-        let mut is_first = true;
-        for pair in rest.as_chunks::<2>().0 {
-            let (from, scale) = if is_first { (&self.bend[1], *leading) } else { (&*r, 1.0) };
-            two_powers(rows, c, [&self.bend[1], from], next, [scale, pair[0], pair[1]]);
+        let q = &self.bend[1];
+        for (number, pair) in rest.as_chunks::<2>().0.iter().enumerate() {
+            if number == 0 {
+                two_powers::<S, H, T, true>(rows, c, [q, q], next, [*leading, pair[0], pair[1]]);
+            } else {
+                two_powers::<S, H, T, false>(rows, c, [q, r], next, [1.0, pair[0], pair[1]]);
+            }
             self.layout.fill_halos(next);
             std::mem::swap(r, next);
-            is_first = false;
         }
     }
 
@@ -496,6 +506,7 @@ impl<'a, T: Number> State<'a, T> {
         let (kick, drift) = (&v.of(&c.kick)[..end], &v.of(&c.drift)[..end]);
         let (force, rest) = (&v.of(&self.force[1])[..end], &v.of(&self.force_rest)[..end]);
         let (tiny, width) = (v.of(&self.tiny)[0], v.of(&c.width)[0]);
+        let mut sources = &*self.sources;
         let mut done = HALO;
         for block in 0..self.layout.blocks() {
             let inner = self.layout.block(block);
@@ -508,18 +519,11 @@ impl<'a, T: Number> State<'a, T> {
                 }
                 pull[p] = v.sub(v.add(v.mul(kick[p], apart), tiny), tiny);
             }
-            for (chain, Marched { scene, .. }) in self.scenes.iter().enumerate() {
-                // The source, and its copy in the halo of the piece before.
-                let source = self.layout.place(chain, scene.source);
-                let has_copy = self.layout.is_cut && source % LANES > 0;
-                let copy = if has_copy { source + self.layout.rows * LANES - 1 } else { source };
-                for place in [source, copy] {
-                    if (done * LANES..(to + 1) * LANES).contains(&place) {
-                        let apart = |g: &[T]| g[place - LANES].to_f64() - g[place].to_f64();
-                        let outside = (apart(&self.force[1]) + apart(&self.force_rest)) + stretch.force[chain];
-                        self.pull[place] = T::from_f64(c.kick[place].to_f64() * outside);
-                    }
-                }
+            while let Some((&(place, chain), rest)) = sources.split_first().filter(|of| of.0.0 < (to + 1) * LANES) {
+                let apart = |g: &[T]| g[place - LANES].to_f64() - g[place].to_f64();
+                let outside = (apart(&self.force[1]) + apart(&self.force_rest)) + stretch.force[chain];
+                self.pull[place] = T::from_f64(c.kick[place].to_f64() * outside);
+                sources = rest;
             }
             done = to + 1;
             let pull = &v.of(&self.pull)[..end];
@@ -531,16 +535,19 @@ impl<'a, T: Number> State<'a, T> {
                 bend[p] = q;
                 energy = v.mul_add(q, apart, energy);
             }
-            v.of_mut(&mut self.energy[1])[HALO + block] = v.mul(energy, width);
+            let energy = v.mul(energy, width);
+            let last = &mut v.of_mut(&mut self.energy)[HALO + block];
+            v.of_mut(&mut self.larger_energy)[HALO + block] = v.max(*last, energy);
+            *last = energy;
         }
-        self.layout.fill_halos(&mut self.energy[1]);
+        self.layout.fill_halos(&mut self.larger_energy);
         self.layout.fill_halos(&mut self.bend[1]);
     }
 }
 
-/// `next = (c_2 + X (c_1 + scale X)) q`, where `from` stands for the last q, over the pieces; with halos of q and `from`.
+/// `next = (c_2 + X c_1) q + X^2 from`, or with `IS_FIRST` `scale X^2 from`, from rows with halos; without one of `next`.
 #[inline(always)]
-fn two_powers<S: Simd, const H: usize, T: Number>(
+fn two_powers<S: Simd, const H: usize, T: Number, const IS_FIRST: bool>(
     v: Rows<S, H, T>,
     c: &Coefficients<T>,
     [q, from]: [&[T]; 2],
@@ -552,13 +559,14 @@ fn two_powers<S: Simd, const H: usize, T: Number>(
     let (q, from): (&[Row<S, H, T>], &[Row<S, H, T>]) = (&v.of(q)[..end], &v.of(from)[..end]);
     let next = &mut v.of_mut(next)[..end];
     let [scale, first, second] = [scale, first, second].map(|x| v.splat(x));
+    let scaled = |row: Row<S, H, T>| if IS_FIRST { v.mul(scale, row) } else { row };
     // r and w of the row before; the same of the first sum, one row later.
-    let mut r = v.mul(scale, from[HALO - 1]);
-    let mut w = v.mul(kick[HALO - 1], v.sub(v.mul(scale, from[HALO - 2]), r));
+    let mut r = scaled(from[HALO - 1]);
+    let mut w = v.mul(kick[HALO - 1], v.sub(scaled(from[HALO - 2]), r));
     let (mut sum, mut w_of_sum) = (v.splat(0.0), v.splat(0.0));
     let mut last_q = v.splat(0.0);
     for p in HALO - 1..end - HALO + 1 {
-        let next_r = v.mul(scale, from[p + 1]);
+        let next_r = scaled(from[p + 1]);
         let next_w = v.mul(kick[p + 1], v.sub(r, next_r));
         let next_sum = v.mul_add(drift[p], v.sub(next_w, w), v.mul(first, q[p]));
         (r, w) = (next_r, next_w);

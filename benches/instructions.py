@@ -21,7 +21,7 @@ from peer import HERE, train_file
 FIGURES = HERE / "instructions.txt"
 MOST = 1.03
 # The function whose calls are counted, with all that it calls.
-COUNTED = "trainsafe::solve::plan::run"
+COUNTED = "trainsafe::solve::plan::run_all"
 CASES = [
     ("equal", 1001, [], "1000"),
     ("mixed", 301, ["--mixed"], "300"),

@@ -22,7 +22,7 @@ mod stop;
 pub(crate) mod variants;
 
 pub use cascade::{CascadeBreak, CascadeFindings, CascadeWorst};
-pub(crate) use case::case_findings;
+pub(crate) use case::{cases_at_once, cases_findings};
 pub(crate) use doubts_found::found;
 pub(crate) use estimate::case_estimate_s;
 pub use estimate::{estimate_s, memory_bytes};
@@ -487,18 +487,19 @@ fn ask(train: &Train, options: &Options, mark_s: Option<f64>) -> Ask {
 }
 
 fn scenario_findings(train: &Train, scenario: &Scenario, options: &Options) -> Result<ScenarioFindings, AnalyzeError> {
+    let solve = |source| AnalyzeError::Solve { scenario: scenario.name.clone(), source };
     let cases = cases(&scenario.event)
-        .par_iter()
-        .map(|&b| {
+        .par_chunks(cases_at_once(train, scenario))
+        .map(|some| {
             options.stop.check()?;
-            case_findings(train, scenario, b, options, Shared::Nothing)
-                .map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })
+            let found = cases_findings(train, scenario, some, options, Shared::Nothing);
+            found.into_iter().collect::<Result<Vec<_>, _>>().map_err(solve)
         })
-        .collect::<Result<Vec<_>, _>>()?;
+        .collect::<Result<Vec<_>, _>>()?
+        .concat();
     options.stop.check()?;
     let map = if options.map { map::find(train, scenario, options) } else { Ok(None) };
-    let map = map.map_err(|source| AnalyzeError::Solve { scenario: scenario.name.clone(), source })?;
-    let solve = |source| AnalyzeError::Solve { scenario: scenario.name.clone(), source };
+    let map = map.map_err(solve)?;
     let (mut damping, mut variants) = (Vec::new(), Vec::new());
     if options.damping {
         damping = variants::damping(train, scenario, &cases, options).map_err(solve)?;

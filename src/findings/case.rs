@@ -13,7 +13,7 @@ use crate::rod::Rod;
 use crate::scenario::{self, Motion, Part, Scales};
 use crate::solve::responses::Shared;
 use crate::solve::watch::{Side, SpringPeaks};
-use crate::solve::{Ask, Solution, SolveError, Wanted};
+use crate::solve::{self, Ask, Solution, SolveError, Wanted};
 use crate::train::{Event, Pulse, PulseShape, Rule, Scenario, Train};
 
 /// Why a march has no safe load factor.
@@ -61,15 +61,27 @@ impl<'a> Case<'a> {
         self.solve_on(self.train, [self.horizon_s, self.passage_s], &self.options)
     }
 
+    /// What the solver is asked up to a time, and up to a mark if that is before it; the train may have other ratings than the case's.
+    fn question(&self, train: &Train, [until_s, mark_s]: [f64; 2], options: &Options) -> Question {
+        let parts = scenario::parts(train, &self.scenario.event, self.broken, until_s);
+        Question { parts, ask: ask(train, options, (mark_s < until_s).then_some(mark_s)) }
+    }
+
     /// Extremes of every coupler of a train up to a time, and up to a mark if that is before it; the train may have other ratings
     /// than the case's.
     fn solve_on(&self, train: &Train, [until_s, mark_s]: [f64; 2], options: &Options) -> Result<Solved, SolveError> {
         match self.motion() {
             Motion::March => march::solved(train, self.scenario, self.broken, [until_s, mark_s], options),
-            Motion::Steps | Motion::DampedModes(_) => {
-                let parts = scenario::parts(train, &self.scenario.event, self.broken, until_s);
-                let ask = ask(train, options, (mark_s < until_s).then_some(mark_s));
-                solved_by_parts(train, &parts, &ask, options, self.shared)
+            Motion::Steps => {
+                let question = self.question(train, [until_s, mark_s], options);
+                let solutions = self.shared.solve_all(&question.scenes());
+                solved_by_parts(train, &question, solutions, options)
+            }
+            Motion::DampedModes(ratio) => {
+                let question = self.question(train, [until_s, mark_s], options);
+                let solved = |(scene, ask): (&Scene, Ask)| damped::solved(scene, ratio, &ask);
+                let solutions = question.scenes().into_iter().map(solved).collect();
+                solved_by_parts(train, &question, solutions, options)
             }
         }
     }
@@ -96,22 +108,57 @@ impl<'a> Case<'a> {
     }
 }
 
-/// One case of a train: what the event, or the break of one coupler, does to every coupler.
-pub(crate) fn case_findings(
+/// The parts that a break or a rectangular pulse leaves, and what is asked of each.
+struct Question {
+    parts: Vec<Part>,
+    ask: Ask,
+}
+
+impl Question {
+    fn scenes(&self) -> Vec<(&Scene, Ask)> {
+        self.parts.iter().map(|part| (&part.scene, self.ask)).collect()
+    }
+}
+
+/// How many cases of a scenario to give [`cases_findings`] at once.
+pub(crate) fn cases_at_once(train: &Train, scenario: &Scenario) -> usize {
+    if Motion::of(train, scenario) == Motion::Steps { solve::side_by_side(train.couplers().len()) } else { 1 }
+}
+
+/// Several cases of a scenario: what the event, or the break of one coupler, does to every coupler. Those that are undamped are solved
+/// together.
+pub(crate) fn cases_findings(
     train: &Train,
     scenario: &Scenario,
-    broken: Option<usize>,
+    broken: &[Option<usize>],
     options: &Options,
     shared: Shared,
-) -> Result<CaseFindings, SolveError> {
+) -> Vec<Result<CaseFindings, SolveError>> {
     let start = Instant::now();
-    let case = Case::new(train, scenario, broken, options, shared);
-    let (horizon_s, passage_s) = (case.horizon_s, case.passage_s);
+    let cases: Vec<Case> = broken.iter().map(|&b| Case::new(train, scenario, b, options, shared)).collect();
+    if Motion::of(train, scenario) != Motion::Steps {
+        return cases.iter().map(|case| case_findings(case, case.solve(), 0.0)).collect();
+    }
+    let question = |case: &Case| case.question(train, [case.horizon_s, case.passage_s], &case.options);
+    let questions: Vec<Question> = cases.iter().map(question).collect();
+    let scenes: Vec<(&Scene, Ask)> = questions.iter().flat_map(Question::scenes).collect();
+    let mut solutions = shared.solve_all(&scenes).into_iter();
+    let seconds = start.elapsed().as_secs_f64() / cases.len().max(1) as f64;
+    let findings = |(case, question): (&Case, &Question)| {
+        let solutions = solutions.by_ref().take(question.parts.len()).collect();
+        case_findings(case, solved_by_parts(train, question, solutions, &case.options), seconds)
+    };
+    cases.iter().zip(&questions).map(findings).collect()
+}
+
+/// One case, as it was solved in so many seconds.
+fn case_findings(case: &Case, solved: Result<Solved, SolveError>, solved_s: f64) -> Result<CaseFindings, SolveError> {
+    let start = Instant::now();
+    let Case { train, scenario, broken, horizon_s, passage_s, ref options, .. } = *case;
     let rod = case.rod();
-    let solved = case.solve()?;
-    let safe_load_factor = case.safe_load_factor(&solved);
+    let safe_load_factor = solved.as_ref().ok().and_then(|solved| case.safe_load_factor(solved));
     let Solved { method, reason, error_bound_n, error_estimate_n, mut couplers, worst, left_out, to_mark, marched } =
-        solved;
+        solved?;
     let ending = marched.as_ref().and_then(|m| m.ending);
     let horizon_s = ending.map_or(horizon_s, |end| end.at_s);
     let cascade = cascade::find(train, scenario, broken, horizon_s, options)?.map(|found| found.note(&mut couplers));
@@ -147,7 +194,7 @@ pub(crate) fn case_findings(
             Some(_) => march::tolerance_n(train, options),
             None => ask(train, options, None).tolerance * Scales::of(train).force_n,
         },
-        run_time_s: start.elapsed().as_secs_f64(),
+        run_time_s: solved_s + start.elapsed().as_secs_f64(),
         exceeding: couplers.iter().filter(|c| c.exceeds == Some(true)).count(),
         undecided: couplers.iter().filter(|c| c.exceeds.is_none()).count(),
         safe_load_factor,
@@ -169,20 +216,16 @@ fn closures(marched: Option<&Marched>) -> Vec<GapClosure> {
 /// Extremes of every coupler in the parts that a break or a rectangular pulse leaves.
 fn solved_by_parts(
     train: &Train,
-    parts: &[Part],
-    ask: &Ask,
+    Question { parts, ask }: &Question,
+    solutions: Vec<Result<Solution, SolveError>>,
     options: &Options,
-    shared: Shared,
 ) -> Result<Solved, SolveError> {
     let scales = Scales::of(train);
     let mut within = [(); 2].map(|()| (Vec::new(), Vec::new()));
     let (mut method, mut reason, mut telling) = ("none", "no coupler is left to watch".to_owned(), (false, 0));
     let (mut error_bound_n, mut left_out, mut only_worst) = (0.0f64, Vec::new(), false);
-    for part in parts {
-        let solution = match train.extras().damping_ratio {
-            0.0 => shared.solve(&part.scene, ask)?,
-            ratio => damped::solved(&part.scene, ratio, ask)?,
-        };
+    for (part, solution) in parts.iter().zip(solutions) {
+        let solution = solution?;
         let tells = (solution.error_bound > ask.tolerance, part.scene.initial.len());
         if tells > telling {
             telling = tells;

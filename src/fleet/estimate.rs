@@ -85,25 +85,22 @@ fn sample_case(plan: &Plan, case: u64, start: Instant) -> Result<Option<SampledC
     let mut before = 0;
     for scenario in train.scenarios() {
         let all = findings::cases(&scenario.event);
-        if let Some(&broken) = all.get(index - before) {
-            let pair = [broken, all[all.len() - 1 - (index - before)]];
+        if index - before < all.len() {
+            let some = findings::cases_at_once(&train, scenario);
+            let some = all.chunks(some).nth((index - before) / some).unwrap_or_default();
             let count = |b: &Option<usize>| findings::case_estimate_s(&train, scenario, *b, &plan.options);
-            let counted: f64 = pair.iter().filter_map(|b| count(b).ok()).sum();
+            let counted: f64 = some.iter().filter_map(|b| count(b).ok()).sum();
             let is_time = start.elapsed().as_secs_f64() < SOLVING_S && counted < SOLVING_S;
             let solved = is_time.then(|| {
                 let shared = plan.shared(&train);
-                let solve = || {
-                    for broken in pair {
-                        // Those that cannot be computed take their time too.
-                        let _ = findings::case_findings(&train, scenario, broken, &plan.options, shared);
-                    }
-                };
+                // Those that cannot be computed take their time too.
+                let solve = || findings::cases_findings(&train, scenario, some, &plan.options, shared);
                 // Untimed: the run finds a response once.
                 if matches!(shared, Shared::EveryChain(_)) {
-                    solve();
+                    drop(solve());
                 }
                 let begun = Instant::now();
-                solve();
+                drop(solve());
                 begun.elapsed().as_secs_f64()
             });
             return Ok(Some(SampledCase { load, counted, solved }));

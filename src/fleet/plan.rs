@@ -203,10 +203,21 @@ impl<'a> Plan<'a> {
         let cell = file_cell(&self.inputs.files[file]);
         self.keep(&cell, variation, &place.doubts);
         let shared = self.shared(&train);
-        for (scenario, broken) in all_cases(&train).skip(range.start).take(range.len()) {
-            self.options.stop.check()?;
-            match findings::case_findings(&train, scenario, broken, &self.options, shared) {
-                Ok(case) => {
+        let mut left = range.len();
+        for (scenario, first) in first_cases(&train, range.start) {
+            let of_scenario: Vec<Option<usize>> = cases(&scenario.event).into_iter().skip(first).take(left).collect();
+            left -= of_scenario.len();
+            for some in of_scenario.chunks(findings::cases_at_once(&train, scenario)) {
+                self.options.stop.check()?;
+                let found = findings::cases_findings(&train, scenario, some, &self.options, shared);
+                for (case, broken) in found.into_iter().zip(some) {
+                    let case = match case {
+                        Ok(case) => case,
+                        Err(error) => {
+                            done.rows.fail(&place, Some((scenario, *broken)), &error.to_string());
+                            continue;
+                        }
+                    };
                     let found = findings::found(&train, scenario, std::slice::from_ref(&case));
                     self.keep(&cell, variation, &found);
                     #[cfg(feature = "parquet")]
@@ -215,11 +226,20 @@ impl<'a> Plan<'a> {
                     }
                     done.rows.add(&place, &train, scenario, &case, &found);
                 }
-                Err(error) => done.rows.fail(&place, Some((scenario, broken)), &error.to_string()),
             }
         }
         Ok(())
     }
+}
+
+/// The scenarios of a train from its case `first` on, each with the first of its cases.
+fn first_cases(train: &Train, first: usize) -> impl Iterator<Item = (&crate::train::Scenario, usize)> {
+    let mut before = 0;
+    train.scenarios().iter().filter_map(move |scenario| {
+        let count = cases(&scenario.event).len();
+        before += count;
+        (before > first).then(|| (scenario, first.saturating_sub(before - count)))
+    })
 }
 
 /// The cases of a train: each scenario with each coupler that breaks in it.

@@ -189,21 +189,28 @@ pub fn solve(scene: &Scene, ask: &Ask) -> Result<Solution, SolveError> {
     Ok(plan::run(scene, ask, &plan, None))
 }
 
-/// [`solve`] for several scenes, which takes less time than one after the other.
-pub fn solve_all(scenes: &[&Scene], ask: &Ask) -> Vec<Result<Solution, SolveError>> {
-    let plans: Vec<_> = scenes.iter().map(|scene| plan::choose(scene, ask)).collect();
-    let is_marched = |n: &usize| scenes[*n].force != 0.0 && plans[*n].is_ok();
-    let moved: Vec<usize> = (0..scenes.len()).filter(is_marched).collect();
-    let of_moved: Vec<&Scene> = moved.iter().map(|&n| scenes[n]).collect();
-    let plans_of_moved: Vec<plan::Plan> = moved.iter().filter_map(|&n| plans[n].as_ref().ok().cloned()).collect();
-    let mut solutions = plan::run_all(&of_moved, ask, &plans_of_moved).into_iter();
-    let mut solution = |n: usize, plan: Result<plan::Plan, SolveError>| {
-        if scenes[n].force == 0.0 {
-            return Ok(at_rest(scenes[n], ask));
-        }
-        plan.map(|_| solutions.next().expect("one of each plan"))
-    };
-    plans.into_iter().enumerate().map(|(n, plan)| solution(n, plan)).collect()
+/// [`solve`] for several scenes. Breaks of chains of similar length that are marched take less time together.
+pub fn solve_all(scenes: &[(&Scene, Ask)]) -> Vec<Result<Solution, SolveError>> {
+    let mut solved = Vec::with_capacity(scenes.len());
+    let mut planned = Vec::with_capacity(scenes.len());
+    for &(scene, ask) in scenes {
+        let plan = if scene.force == 0.0 { None } else { Some(plan::choose(scene, &ask)) };
+        solved.push(match plan {
+            None => Some(Ok(at_rest(scene, &ask))),
+            Some(Err(error)) => Some(Err(error)),
+            Some(Ok(plan)) => {
+                planned.push(plan::Planned { scene, ask, plan });
+                None
+            }
+        });
+    }
+    let mut solutions = plan::run_all(&planned).into_iter();
+    solved.into_iter().filter_map(|solved| solved.or_else(|| solutions.next().map(Ok))).collect()
+}
+
+/// How many breaks of one train to give [`solve_all`] at once: as many as are marched together.
+pub fn side_by_side(springs: usize) -> usize {
+    if springs <= plan::MOST_ROWS { lanes::LANES } else { 1 }
 }
 
 /// Estimated time of [`solve`], s, from the count of its work.

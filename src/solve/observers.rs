@@ -12,22 +12,24 @@ use super::{Wanted, Work};
 use crate::chain::Scene;
 
 /// Extremes of every spring's force, up to the horizon and up to a mark before it, and the work.
-pub type Peaks = ([Vec<SpringPeaks>; 2], Work);
+pub(super) type Peaks = ([Vec<SpringPeaks>; 2], Work);
 
 /// What to find along a march through a scene.
 #[derive(Clone, Copy, Debug)]
-pub struct Quest<'a> {
+pub(super) struct Quest<'a> {
     pub scene: &'a Scene,
     /// An upper bound on the largest frequency.
     pub omega: f64,
     /// A peak that is larger than another by less than this need not be found.
     pub min_rise: f64,
+    /// Terms of the march's series; the same for all that are marched side by side.
+    pub terms: usize,
     pub wanted: Wanted,
     pub mark: Option<f64>,
 }
 
-/// Extremes along a march with so many terms through one scene, or through several side by side.
-pub(super) fn peaks(of: &[Quest], terms: usize) -> Vec<Peaks> {
+/// Extremes along a march through one scene, or through several side by side.
+pub(super) fn peaks(of: &[Quest]) -> Vec<Peaks> {
     let motions: Vec<Motion> = of.iter().map(|of| Motion::new(of.scene)).collect();
     let scenes: Vec<Marched> =
         of.iter().zip(&motions).map(|(of, motion)| Marched { scene: of.scene, motion, omega: of.omega }).collect();
@@ -37,29 +39,24 @@ pub(super) fn peaks(of: &[Quest], terms: usize) -> Vec<Peaks> {
     if of.iter().all(pays) {
         let marks: Vec<f64> = of.iter().map(|of| of.mark.unwrap_or(of.scene.horizon)).collect();
         let expected = foresee::levels(&scenes, &marks).into_iter().map(Some).collect();
-        found = peaks_from(of, &scenes, terms, expected);
+        found = peaks_from(of, &scenes, expected);
     }
     // What passed less than was expected, without that.
     for n in (0..of.len()).filter(|&n| found[n].is_none()).collect::<Vec<_>>() {
-        found[n] = peaks_from(&of[n..=n], &scenes[n..=n], terms, vec![None]).swap_remove(0);
+        found[n] = peaks_from(&of[n..=n], &scenes[n..=n], vec![None]).swap_remove(0);
     }
     found.into_iter().map(Option::unwrap_or_default).collect()
 }
 
 /// The same, given what forces are expected to pass up to the mark and up to the horizon; `None` if some do not.
-fn peaks_from(
-    of: &[Quest],
-    scenes: &[Marched],
-    terms: usize,
-    expected: Vec<Option<[Levels; 2]>>,
-) -> Vec<Option<Peaks>> {
-    let case = |((of, marched), expected)| CaseSearch::new(of, marched, terms, expected);
+fn peaks_from(of: &[Quest], scenes: &[Marched], expected: Vec<Option<[Levels; 2]>>) -> Vec<Option<Peaks>> {
+    let case = |((of, marched), expected)| CaseSearch::new(of, marched, expected);
     let mut cases: Vec<CaseSearch> = of.iter().zip(scenes).zip(expected).map(case).collect();
     let springs: Vec<usize> = of.iter().map(|of| of.scene.initial.len()).collect();
     let mut levels = RowLevels::new(Layout::new(&springs));
     cases.iter_mut().enumerate().for_each(|(chain, case)| levels.update(chain, &mut case.search));
     let mut observer = PeaksObserver { cases, levels };
-    march(scenes, Kind::exact(terms), &mut observer);
+    march(scenes, Kind::exact(of[0].terms), &mut observer);
     observer.cases.into_iter().map(CaseSearch::finish).collect()
 }
 
@@ -95,8 +92,8 @@ struct CaseSearch<'a> {
 }
 
 impl<'a> CaseSearch<'a> {
-    fn new(of: &Quest<'a>, marched: &Marched<'a>, terms: usize, expected: Option<[Levels; 2]>) -> CaseSearch<'a> {
-        let bound = error_bound_of_terms(of.scene, of.omega, terms);
+    fn new(of: &Quest<'a>, marched: &Marched<'a>, expected: Option<[Levels; 2]>) -> CaseSearch<'a> {
+        let bound = error_bound_of_terms(of.scene, of.omega, of.terms);
         let mut search = Search::new(of.scene, marched.motion, [bound, of.min_rise]);
         let later = expected.map(|[first, later]| {
             search.expect(&first, of.wanted);
@@ -422,15 +419,21 @@ mod tests {
         Scene { chain, source: 39, force: -0.5, duration, initial, rated_draft, rated_buff, horizon: 150.0 }
     }
 
+    fn quest(scene: &Scene) -> Quest<'_> {
+        let (terms, wanted, mark) = (KICK_TERMS, Wanted::Everything, Some(60.0));
+        Quest { scene, omega: omega_max(scene), min_rise: 0.0, terms, wanted, mark }
+    }
+
     /// Foreseen levels are just under the peaks of a search without them, and do not change these; a search that
     /// expects more than the peaks gives `None`.
     #[test]
     fn foreseen_levels_change_nothing() {
         for duration in [f64::INFINITY, 20.0] {
             let scene = unequal(duration);
-            let omega = omega_max(&scene);
-            let find = |expected| peaks_from(&scene, [omega, 0.0], Wanted::Everything, Some(60.0), expected);
-            let levels = foresee::levels(&scene, omega, 60.0);
+            let (motion, omega) = (Motion::new(&scene), omega_max(&scene));
+            let scenes = [Marched { scene: &scene, motion: &motion, omega }];
+            let find = |expected| peaks_from(&[quest(&scene)], &scenes, vec![expected]).swap_remove(0);
+            let levels = foresee::levels(&scenes, &[60.0]).swap_remove(0);
             let ([plain, to_mark], _) = find(None).expect("nothing was expected");
             for (found, levels) in [(&to_mark, &levels[0]), (&plain, &levels[1])] {
                 for (peaks, level) in found.iter().zip(levels) {
@@ -449,6 +452,31 @@ mod tests {
             let mut more = levels;
             more[1][7][0] = plain[7].draft.best.value + 1e-6;
             assert!(find(Some(more)).is_none());
+        }
+    }
+
+    /// Scenes side by side have the same peaks as one by one, to the last bit: horizons and steps differ, and so do lengths.
+    #[test]
+    fn side_by_side_is_as_one_by_one() {
+        let scene = |springs: usize| {
+            let mut scene = unequal(f64::INFINITY);
+            scene.chain.mass.truncate(springs + 1);
+            [&mut scene.chain.stiffness, &mut scene.initial, &mut scene.rated_draft, &mut scene.rated_buff]
+                .into_iter()
+                .for_each(|row| row.truncate(springs));
+            scene.source = springs;
+            scene.horizon = 100.0 + 3.7 * springs as f64;
+            scene
+        };
+        let scenes: Vec<Scene> = [39, 12, 1, 30, 38, 7].map(scene).into();
+        for wanted in [Wanted::Everything, Wanted::Worst] {
+            let quests: Vec<Quest> = scenes.iter().map(|scene| Quest { wanted, ..quest(scene) }).collect();
+            let together = peaks(&quests);
+            for (quest, (found, work)) in quests.iter().zip(&together) {
+                let (alone, work_alone) = peaks(&[*quest]).swap_remove(0);
+                assert_eq!(*found, alone);
+                assert_eq!(work.marched, work_alone.marched);
+            }
         }
     }
 }

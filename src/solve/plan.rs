@@ -37,7 +37,7 @@ const MOST_GIGABYTES: f64 = 4.0;
 /// A march in pieces has the work of so many rows more than a piece's.
 const PIECES_ROWS: usize = 5;
 /// Longer chains do not fit the fast memory side by side.
-const MOST_ROWS: usize = 256;
+pub const MOST_ROWS: usize = 256;
 
 /// What was chosen.
 #[derive(Clone, Debug)]
@@ -213,46 +213,55 @@ fn reason(chosen: &Offer, offers: &[Offer], ask: &Ask, within: bool) -> String {
     text
 }
 
+/// A scene, what is asked of it, and the plan for it.
+#[derive(Clone, Debug)]
+pub(super) struct Planned<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// What is asked.
+    pub ask: Ask,
+    /// The plan.
+    pub plan: Plan,
+}
+
 /// Carries plans out. Breaks that are marched are marched side by side, where that is less work.
-pub fn run_all(scenes: &[&Scene], ask: &Ask, plans: &[Plan]) -> Vec<Solution> {
-    let is_free = !ask.verdict_only && !ask.all_time_bound;
-    let can_join = |&n: &usize| {
-        let Scene { duration, horizon, .. } = *scenes[n];
-        is_free && plans[n].method == Method::Propagator && duration >= horizon
+#[inline(never)]
+pub(super) fn run_all(all: &[Planned]) -> Vec<Solution> {
+    let quests: Vec<Quest> = all.iter().map(|of| quest(of.scene, &of.ask, &of.plan)).collect();
+    let can_join = |of: &Planned| {
+        let is_free = !of.ask.verdict_only && !of.ask.all_time_bound;
+        is_free && of.plan.method == Method::Propagator && of.scene.duration >= of.scene.horizon
     };
-    let springs = |n: usize| scenes[n].initial.len();
-    let mut joined: Vec<usize> = (0..scenes.len()).filter(can_join).collect();
-    joined.sort_by_key(|&n| (quest(scenes[n], ask, &plans[n]).1, springs(n)));
-    let mut found: Vec<Option<Peaks>> = vec![None; scenes.len()];
-    for group in joined.chunk_by(|&a, &b| quest(scenes[a], ask, &plans[a]).1 == quest(scenes[b], ask, &plans[b]).1) {
-        for group in group.chunks(LANES).filter(|group| are_less_work_together(group.iter().map(|&n| springs(n)))) {
-            let quests: Vec<(Quest, usize)> = group.iter().map(|&n| quest(scenes[n], ask, &plans[n])).collect();
-            let terms = quests[0].1;
-            let quests: Vec<Quest> = quests.into_iter().map(|(quest, _)| quest).collect();
-            group.iter().zip(observers::peaks(&quests, terms)).for_each(|(&n, peaks)| found[n] = Some(peaks));
+    let mut joined: Vec<usize> = (0..all.len()).filter(|&n| can_join(&all[n])).collect();
+    joined.sort_by_key(|&n| (quests[n].terms, all[n].scene.initial.len()));
+    let mut found: Vec<Option<Peaks>> = vec![None; all.len()];
+    for some in joined.chunk_by(|&a, &b| quests[a].terms == quests[b].terms).flat_map(|some| some.chunks(LANES)) {
+        let of: Vec<Quest> = some.iter().map(|&n| quests[n]).collect();
+        if are_less_work_together(&of) {
+            some.iter().zip(observers::peaks(&of)).for_each(|(&n, peaks)| found[n] = Some(peaks));
         }
     }
-    let all = scenes.iter().zip(plans).zip(found);
-    all.map(|((scene, plan), found)| run(scene, ask, plan, found)).collect()
+    all.iter().zip(found).map(|(of, found)| run(of.scene, &of.ask, &of.plan, found)).collect()
 }
 
 /// Whether a march through chains side by side is less work than one through each of them in pieces.
-fn are_less_work_together(springs: impl ExactSizeIterator<Item = usize> + Clone) -> bool {
-    let rows = springs.clone().fold(0, usize::max);
-    let in_pieces: usize = springs.clone().map(|springs| springs / LANES + PIECES_ROWS).sum();
-    springs.len() > 1 && rows <= MOST_ROWS && rows < in_pieces
+fn are_less_work_together(of: &[Quest]) -> bool {
+    let springs = || of.iter().map(|of| of.scene.initial.len());
+    let rows = springs().fold(0, usize::max);
+    let in_pieces: usize = springs().map(|springs| springs / LANES + PIECES_ROWS).sum();
+    of.len() > 1 && rows <= MOST_ROWS && rows < in_pieces
 }
 
-/// What a march has to find, and its number of terms.
-fn quest<'a>(scene: &'a Scene, ask: &Ask, plan: &Plan) -> (Quest<'a>, usize) {
+/// What a march has to find.
+fn quest<'a>(scene: &'a Scene, ask: &Ask, plan: &Plan) -> Quest<'a> {
     let coarse = coarse_min_rise(scene, ask);
     let terms = propagator::terms(scene, plan.omega_max, coarse);
     let min_rise = coarse.min(ask.tolerance - propagator::error_bound_of_terms(scene, plan.omega_max, terms));
-    (Quest { scene, omega: plan.omega_max, min_rise, wanted: ask.wanted, mark: ask.mark }, terms)
+    Quest { scene, omega: plan.omega_max, terms, min_rise, wanted: ask.wanted, mark: ask.mark }
 }
 
 /// Carries a plan out, as far as it is not yet: `found` along a march.
-pub fn run(scene: &Scene, ask: &Ask, plan: &Plan, found: Option<Peaks>) -> Solution {
+pub(super) fn run(scene: &Scene, ask: &Ask, plan: &Plan, found: Option<Peaks>) -> Solution {
     let by_modes = plan.method == Method::Modal;
     let bounds_pay = ask.verdict_only && 1e9 * plan.seconds > price_of_modes(scene);
     let mut modes = (by_modes || ask.all_time_bound || bounds_pay).then(|| modes(scene));
@@ -288,9 +297,9 @@ pub fn run(scene: &Scene, ask: &Ask, plan: &Plan, found: Option<Peaks>) -> Solut
             (peaks, work, bound_of_extremes(fronts::error_bound(scene)))
         }
         _ => {
-            let (quest, terms) = quest(scene, ask, plan);
-            let bound = propagator::error_bound_of_terms(scene, plan.omega_max, terms);
-            let found = found.or_else(|| observers::peaks(&[quest], terms).pop());
+            let quest = quest(scene, ask, plan);
+            let bound = propagator::error_bound_of_terms(scene, plan.omega_max, quest.terms);
+            let found = found.or_else(|| observers::peaks(&[quest]).pop());
             let (peaks, work) = found.unwrap_or_default();
             (peaks, work, bound_of_extremes(bound).max(bound + quest.min_rise))
         }

@@ -409,7 +409,11 @@ impl<'a, T: Number> State<'a, T> {
         let [kick, drift, mut velocity] =
             [&c.kick, &c.drift, &self.velocity].map(|row| self.layout.gather(row, 0, masses));
         let series =
-            polynomial(SWITCH_TERMS, self.kind.phase, |x| if x.hi == 0.0 { Dd::ZERO } else { (factor(x) - Dd::ONE) / x });
+            polynomial(
+                SWITCH_TERMS,
+                self.kind.phase,
+                |x| if x.hi == 0.0 { Dd::ZERO } else { (factor(x) - Dd::ONE) / x },
+            );
         // X applied to masses: (h / m) (h k (v_{i-1} - v_i) ...), from velocities to velocities.
         let times = |v: &[f64]| -> Vec<f64> {
             let extension = |i: usize| drift[i] * (v[i] - v[i + 1]);
@@ -493,8 +497,7 @@ impl<'a, T: Number> State<'a, T> {
         for place in HALO * LANES..self.layout.len() - HALO * LANES {
             let apart = r[place - LANES].to_f64() - r[place].to_f64();
             let change = 0.5 * c.kick[place].to_f64().mul_add(apart, self.pull[place].to_f64());
-            let [speed, rest] =
-                two_sum(self.velocity[place].to_f64(), self.velocity_rest[place].to_f64() + change);
+            let [speed, rest] = two_sum(self.velocity[place].to_f64(), self.velocity_rest[place].to_f64() + change);
             (self.velocity[place], self.velocity_rest[place]) = (T::from_f64(speed), T::from_f64(rest));
         }
     }

@@ -12,9 +12,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 use pulp::Simd;
 
 use super::between::{Step, piece};
+use super::lanes::{Aligned, LANES, Layout, Rows};
 use super::local::{Local, Point};
 use super::motion::{Motion, bracket, least_slope};
-use super::lanes::{Aligned, LANES, Layout, Rows};
 use super::propagator::{self, Kind, Marched, StepObserver, View, march};
 use super::watch::{Side, SpringPeaks, bound_of_extremes};
 use super::{Ask, Method, Solution, Wanted, Work};
@@ -308,7 +308,9 @@ impl StepObserver for Recorder<'_> {
         let (mut any, whole) = (false, view.whole_energy());
         for block in 0..view.layout.blocks() {
             for row in view.open_rows(rows, &self.levels, block, whole) {
-                let Some((open, remainders)) = view.open_springs([&self.levels; 2], row, [false; LANES]) else { continue };
+                let Some((open, remainders)) = view.open_springs([&self.levels; 2], row, [false; LANES]) else {
+                    continue;
+                };
                 for lane in (0..LANES).filter(|&lane| open[lane] > 0.0) {
                     any |= self.record(view, view.layout.number(row, lane), remainders[lane]);
                 }

@@ -14,7 +14,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::closed_form::equal;
 use super::response::{Mapping, UnitResponse};
-use super::{Ask, Method, Solution, SolveError, plan, propagator, solve};
+use super::{Ask, Method, Solution, SolveError, plan, propagator, solve_all};
 use crate::chain::{Chain, Scene};
 
 /// Springs of the longest equal chain whose response is kept: a longer one's takes longer than some scenes.
@@ -37,13 +37,19 @@ pub enum Shared<'a> {
 }
 
 impl Shared<'_> {
-    /// [`solve`], from a response where the scene is of the shared ones and its bound is within the tolerance.
-    ///
-    /// # Errors
-    /// As for [`solve`].
-    pub fn solve(&self, scene: &Scene, ask: &Ask) -> Result<Solution, SolveError> {
+    /// [`solve_all`], from responses where a scene is of the shared ones and its bound is within the tolerance.
+    pub fn solve_all(&self, scenes: &[(&Scene, Ask)]) -> Vec<Result<Solution, SolveError>> {
+        let known: Vec<Option<Solution>> = scenes.iter().map(|(scene, ask)| self.from_response(scene, ask)).collect();
+        let all = scenes.iter().zip(&known);
+        let left: Vec<(&Scene, Ask)> = all.filter(|(_, known)| known.is_none()).map(|(scene, _)| *scene).collect();
+        let mut solved = solve_all(&left).into_iter();
+        known.into_iter().filter_map(|known| known.map(Ok).or_else(|| solved.next())).collect()
+    }
+
+    /// The solution from a response.
+    fn from_response(&self, scene: &Scene, ask: &Ask) -> Option<Solution> {
         let (responses, is_shared) = match *self {
-            Shared::Nothing => return solve(scene, ask),
+            Shared::Nothing => return None,
             Shared::EqualChains(responses) => (responses, equal(&scene.chain).is_some()),
             Shared::EveryChain(responses) => (responses, true),
         };
@@ -54,13 +60,10 @@ impl Shared<'_> {
             let (entry, is_new) = responses.entry(&key);
             let solution = entry.response().and_then(|response| response.solution(scene, ask, mapping));
             responses.count(!is_new && solution.is_some());
-            if let Some(solution) = solution {
-                return Ok(solution);
-            }
-        } else {
-            responses.count(false);
+            return solution;
         }
-        solve(scene, ask)
+        responses.count(false);
+        None
     }
 }
 

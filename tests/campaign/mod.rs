@@ -18,6 +18,9 @@ use trainsafe::solve::responses::{Responses, Shared};
 use trainsafe::solve::watch::SpringPeaks;
 use trainsafe::solve::{Ask, Method, Solution, Wanted};
 
+/// As many scenes as are marched side by side.
+const LANES: usize = 8;
+
 /// How a scene is solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum By {
@@ -27,11 +30,19 @@ pub enum By {
     Choice,
     /// From the response to a unit force, where that can tell.
     Response,
+    /// Together with others like it, which are marched side by side.
+    Together,
 }
 
 /// Every way, in the order of the table.
-pub const WAYS: [By; 5] =
-    [By::Method(Method::Fronts), By::Method(Method::Modal), By::Method(Method::Propagator), By::Choice, By::Response];
+pub const WAYS: [By; 6] = [
+    By::Method(Method::Fronts),
+    By::Method(Method::Modal),
+    By::Method(Method::Propagator),
+    By::Choice,
+    By::Response,
+    By::Together,
+];
 
 /// One way on one scene.
 #[derive(Clone, Debug)]
@@ -76,6 +87,7 @@ impl CampaignRow {
             By::Method(method) => method.name(),
             By::Choice => "(chosen)",
             By::Response => "(response)",
+            By::Together => "(together)",
         }
     }
 }
@@ -91,14 +103,24 @@ pub struct Campaign {
 
 /// A scene solved in one way; `None` where that does not apply.
 fn solved(scene: &Scene, by: By, wanted: Wanted) -> Option<Solution> {
-    let method = if let By::Method(method) = by { Some(method) } else { None };
+    let method = match by {
+        By::Method(method) => Some(method),
+        By::Together => Some(Method::Propagator),
+        By::Choice | By::Response => None,
+    };
     let rating = scene.rated_draft.iter().chain(&scene.rated_buff).fold(0.0f64, |a, &r| a.max(r));
     // A method asked for by name is held to what it can do at best, the planner to its default tolerance.
     let tolerance = if method.is_some() { f64::MIN_POSITIVE } else { 1e-9 * rating };
     let ask = Ask { tolerance, method, verdict_only: false, all_time_bound: false, wanted, mark: None };
     let responses = Responses::new(0);
     let shared = if by == By::Response { Shared::EveryChain(&responses) } else { Shared::Nothing };
-    shared.solve(scene, &ask).ok()
+    let others = (1..if by == By::Together { LANES } else { 1 }).map(|n| {
+        let share = 0.5 + 0.1 * n as f64;
+        Scene { horizon: share * scene.horizon, force: -share * scene.force, ..scene.clone() }
+    });
+    let others: Vec<Scene> = others.collect();
+    let all: Vec<(&Scene, Ask)> = others.iter().chain([scene]).map(|scene| (scene, ask)).collect();
+    shared.solve_all(&all).pop()?.ok()
 }
 
 /// Extremes found in one way, and the bound stated; `None` where that does not apply.

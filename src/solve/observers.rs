@@ -4,7 +4,7 @@ use pulp::Simd;
 
 use super::between::{Levels, Search, windows};
 use super::foresee;
-use super::lanes::{Aligned, LANES, Layout, Row, Rows, lanes};
+use super::lanes::{Aligned, LANES, Layout, Row, Rows, WithRows, dispatch, lanes};
 use super::motion::{MARGIN, Motion, any_positive, excess, norms_around};
 use super::propagator::{KICK_TERMS, Kind, Marched, StepObserver, View, error_bound_of_terms, march};
 use super::watch::SpringPeaks;
@@ -105,20 +105,11 @@ impl<'a> CaseSearch<'a> {
 
     /// Extremes up to the mark, which lies within the step: looks into all that is open, and the step up to the mark.
     #[cold]
-    fn pass_mark<S: Simd, const H: usize>(&mut self, rows: Rows<S, H>, view: &View, chain: usize) {
+    fn pass_mark(&mut self, view: &View, chain: usize) {
         let Some(mark) = self.mark.take() else { return };
         self.search.look_into_all();
-        let mut search = self.search.until(mark);
-        search.set_levels();
-        let mut levels = RowLevels::new(view.layout);
-        levels.update(chain, &mut search);
-        let last = [search.is_last(&view.step(chain)); LANES];
-        view.show(rows, &mut levels, last, |_, spring, remainder, levels| {
-            consider(&mut search, view, chain, spring, remainder);
-            levels.update(chain, &mut search);
-        });
-        search.note_all_left_rating(&view.step(chain), |end, spring| view.force(end, chain, spring));
-        let (peaks, looked) = search.finish();
+        let search = self.search.until(mark);
+        let (peaks, looked) = dispatch(LastStep { view, chain, search }).finish();
         self.work.refinements += looked - self.search.looked;
         self.to_mark = peaks;
         if let Some(later) = &self.later {
@@ -134,6 +125,32 @@ impl<'a> CaseSearch<'a> {
         // The last step may round to end just before a mark.
         let to_mark = if mark.is_some() { peaks.clone() } else { to_mark };
         Some(([peaks?, to_mark?], work))
+    }
+}
+
+/// The last step of a search through one chain of a march.
+struct LastStep<'v, 's> {
+    view: &'v View<'v>,
+    chain: usize,
+    search: Search<'s>,
+}
+
+impl<'s> WithRows<f64> for LastStep<'_, 's> {
+    type Output = Search<'s>;
+
+    #[inline(always)]
+    fn run<S: Simd, const H: usize>(self, rows: Rows<S, H>) -> Search<'s> {
+        let LastStep { view, chain, mut search } = self;
+        search.set_levels();
+        let mut levels = RowLevels::new(view.layout);
+        levels.update(chain, &mut search);
+        let last = [search.is_last(&view.step(chain)); LANES];
+        view.show(rows, &mut levels, last, |_, spring, remainder, levels| {
+            consider(&mut search, view, chain, spring, remainder);
+            levels.update(chain, &mut search);
+        });
+        search.note_all_left_rating(&view.step(chain), |end, spring| view.force(end, chain, spring));
+        search
     }
 }
 
@@ -185,7 +202,7 @@ impl StepObserver for PeaksObserver<'_> {
         for (chain, case) in cases.iter_mut().enumerate().filter(|(chain, _)| !view.is_over(*chain)) {
             let step = view.step(chain);
             if case.mark.is_some_and(|mark| mark <= step.from + step.width) {
-                case.pass_mark(rows, view, chain);
+                case.pass_mark(view, chain);
                 levels.update(chain, &mut case.search);
             }
             last[chain] = case.search.is_last(&step);

@@ -112,7 +112,7 @@ proptest! {
         let ask = Ask { mark: Some(part * bare.horizon), ..EVERYTHING };
         let scene = loaded(&bare, &ask, [load, share], kind);
         let responses = Responses::new(1 << 26);
-        let shared = |ask: &Ask| Shared::EveryChain(&responses).solve(&scene, ask).expect("a solution");
+        let shared = |ask: &Ask| solved(Shared::EveryChain(&responses), &scene, ask);
         let (own, other) = (solve(&scene, &ask).expect("a solution"), shared(&ask));
         let apart = own.error_bound + other.error_bound;
         prop_assert!(other.error_bound <= ask.tolerance);
@@ -145,7 +145,7 @@ proptest! {
         let scene = equal(masses, held, rating);
         let responses = Responses::new(1 << 22);
         let solved = |of: &Responses, scene: &Scene| {
-            let solution = Shared::EqualChains(of).solve(scene, &EVERYTHING).expect("a solution");
+            let solution = solved(Shared::EqualChains(of), scene, &EVERYTHING);
             (peaks(&solution.springs), solution.error_bound)
         };
         let first = solved(&responses, &scene);
@@ -158,13 +158,18 @@ proptest! {
     }
 }
 
+/// The solution of one scene.
+fn solved(shared: Shared, scene: &Scene, ask: &Ask) -> Solution {
+    shared.solve_all(&[(scene, *ask)]).swap_remove(0).expect("a solution")
+}
+
 /// One march for all loads and ratings of a chain and a source; another for each other source, duration and horizon.
 #[test]
 fn a_chain_is_marched_once_for_each_source() {
     let mut scene = equal(40, true, 1.4);
     scene.chain.mass[7] = 2.0;
     let responses = Responses::new(1 << 26);
-    let solve = |scene: &Scene| Shared::EveryChain(&responses).solve(scene, &EVERYTHING).expect("a solution");
+    let solve = |scene: &Scene| solved(Shared::EveryChain(&responses), scene, &EVERYTHING);
     for step in 1..=100 {
         let load = 0.013 * f64::from(step);
         let of_load = |f: &f64| load * f;
@@ -187,7 +192,7 @@ fn a_chain_is_marched_once_for_each_source() {
     }
     assert_eq!(responses.counts(), (102, 4));
     // Where only equal chains are shared it has its own solution.
-    Shared::EqualChains(&responses).solve(&scene, &EVERYTHING).expect("a solution");
+    solved(Shared::EqualChains(&responses), &scene, &EVERYTHING);
     assert_eq!(responses.counts(), (102, 5));
 }
 
@@ -196,7 +201,7 @@ fn a_chain_is_marched_once_for_each_source() {
 fn an_equal_chain_in_other_units_is_known() {
     let responses = Responses::new(1 << 20);
     let solve = |scene: &Scene, tolerance: f64| {
-        Shared::EqualChains(&responses).solve(scene, &Ask { tolerance, ..EVERYTHING }).expect("a solution")
+        solved(Shared::EqualChains(&responses), scene, &Ask { tolerance, ..EVERYTHING })
     };
     let scene = equal(9, true, 1.0);
     let first = solve(&scene, 1e-9);
@@ -221,13 +226,13 @@ fn a_spring_at_its_rating_is_solved_by_itself() {
     let mut scene = equal(12, false, 3.0);
     scene.rated_draft[4] = scene.initial[4];
     let responses = Responses::new(1 << 20);
-    let shared = Shared::EqualChains(&responses).solve(&scene, &EVERYTHING).expect("a solution");
+    let shared = solved(Shared::EqualChains(&responses), &scene, &EVERYTHING);
     let own = solve(&scene, &EVERYTHING).expect("a solution");
     assert_eq!((peaks(&shared.springs), shared.error_bound), (peaks(&own.springs), own.error_bound));
     // A bound over the tolerance is no reason to give less than the best method can.
     let strict = Ask { tolerance: 1e-18, ..EVERYTHING };
     scene.rated_draft[4] = 3.0;
     let of = |solution: Solution| (solution.method, solution.error_bound);
-    let shared = Shared::EqualChains(&responses).solve(&scene, &strict).expect("a solution");
+    let shared = solved(Shared::EqualChains(&responses), &scene, &strict);
     assert_eq!(of(shared), of(solve(&scene, &strict).expect("a solution")));
 }

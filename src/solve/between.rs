@@ -18,7 +18,7 @@ use super::watch::{SpringPeaks, Watch};
 use crate::chain::Scene;
 
 /// Springs around the one in question that the series need, and its place among them.
-const WINDOW: usize = 2 * POWERS - 1;
+pub(crate) const WINDOW: usize = 2 * POWERS - 1;
 const CENTRE: usize = POWERS - 1;
 /// Steps looked into side by side.
 const LANES: usize = 8;
@@ -66,7 +66,7 @@ struct Side {
 #[derive(Clone)]
 pub struct Search<'a> {
     scene: &'a Scene,
-    motion: &'a Motion,
+    pub motion: &'a Motion,
     watch: Watch,
     /// What every side is expected to pass; and the largest utilisation expected, where only the worst is wanted.
     expected: Levels,
@@ -206,11 +206,19 @@ impl<'a> Search<'a> {
         step.from + step.width > self.watch.horizon()
     }
 
-    /// Examines a spring in a step where it may matter. `force` and `bend` are rows of G and of `-h^2 G''` at both
-    /// ends, in which spring s stands at s + 1; `remainder` is the spring's second one.
+    /// Examines a spring in a step where it may matter. `ends` are G and its next even derivatives at both ends of the step
+    /// ([`even_derivatives`]), `remainder` is the spring's second one; `window` gives G of the springs around at both ends ([`windows`]), and
+    /// is asked for only if the step is kept.
     #[inline(never)]
-    pub(crate) fn consider(&mut self, step: &Step, spring: usize, remainder: f64, [force, bend]: [[&[f64]; 2]; 2]) {
-        let ends = [0, 1].map(|end| even_derivatives(self.motion, step, spring, force[end], bend[end]));
+    pub(crate) fn consider(
+        &mut self,
+        step: &Step,
+        spring: usize,
+        remainder: f64,
+        ends: [[f64; 3]; 2],
+        window: impl FnOnce() -> [[f64; WINDOW]; 2],
+    ) {
+        let window = std::cell::LazyCell::new(window);
         for negative in [false, true] {
             let sign = if negative { -1.0 } else { 1.0 };
             let level = self.levels[usize::from(negative)][spring];
@@ -230,8 +238,7 @@ impl<'a> Search<'a> {
             if self.is_narrow(spring, negative, step, [lower, upper]) {
                 self.take(spring, negative, Point { at: step.from + at * step.width, value: lower });
             } else if self.reach(spring, negative, step, [lower, upper]) {
-                let window = Box::new(windows(self.sides.len(), spring, |end, s| force[end][s + 1]));
-                self.keep(spring, negative, Open { step: *step, upper, window });
+                self.keep(spring, negative, Open { step: *step, upper, window: Box::new(*window) });
             }
         }
     }
@@ -438,7 +445,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// `G`, `h^2 G''` and `h^4 G''''` of a spring at one end of a step, from rows as for [`Search::consider`].
+/// `G`, `h^2 G''` and `h^4 G''''` of a spring at one end of a step, from rows of G and of `-h^2 G''` in which spring s stands at s + 1.
 #[inline(always)]
 pub(crate) fn even_derivatives(motion: &Motion, step: &Step, spring: usize, force: &[f64], bend: &[f64]) -> [f64; 3] {
     let (ahead, behind) = (motion.ahead[spring], motion.behind[spring]);
@@ -449,7 +456,7 @@ pub(crate) fn even_derivatives(motion: &Motion, step: &Step, spring: usize, forc
 
 /// Forces of the springs around at both ends of a step.
 #[inline(always)]
-fn windows(springs: usize, spring: usize, at: impl Fn(usize, usize) -> f64) -> [[f64; WINDOW]; 2] {
+pub(crate) fn windows(springs: usize, spring: usize, at: impl Fn(usize, usize) -> f64) -> [[f64; WINDOW]; 2] {
     let mut windows = [[0.0; WINDOW]; 2];
     for (end, window) in windows.iter_mut().enumerate() {
         for (l, w) in window.iter_mut().enumerate() {

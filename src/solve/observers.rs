@@ -1,6 +1,6 @@
 //! What is done with the steps of a march ([`super::propagator`]): the largest forces, a history, forces at given times.
 
-use super::between::{Levels, Search};
+use super::between::{Levels, Search, even_derivatives, windows};
 use super::foresee;
 use super::motion::{BLOCK, Motion, any_positive, excess, norms_around};
 use super::propagator::{KICK_TERMS, StepObserver, View, block, error_bound_of_terms, march, terms};
@@ -113,13 +113,18 @@ impl View<'_> {
     #[inline(always)]
     fn show(&self, search: &mut Search) {
         let last = search.is_last(&self.step);
+        let springs = search.motion.ahead.len();
         let at = |end: usize, s: usize| self.force[end][s + 1];
         for block in self.range.start / BLOCK..self.range.end.div_ceil(BLOCK) {
             let Some((open, remainders)) = open_springs(self, [&search.levels, &search.crossings], block, last) else {
                 continue;
             };
             for l in (0..BLOCK).filter(|&l| open[l] > 0.0) {
-                search.consider(&self.step, block * BLOCK + l, remainders[l], [self.force, self.bend]);
+                let spring = block * BLOCK + l;
+                let derivatives =
+                    |end: usize| even_derivatives(search.motion, &self.step, spring, self.force[end], self.bend[end]);
+                let ends = [derivatives(0), derivatives(1)];
+                search.consider(&self.step, spring, remainders[l], ends, || windows(springs, spring, at));
             }
         }
         search.note_all_left_rating(&self.step, at);

@@ -255,6 +255,150 @@ impl Piece {
     }
 }
 
+/// Polynomials in x of `T` terms, lowest power first, one in each of `L` lanes.
+pub(crate) struct Locals<const T: usize, const L: usize> {
+    pub coefficient: [[f64; L]; T],
+}
+
+/// Largest values of polynomials over -1 <= x <= end.
+pub(crate) struct Tops<const L: usize> {
+    pub at: [f64; L],
+    pub value: [f64; L],
+    /// Whether they are right to rounding, and the polynomial rises up to there; if not, [`Local::largest`] finds them.
+    pub is_certain: [bool; L],
+    pub at_end: [f64; L],
+}
+
+impl<const T: usize, const L: usize> Locals<T, L> {
+    #[inline(always)]
+    fn value_and_slope(&self, x: [f64; L]) -> [[f64; L]; 2] {
+        let (mut value, mut slope) = ([0.0_f64; L], [0.0_f64; L]);
+        for c in self.coefficient.iter().rev() {
+            for l in 0..L {
+                slope[l] = slope[l].mul_add(x[l], value[l]);
+                value[l] = value[l].mul_add(x[l], c[l]);
+            }
+        }
+        [value, slope]
+    }
+
+    /// Slope and half the second derivative.
+    #[inline(always)]
+    fn slope_and_bend(&self, x: [f64; L]) -> [[f64; L]; 2] {
+        let (mut value, mut slope, mut bend) = (self.coefficient[T - 1], [0.0_f64; L], [0.0_f64; L]);
+        for c in self.coefficient[1..T - 1].iter().rev() {
+            for l in 0..L {
+                bend[l] = bend[l].mul_add(x[l], slope[l]);
+                slope[l] = slope[l].mul_add(x[l], value[l]);
+                value[l] = value[l].mul_add(x[l], c[l]);
+            }
+        }
+        for l in 0..L {
+            bend[l] = bend[l].mul_add(x[l], slope[l]);
+            slope[l] = slope[l].mul_add(x[l], value[l]);
+        }
+        [slope, bend]
+    }
+
+    /// Over |x| <= 1, an upper bound on the second derivative, and bounds on the sizes of the second and the third.
+    #[inline(always)]
+    fn bounds(&self) -> [[f64; L]; 3] {
+        let [mut upper, mut second, mut third] = [[0.0; L]; 3];
+        for (q, c) in self.coefficient.iter().enumerate().skip(2) {
+            let (twice, thrice) = ((q * (q - 1)) as f64, (q * (q - 1) * (q - 2)) as f64);
+            for l in 0..L {
+                let size = c[l].abs();
+                let most = if q == 2 {
+                    c[l]
+                } else if q % 2 == 0 {
+                    c[l].max(0.0)
+                } else {
+                    size
+                };
+                upper[l] += twice * most;
+                second[l] += twice * size;
+                third[l] += thrice * size;
+            }
+        }
+        [upper, second, third]
+    }
+
+    /// The largest values over -1 <= x <= `end`, from points near them: where a polynomial is concave or monotonic, by Newton's steps.
+    #[inline(always)]
+    pub fn tops(&self, near: [f64; L], end: [f64; L]) -> Tops<L> {
+        let ([first, rise], [last, fall]) = (self.value_and_slope([-1.0; L]), self.value_and_slope(end));
+        let [bend, _, third] = self.bounds();
+        let mut at = near;
+        for _ in 0..6 {
+            let [slope, half_bend] = self.slope_and_bend(at);
+            let mut moved = false;
+            for l in 0..L {
+                let next = (at[l] - 0.5 * slope[l] / half_bend[l]).max(-1.0).min(end[l]);
+                moved |= (next - at[l]).abs() > 1e-8;
+                at[l] = next;
+            }
+            if !moved {
+                break;
+            }
+        }
+        let [mut value, slope] = self.value_and_slope(at);
+        let mut is_certain = [false; L];
+        for l in 0..L {
+            let h = end[l] + 1.0;
+            // Within the step the slope is at most h^2 / 8 max |f'''| beyond its end values.
+            let slack = 0.125 * h * h * third[l];
+            let is_concave = bend[l] < 0.0;
+            let rises = (rise[l].min(fall[l]) > slack) | (is_concave & (fall[l] >= 0.0));
+            let falls = (rise[l].max(fall[l]) < -slack) | (is_concave & (rise[l] <= 0.0));
+            // The last slope bounds what is left.
+            let is_top = is_concave & (slope[l] * slope[l] <= -2e-16 * bend[l] * value[l].abs());
+            is_certain[l] = rises | falls | is_top;
+            (at[l], value[l]) = if rises {
+                (end[l], last[l])
+            } else if falls {
+                (-1.0, first[l])
+            } else {
+                (at[l], value[l])
+            };
+        }
+        Tops { at, value, is_certain, at_end: last }
+    }
+
+    /// Where polynomials that rise from -1 to `until` pass a level that lies below their values there, in the lanes asked for: by Newton's
+    /// steps, or by bisection where one leaves the bracket. NaN in other lanes and where it is not found to rounding.
+    #[inline(always)]
+    pub fn crossings(&self, level: [f64; L], until: [f64; L], asked: [bool; L]) -> [f64; L] {
+        if !asked.contains(&true) {
+            return [f64::NAN; L];
+        }
+        let [_, second, _] = self.bounds();
+        let (mut a, mut b, mut x) = ([-1.0; L], until, [-1.0; L]);
+        let mut is_there = [false; L];
+        for _ in 0..16 {
+            let [value, slope] = self.value_and_slope(x);
+            let mut left = false;
+            for l in 0..L {
+                let over = value[l] > level[l];
+                b[l] = if over { x[l] } else { b[l] };
+                a[l] = if over { a[l] } else { x[l] };
+                let step = x[l] - (value[l] - level[l]) / slope[l];
+                let is_inside = (step >= a[l]) & (step <= b[l]);
+                let next = if is_inside { step } else { 0.5 * (a[l] + b[l]) };
+                let moved = next - x[l];
+                // Newton's steps square the distance.
+                is_there[l] = is_inside & (moved * moved * second[l] <= 1e-16 * slope[l]) | (a[l] == b[l]);
+                left |= asked[l] & !is_there[l];
+                x[l] = next;
+            }
+            if !left {
+                break;
+            }
+        }
+        (0..L).for_each(|l| x[l] = if asked[l] & is_there[l] { x[l] } else { f64::NAN });
+        x
+    }
+}
+
 /// A quick bound from above on `sign` times a polynomial over a step from 0 to 1, lowest power first.
 pub(crate) fn reach(c: &[f64], sign: f64) -> f64 {
     let end: f64 = c.iter().rev().sum();

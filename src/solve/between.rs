@@ -10,6 +10,8 @@
 //! between them, to rounding. This is done only where an extreme may be: in steps whose upper bound ([`super::motion`]) passes what is
 //! certainly reached elsewhere, or expected to be. Several such steps are looked into side by side.
 
+use std::ops::Range;
+
 use super::Wanted;
 use super::local::{COEFFICIENTS, Local, Locals, Point, Tops};
 use super::motion::{BLOCK, Motion, bracket, least_slope};
@@ -484,15 +486,19 @@ pub(crate) fn even_derivatives(motion: &Motion, step: &Step, spring: usize, forc
 #[inline(always)]
 pub(crate) fn windows(springs: usize, spring: usize, at: impl Fn(usize, usize) -> f64) -> [[f64; WINDOW]; 2] {
     let mut windows = [[0.0; WINDOW]; 2];
+    let (places, around) = around(springs, spring);
     for (end, window) in windows.iter_mut().enumerate() {
-        for (l, w) in window.iter_mut().enumerate() {
-            let s = (spring + l).wrapping_sub(CENTRE);
-            if s < springs {
-                *w = at(end, s);
-            }
-        }
+        window[places.clone()].iter_mut().zip(around.clone()).for_each(|(w, s)| *w = at(end, s));
     }
     windows
+}
+
+/// Places of a window round a spring that lie in the chain, and the springs there.
+#[inline(always)]
+fn around(springs: usize, spring: usize) -> (Range<usize>, Range<usize>) {
+    let from = CENTRE.saturating_sub(spring);
+    let until = WINDOW.min(springs + CENTRE - spring);
+    (from..until, from + spring - CENTRE..until + spring - CENTRE)
 }
 
 /// The force since the event of one spring over a step; `at(end, s)` is G of spring s at the beginning (0) or end (1) of the step, for
@@ -550,28 +556,27 @@ impl<const L: usize> Windows<L> {
         for l in 0..WINDOW {
             self.sum[l][lane] = 0.5 * sign * (window[0][l] + window[1][l]);
             self.difference[l][lane] = 0.5 * sign * (window[1][l] - window[0][l]);
-            let s = (spring + l).wrapping_sub(CENTRE);
-            let of = |row: &[f64], factor: f64| row.get(s).map_or(0.0, |x| factor * x);
-            self.ahead[l][lane] = of(&motion.ahead, square);
-            self.behind[l][lane] = of(&motion.behind, square);
-            self.drive[l][lane] = of(&motion.drive, pull);
+        }
+        let (places, springs) = around(motion.ahead.len(), spring);
+        for (row, of, factor) in [
+            (&mut self.ahead, &motion.ahead, square),
+            (&mut self.behind, &motion.behind, square),
+            (&mut self.drive, &motion.drive, pull),
+        ] {
+            row[..places.start].iter_mut().for_each(|lanes| lanes[lane] = 0.0);
+            row[places.end..].iter_mut().for_each(|lanes| lanes[lane] = 0.0);
+            let row = row[places.clone()].iter_mut();
+            row.zip(&of[springs.clone()]).for_each(|(lanes, x)| lanes[lane] = factor * x);
         }
     }
 
     /// Coefficients of the two series at the centres, of the mean and of half the difference in turn.
     #[inline(always)]
     fn series(&mut self) -> [[f64; L]; TERMS] {
-        let mut out = [[0.0; L]; TERMS];
-        let table = table();
-        for power in 0..POWERS {
-            let (sum, difference) = (self.sum[CENTRE], self.difference[CENTRE]);
-            for m in 0..DEGREE {
-                let (even, odd) = (table.even[power][m], table.odd[power][m]);
-                for l in 0..L {
-                    out[2 * m][l] = even.mul_add(sum[l], out[2 * m][l]);
-                    out[2 * m + 1][l] = odd.mul_add(difference[l], out[2 * m + 1][l]);
-                }
-            }
+        // X's powers at the centres.
+        let mut powers = [[[0.0; L]; 2]; POWERS];
+        for (power, out) in powers.iter_mut().enumerate() {
+            *out = [self.sum[CENTRE], self.difference[CENTRE]];
             // Each application makes one more place at the edges invalid.
             for r in [&mut self.sum, &mut self.difference] {
                 let mut here = r[power + 1];
@@ -593,6 +598,16 @@ impl<const L: usize> Windows<L> {
                     (0..L).for_each(|l| sum[l] -= drive[l]);
                 }
             }
+        }
+        let table = table();
+        let mut out = [[0.0; L]; TERMS];
+        for (m, out) in out.iter_mut().enumerate() {
+            let of = if m % 2 == 0 { &table.even } else { &table.odd };
+            let mut sum = [0.0_f64; L];
+            for (factor, power) in of[m / 2].iter().zip(&powers) {
+                (0..L).for_each(|l| sum[l] = factor.mul_add(power[m % 2][l], sum[l]));
+            }
+            *out = sum;
         }
         out
     }

@@ -255,6 +255,16 @@ impl Piece {
     }
 }
 
+#[inline(always)]
+fn more(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+#[inline(always)]
+fn less(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
 /// Polynomials in x of `T` terms, lowest power first, one in each of `L` lanes.
 pub(crate) struct Locals<const T: usize, const L: usize> {
     pub coefficient: [[f64; L]; T],
@@ -326,14 +336,27 @@ impl<const T: usize, const L: usize> Locals<T, L> {
     /// The largest values over -1 <= x <= `end`, from points near them: where a polynomial is concave or monotonic, by Newton's steps.
     #[inline(always)]
     pub fn tops(&self, near: [f64; L], end: [f64; L]) -> Tops<L> {
-        let ([first, rise], [last, fall]) = (self.value_and_slope([-1.0; L]), self.value_and_slope(end));
+        let ([_, rise], [last, fall]) = (self.value_and_slope([-1.0; L]), self.value_and_slope(end));
         let [bend, _, third] = self.bounds();
-        let mut at = near;
+        let (mut at, mut is_certain, mut turns) = (near, [false; L], [false; L]);
+        for l in 0..L {
+            let h = end[l] + 1.0;
+            // Within the step the slope is at most h^2 / 8 max |f'''| beyond its end values.
+            let slack = 0.125 * h * h * third[l];
+            let is_concave = bend[l] < 0.0;
+            let rises = (less(rise[l], fall[l]) > slack) | (is_concave & (fall[l] >= 0.0));
+            let falls = (more(rise[l], fall[l]) < -slack) | (is_concave & (rise[l] <= 0.0));
+            is_certain[l] = rises | falls;
+            turns[l] = is_concave & !(rises | falls);
+            at[l] = if falls { -1.0 } else { at[l] };
+            at[l] = if rises { end[l] } else { at[l] };
+        }
         for _ in 0..6 {
             let [slope, half_bend] = self.slope_and_bend(at);
             let mut moved = false;
             for l in 0..L {
-                let next = (at[l] - 0.5 * slope[l] / half_bend[l]).max(-1.0).min(end[l]);
+                let next = less(more(at[l] - 0.5 * slope[l] / half_bend[l], -1.0), end[l]);
+                let next = if turns[l] { next } else { at[l] };
                 moved |= (next - at[l]).abs() > 1e-8;
                 at[l] = next;
             }
@@ -341,25 +364,10 @@ impl<const T: usize, const L: usize> Locals<T, L> {
                 break;
             }
         }
-        let [mut value, slope] = self.value_and_slope(at);
-        let mut is_certain = [false; L];
+        let [value, slope] = self.value_and_slope(at);
         for l in 0..L {
-            let h = end[l] + 1.0;
-            // Within the step the slope is at most h^2 / 8 max |f'''| beyond its end values.
-            let slack = 0.125 * h * h * third[l];
-            let is_concave = bend[l] < 0.0;
-            let rises = (rise[l].min(fall[l]) > slack) | (is_concave & (fall[l] >= 0.0));
-            let falls = (rise[l].max(fall[l]) < -slack) | (is_concave & (rise[l] <= 0.0));
             // The last slope bounds what is left.
-            let is_top = is_concave & (slope[l] * slope[l] <= -2e-16 * bend[l] * value[l].abs());
-            is_certain[l] = rises | falls | is_top;
-            (at[l], value[l]) = if rises {
-                (end[l], last[l])
-            } else if falls {
-                (-1.0, first[l])
-            } else {
-                (at[l], value[l])
-            };
+            is_certain[l] |= turns[l] & (slope[l] * slope[l] <= -2e-16 * bend[l] * value[l].abs());
         }
         Tops { at, value, is_certain, at_end: last }
     }
@@ -371,8 +379,16 @@ impl<const T: usize, const L: usize> Locals<T, L> {
         if !asked.contains(&true) {
             return [f64::NAN; L];
         }
-        let [_, second, _] = self.bounds();
+        let ([first, rise], [last, _], [_, second, _]) =
+            (self.value_and_slope([-1.0; L]), self.value_and_slope(until), self.bounds());
         let (mut a, mut b, mut x) = ([-1.0; L], until, [-1.0; L]);
+        for l in 0..L {
+            // By the parabola through both ends.
+            let (h, missing) = (until[l] + 1.0, level[l] - first[l]);
+            let curve = (last[l] - first[l] - rise[l] * h) / (h * h);
+            let root = more(rise[l] * rise[l] + 4.0 * curve * missing, 0.0).sqrt();
+            x[l] = less(more(2.0 * missing / (rise[l] + root) - 1.0, -1.0), until[l]);
+        }
         let mut is_there = [false; L];
         for _ in 0..16 {
             let [value, slope] = self.value_and_slope(x);

@@ -482,13 +482,17 @@ pub(crate) fn even_derivatives(motion: &Motion, step: &Step, spring: usize, forc
     [force[spring + 1], -around[1], step.width * step.width * pull]
 }
 
-/// Forces of the springs around at both ends of a step.
+/// Forces of the springs around at both ends of a step; `row(end, some)` is G of some springs.
 #[inline(always)]
-pub(crate) fn windows(springs: usize, spring: usize, at: impl Fn(usize, usize) -> f64) -> [[f64; WINDOW]; 2] {
+pub(crate) fn windows<'r>(
+    springs: usize,
+    spring: usize,
+    row: impl Fn(usize, Range<usize>) -> &'r [f64],
+) -> [[f64; WINDOW]; 2] {
     let mut windows = [[0.0; WINDOW]; 2];
-    let (places, around) = around(springs, spring);
+    let (places, springs) = around(springs, spring);
     for (end, window) in windows.iter_mut().enumerate() {
-        window[places.clone()].iter_mut().zip(around.clone()).for_each(|(w, s)| *w = at(end, s));
+        window[places.clone()].copy_from_slice(row(end, springs.clone()));
     }
     windows
 }
@@ -504,8 +508,13 @@ fn around(springs: usize, spring: usize) -> (Range<usize>, Range<usize>) {
 /// The force since the event of one spring over a step; `at(end, s)` is G of spring s at the beginning (0) or end (1) of the step, for
 /// any s in the chain.
 pub fn piece(motion: &Motion, step: &Step, spring: usize, at: impl Fn(usize, usize) -> f64) -> Local {
+    let (places, springs) = around(motion.ahead.len(), spring);
+    let mut window = [[0.0; WINDOW]; 2];
+    for (end, window) in window.iter_mut().enumerate() {
+        window[places.clone()].iter_mut().zip(springs.clone()).for_each(|(w, s)| *w = at(end, s));
+    }
     let mut one = Windows::<1>::NONE;
-    one.set(0, motion, step, spring, &windows(motion.ahead.len(), spring, at), 1.0);
+    one.set(0, motion, step, spring, &window, 1.0);
     local(&pulp::Arch::new().dispatch(&mut one), 0, step)
 }
 

@@ -1,5 +1,7 @@
 //! What is done with the steps of a march ([`super::propagator`]): the largest forces, a history, forces at given times.
 
+use std::ops::Range;
+
 use super::between::{Levels, Search, even_derivatives, windows};
 use super::foresee;
 use super::motion::{BLOCK, Motion, any_positive, excess, norms_around};
@@ -115,6 +117,7 @@ impl View<'_> {
         let last = search.is_last(&self.step);
         let springs = search.motion.ahead.len();
         let at = |end: usize, s: usize| self.force[end][s + 1];
+        let row = |end: usize, some: Range<usize>| &self.force[end][some.start + 1..some.end + 1];
         for block in self.range.start / BLOCK..self.range.end.div_ceil(BLOCK) {
             let Some((open, remainders)) = open_springs(self, [&search.levels, &search.crossings], block, last) else {
                 continue;
@@ -124,7 +127,7 @@ impl View<'_> {
                 let derivatives =
                     |end: usize| even_derivatives(search.motion, &self.step, spring, self.force[end], self.bend[end]);
                 let ends = [derivatives(0), derivatives(1)];
-                search.consider(&self.step, spring, remainders[l], ends, || windows(springs, spring, at));
+                search.consider(&self.step, spring, remainders[l], ends, || windows(springs, spring, row));
             }
         }
         search.note_all_left_rating(&self.step, at);

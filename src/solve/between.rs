@@ -14,7 +14,7 @@ use std::ops::Range;
 
 use super::Wanted;
 use super::local::{COEFFICIENTS, Local, Locals, Point, Tops};
-use super::motion::{BLOCK, Motion, bracket, least_slope};
+use super::motion::{BLOCK, Motion, brackets, slopes};
 use super::series::{DEGREE, POWERS, table};
 use super::watch::{SpringPeaks, Watch};
 use crate::chain::Scene;
@@ -226,17 +226,18 @@ impl<'a> Search<'a> {
         window: impl FnOnce() -> [[f64; WINDOW]; 2],
     ) {
         let window = std::cell::LazyCell::new(window);
+        let brackets = brackets(ends, remainder);
+        let [least, greatest] = slopes(ends, remainder);
         for negative in [false, true] {
             let sign = if negative { -1.0 } else { 1.0 };
             let level = self.levels[usize::from(negative)][spring];
-            let [[a, b, c], [d, e, f]] = ends;
-            let ends = [[sign * a, sign * b, sign * c], [sign * d, sign * e, sign * f]];
-            let [mut lower, upper, at] = bracket(ends, remainder);
+            let [mut lower, upper, at] = brackets[usize::from(negative)];
             if self.is_cut(step) {
                 // What lies behind the horizon does not count.
-                lower = ends[0][0];
+                lower = sign * ends[0][0];
             }
-            if upper <= level || self.extreme_is_elsewhere(step, spring, negative, ends, remainder) {
+            let slopes = if negative { [-greatest, -least] } else { [least, greatest] };
+            if upper <= level || self.extreme_is_elsewhere(step, spring, negative, sign * ends[1][0], slopes) {
                 continue;
             }
             let initial = sign * self.scene.initial[spring];
@@ -259,17 +260,17 @@ impl<'a> Search<'a> {
         step: &Step,
         spring: usize,
         negative: bool,
-        ends: [[f64; 3]; 2],
-        remainder: f64,
+        end: f64,
+        [least, greatest]: [f64; 2],
     ) -> bool {
-        if least_slope(ends.map(|e| e.map(|x| -x)), remainder) > 0.0 {
+        if greatest < 0.0 {
             return true;
         }
         let side = &self.sides[spring][usize::from(negative)];
         let initial = self.scene.initial[spring];
-        let end = ends[1][0] + if negative { -initial } else { initial };
+        let end = end + if negative { -initial } else { initial };
         let may_cross = side.over_in.is_none() && end > self.watch.cautious_rating(spring, negative);
-        !may_cross && !self.is_last(step) && least_slope(ends, remainder) > 0.0
+        !may_cross && !self.is_last(step) && least > 0.0
     }
 
     /// Takes note of what a side certainly reaches in a step; whether the step still matters then.

@@ -425,23 +425,28 @@ pub(crate) fn reach(c: &[f64], sign: f64) -> f64 {
 /// The largest value over [0, h] of the cubic with value and slope `left` at 0 and `right` at h.
 #[inline(always)]
 pub(crate) fn hermite_top(h: f64, left: [f64; 2], right: [f64; 2]) -> Point {
-    let ends = if left[0] >= right[0] { Point { at: 0.0, value: left[0] } } else { Point { at: h, value: right[0] } };
+    hermite_extremes(h, left, right)[0]
+}
+
+/// The same and the smallest value.
+#[inline(always)]
+pub(crate) fn hermite_extremes(h: f64, left: [f64; 2], right: [f64; 2]) -> [Point; 2] {
     let (d0, d1) = (left[1] * h, right[1] * h);
     let rise = right[0] - left[0];
     let c3 = d0 + d1 - 2.0 * rise;
     let c2 = 3.0 * rise - 2.0 * d0 - d1;
-    let discriminant = c2 * c2 - 3.0 * c3 * d0;
-    if discriminant < 0.0 {
-        return ends;
-    }
-    // The maximum is the root of 3 c3 s^2 + 2 c2 s + d0 where the second derivative is negative: written without cancellation.
-    let root = discriminant.sqrt();
-    let s = if c2 <= 0.0 { d0 / (root - c2) } else { -(c2 + root) / (3.0 * c3) };
-    if !(s > 0.0 && s < 1.0) {
-        return ends;
-    }
-    let value = left[0] + s * (d0 + s * (c2 + s * c3));
-    if value > ends.value { Point { at: s * h, value } } else { ends }
+    // Roots of 3 c3 s^2 + 2 c2 s + d0, written without cancellation; NaN if there are none.
+    let sum = (c2 * c2 - 3.0 * c3 * d0).sqrt() + c2.abs();
+    let (small, large) = (d0 / sum, sum / (3.0 * c3));
+    let [top, bottom] = if c2 <= 0.0 { [small, large] } else { [-large, -small] };
+    let point = |s: f64, sign: f64| {
+        let is_right = sign * right[0] > sign * left[0];
+        let [at, value] = if is_right { [h, right[0]] } else { [0.0, left[0]] };
+        let inside = left[0] + s * (d0 + s * (c2 + s * c3));
+        let is_inside = (s > 0.0) & (s < 1.0) & (sign * inside > sign * value);
+        Point { at: if is_inside { s * h } else { at }, value: if is_inside { inside } else { value } }
+    };
+    [point(top, 1.0), point(bottom, -1.0)]
 }
 
 #[cfg(test)]

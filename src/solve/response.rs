@@ -11,7 +11,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::between::{Step, even_derivatives, piece};
 use super::local::{Local, Point};
-use super::motion::{BLOCK, Motion, bracket, least_slope};
+use super::motion::{BLOCK, Motion, bracket, slopes};
 use super::observers::open_springs;
 use super::propagator::{self, StepObserver, View, march};
 use super::watch::{Side, SpringPeaks, bound_of_extremes};
@@ -328,7 +328,7 @@ impl Recorder<'_> {
             if bracket(ends, remainder)[1] <= level {
                 continue;
             }
-            let top = if least_slope(ends, remainder) > 0.0 {
+            let top = if slopes(ends, remainder)[0] > 0.0 {
                 Some(Point { at: step.from + step.width, value: ends[1][0] }).filter(|end| end.value > level)
             } else {
                 let local = piece(self.motion, step, spring, at);

@@ -69,7 +69,7 @@ struct Side {
 #[derive(Clone)]
 pub struct Search<'a> {
     scene: &'a Scene,
-    pub motion: &'a Motion,
+    pub(super) motion: &'a Motion,
     watch: Watch,
     /// What every side is expected to pass; and the largest utilisation expected, where only the worst is wanted.
     expected: Levels,

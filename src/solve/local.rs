@@ -351,16 +351,17 @@ impl<const T: usize, const L: usize> Locals<T, L> {
             at[l] = if falls { -1.0 } else { at[l] };
             at[l] = if rises { end[l] } else { at[l] };
         }
+        // A lane that has arrived stays, whatever the others do.
+        let mut moves = turns;
         for _ in 0..6 {
             let [slope, half_bend] = self.slope_and_bend(at);
-            let mut moved = false;
             for l in 0..L {
                 let next = less(more(at[l] - 0.5 * slope[l] / half_bend[l], -1.0), end[l]);
-                let next = if turns[l] { next } else { at[l] };
-                moved |= (next - at[l]).abs() > 1e-8;
-                at[l] = next;
+                let moved = next - at[l];
+                at[l] = if moves[l] { next } else { at[l] };
+                moves[l] &= moved.abs() > 1e-8;
             }
-            if !moved {
+            if !moves.contains(&true) {
                 break;
             }
         }
@@ -401,10 +402,10 @@ impl<const T: usize, const L: usize> Locals<T, L> {
                 let is_inside = (step >= a[l]) & (step <= b[l]);
                 let next = if is_inside { step } else { 0.5 * (a[l] + b[l]) };
                 let moved = next - x[l];
+                x[l] = if is_there[l] { x[l] } else { next };
                 // Newton's steps square the distance.
-                is_there[l] = is_inside & (moved * moved * second[l] <= 1e-16 * slope[l]) | (a[l] == b[l]);
+                is_there[l] |= is_inside & (moved * moved * second[l] <= 1e-16 * slope[l]) | (a[l] == b[l]);
                 left |= asked[l] & !is_there[l];
-                x[l] = next;
             }
             if !left {
                 break;
@@ -485,13 +486,18 @@ mod tests {
             let locals = Locals::<COEFFICIENTS, 4> {
                 coefficient: std::array::from_fn(|q| std::array::from_fn(|l| some[l].coefficient[q])),
             };
-            let end = [1.0, 0.3, -0.9, 1.0];
-            let tops = locals.tops([0.1, 0.2, -0.95, -1.0], end);
+            let (near, end) = ([0.1, 0.2, -0.95, -1.0], [1.0, 0.3, -0.9, 1.0]);
+            let tops = locals.tops(near, end);
             let level: [f64; 4] = std::array::from_fn(|l| tops.value[l] - 0.02 * f64::from(n % 5));
             let asked = std::array::from_fn(|l| tops.is_certain[l] && tops.value[l] > level[l]);
             let crossings = locals.crossings(level, tops.at, asked);
             for (l, local) in some.iter().enumerate() {
-                assert_eq!(tops.at_end[l], locals.value_and_slope(end)[0][l]);
+                // Nothing depends on the other lanes.
+                let alone = Locals::<COEFFICIENTS, 1> { coefficient: local.coefficient.map(|c| [c]) };
+                let top = alone.tops([near[l]], [end[l]]);
+                assert_eq!((top.at[0], top.value[0]), (tops.at[l], tops.value[l]));
+                let crossing = alone.crossings([level[l]], [tops.at[l]], [asked[l]]);
+                assert_eq!(crossing[0].to_bits(), crossings[l].to_bits());
                 if tops.is_certain[l] {
                     tops_found += 1;
                     let top = local.largest(-1.0, end[l], -2.0).expect("a largest value");

@@ -563,9 +563,9 @@ impl<const L: usize> Windows<L> {
     ) {
         let square = step.width * step.width;
         let pull = sign * step.force * square;
-        for l in 0..WINDOW {
-            self.sum[l][lane] = 0.5 * sign * (window[0][l] + window[1][l]);
-            self.difference[l][lane] = 0.5 * sign * (window[1][l] - window[0][l]);
+        for (l, (from, to)) in window[0].iter().zip(&window[1]).enumerate() {
+            self.sum[l][lane] = 0.5 * sign * (from + to);
+            self.difference[l][lane] = 0.5 * sign * (to - from);
         }
         let (places, springs) = around(motion.ahead.len(), spring);
         for (row, of, factor) in [

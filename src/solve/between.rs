@@ -7,23 +7,25 @@
 //! ```
 //!
 //! and both functions are power series in X: forces around a spring at both ends of a step give its force at every instant
-//! between them, to rounding. This is done only where an extreme may be: steps whose upper bound ([`super::motion`])
-//! lies below another step's lower bound are dropped; the few that are left are looked into at the end.
+//! between them, to rounding. This is done only where an extreme may be: in steps whose upper bound ([`super::motion`]) passes what is
+//! certainly reached elsewhere, or expected to be. Several such steps are looked into side by side.
+
+use std::ops::Range;
 
 use super::Wanted;
-use super::local::{COEFFICIENTS, Local, Point};
-use super::motion::{Motion, bracket, least_slope};
+use super::local::{COEFFICIENTS, Local, Locals, Point, Tops};
+use super::motion::{Motion, brackets, slopes};
 use super::series::{DEGREE, POWERS, table};
 use super::watch::{SpringPeaks, Watch};
 use crate::chain::Scene;
 
 /// Springs around the one in question that the series need, and its place among them.
-pub(super) const WINDOW: usize = 2 * POWERS - 1;
+pub(crate) const WINDOW: usize = 2 * POWERS - 1;
 const CENTRE: usize = POWERS - 1;
+/// Coefficients of a force over a step.
+const TERMS: usize = 2 * DEGREE;
 /// Steps looked into side by side.
 const LANES: usize = 8;
-/// Steps of one side of one spring kept open before they are looked into.
-const MOST_OPEN: usize = 48;
 
 /// One step of a march.
 #[derive(Clone, Copy, Debug)]
@@ -39,12 +41,14 @@ pub struct Step {
 }
 
 /// A step in which one side of a spring may have its extreme, or pass its rating first.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 struct Open {
+    spring: usize,
+    negative: bool,
     step: Step,
     upper: f64,
-    /// Forces around the spring at both ends.
-    window: Box<[[f64; WINDOW]; 2]>,
+    /// Near its largest value, from -1 to 1.
+    near: f64,
 }
 
 /// Per spring, what F and -F are expected to pass; minus infinity for nothing.
@@ -59,7 +63,6 @@ struct Side {
     over_in: Option<(u64, f64)>,
     /// It stood at its rating before the event, and has not left it.
     at_rating: bool,
-    open: Vec<Open>,
 }
 
 /// The search for extremes along a march.
@@ -75,6 +78,9 @@ pub struct Search<'a> {
     /// side has certainly passed its rating.
     last_to_cross: u64,
     sides: Vec<[Side; 2]>,
+    /// Steps to look into together, in the order of time: at most as many as there are lanes; and the forces around their springs.
+    open: Vec<Open>,
+    windows: Box<Windows<LANES>>,
     /// Per sign and spring: what G, or -G, has to pass to matter.
     pub levels: [Vec<f64>; 2],
     /// Per sign and spring: what G, or -G, has to pass for a first exceedance; infinite once there is one.
@@ -98,7 +104,6 @@ impl<'a> Search<'a> {
                 reached: initial.best.value + watch.min_rise(),
                 over_in: initial.first_over.map(|t| (0, t)),
                 at_rating: watch.at_rating(spring, negative),
-                open: Vec::new(),
             }
         };
         let springs = scene.initial.len();
@@ -117,6 +122,8 @@ impl<'a> Search<'a> {
             expected_utilisation: None,
             last_to_cross: u64::MAX,
             sides,
+            open: Vec::with_capacity(LANES),
+            windows: Box::new(Windows::NONE),
             levels,
             crossings,
             changed: Vec::new(),
@@ -205,8 +212,8 @@ impl<'a> Search<'a> {
         step.from + step.width > self.watch.horizon()
     }
 
-    /// Examines a spring in a step where it may matter, from `G`, `h^2 G''` and `h^4 G''''` at both ends and the spring's second remainder.
-    /// `window` gives the forces of the springs around at both ends.
+    /// Examines a spring in a step where it may matter, from `G`, `h^2 G''` and `h^4 G''''` at both ends and the spring's second remainder;
+    /// `window` gives the forces of the springs around at both ends ([`windows`]), and is asked for only if the step is kept.
     #[inline(never)]
     pub(crate) fn consider(
         &mut self,
@@ -214,19 +221,21 @@ impl<'a> Search<'a> {
         spring: usize,
         remainder: f64,
         ends: [[f64; 3]; 2],
-        window: impl FnOnce() -> [[f64; WINDOW]; 2] + Copy,
+        window: impl FnOnce() -> [[f64; WINDOW]; 2],
     ) {
+        let window = std::cell::LazyCell::new(window);
+        let brackets = brackets(ends, remainder);
+        let [least, greatest] = slopes(ends, remainder);
         for negative in [false, true] {
             let sign = if negative { -1.0 } else { 1.0 };
             let level = self.levels[usize::from(negative)][spring];
-            let [[a, b, c], [d, e, f]] = ends;
-            let ends = [[sign * a, sign * b, sign * c], [sign * d, sign * e, sign * f]];
-            let [mut lower, upper, at] = bracket(ends, remainder);
+            let [mut lower, upper, at] = brackets[usize::from(negative)];
             if self.is_cut(step) {
                 // What lies behind the horizon does not count.
-                lower = ends[0][0];
+                lower = sign * ends[0][0];
             }
-            if upper <= level || self.extreme_is_elsewhere(step, spring, negative, ends, remainder) {
+            let slopes = if negative { [-greatest, -least] } else { [least, greatest] };
+            if upper <= level || self.extreme_is_elsewhere(step, spring, negative, sign * ends[1][0], slopes) {
                 continue;
             }
             let initial = sign * self.scene.initial[spring];
@@ -235,8 +244,8 @@ impl<'a> Search<'a> {
             if self.is_narrow(spring, negative, step, [lower, upper]) {
                 self.take(spring, negative, Point { at: step.from + at * step.width, value: lower });
             } else if self.reach(spring, negative, step, [lower, upper]) {
-                let window = Box::new(window());
-                self.keep(spring, negative, Open { step: *step, upper, window });
+                let near = 2.0 * at - 1.0;
+                self.keep(Open { spring, negative, step: *step, upper, near }, &window);
             }
         }
     }
@@ -249,29 +258,23 @@ impl<'a> Search<'a> {
         step: &Step,
         spring: usize,
         negative: bool,
-        ends: [[f64; 3]; 2],
-        remainder: f64,
+        end: f64,
+        [least, greatest]: [f64; 2],
     ) -> bool {
-        if least_slope(ends.map(|e| e.map(|x| -x)), remainder) > 0.0 {
+        if greatest < 0.0 {
             return true;
         }
         let side = &self.sides[spring][usize::from(negative)];
         let initial = self.scene.initial[spring];
-        let end = ends[1][0] + if negative { -initial } else { initial };
+        let end = end + if negative { -initial } else { initial };
         let may_cross = side.over_in.is_none() && end > self.watch.cautious_rating(spring, negative);
-        !may_cross && !self.is_last(step) && least_slope(ends, remainder) > 0.0
+        !may_cross && !self.is_last(step) && least > 0.0
     }
 
     /// Takes note of what a side certainly reaches in a step; whether the step still matters then.
     fn reach(&mut self, spring: usize, negative: bool, step: &Step, [lower, upper]: [f64; 2]) -> bool {
-        let over = self.watch.certainly_over(spring, negative, lower);
-        let side = &mut self.sides[spring][usize::from(negative)];
-        if over && side.over_in.is_none() {
-            side.over_in = Some((step.number, step.from + step.width));
-            if self.expected_utilisation.is_some() {
-                // The next step still counts: its beginning is rounded.
-                self.last_to_cross = self.last_to_cross.min(step.number + 1);
-            }
+        if self.watch.certainly_over(spring, negative, lower) {
+            self.note_over(spring, negative, step);
         }
         self.raise(spring, negative, lower);
         let matters = self.matters(spring, negative, step, upper);
@@ -281,15 +284,23 @@ impl<'a> Search<'a> {
         matters
     }
 
-    /// Raises what a side's largest force certainly passes, and drops the steps that do not matter then.
+    /// Takes note that a side certainly passes its rating in a step.
+    fn note_over(&mut self, spring: usize, negative: bool, step: &Step) {
+        let side = &mut self.sides[spring][usize::from(negative)];
+        if side.over_in.is_none() {
+            side.over_in = Some((step.number, step.from + step.width));
+            if self.expected_utilisation.is_some() {
+                // The next step still counts: its beginning is rounded.
+                self.last_to_cross = self.last_to_cross.min(step.number + 1);
+            }
+        }
+    }
+
+    /// Raises what a side's largest force certainly passes.
+    #[inline]
     fn raise(&mut self, spring: usize, negative: bool, reached: f64) {
         let side = &mut self.sides[spring][usize::from(negative)];
-        if reached > side.reached {
-            side.reached = reached;
-            let mut open = std::mem::take(&mut side.open);
-            open.retain(|o| self.matters(spring, negative, &o.step, o.upper));
-            self.sides[spring][usize::from(negative)].open = open;
-        }
+        side.reached = side.reached.max(reached);
     }
 
     /// Whether the bounds on a side's largest force in a step differ by no more than is ignored, and no verdict depends on the step.
@@ -324,12 +335,14 @@ impl<'a> Search<'a> {
         upper > self.watch.cautious_rating(spring, negative) && may_be_first
     }
 
-    /// Keeps a step open.
-    fn keep(&mut self, spring: usize, negative: bool, open: Open) {
-        let side = &mut self.sides[spring][usize::from(negative)];
-        side.open.push(open);
-        if side.at_rating || side.open.len() >= MOST_OPEN {
-            self.look(&[(spring, negative)]);
+    /// Keeps a step to look into it together with others; a side that stands at its rating may leave it later, so that its steps do not wait.
+    fn keep(&mut self, open: Open, window: &[[f64; WINDOW]; 2]) {
+        let Open { spring, negative, step, .. } = open;
+        let sign = if negative { -1.0 } else { 1.0 };
+        self.windows.set(self.open.len(), self.motion, &step, spring, window, sign);
+        self.open.push(open);
+        if self.open.len() == LANES || self.sides[spring][usize::from(negative)].at_rating {
+            self.look();
         }
         self.set_level(spring, negative);
     }
@@ -374,49 +387,65 @@ impl<'a> Search<'a> {
         left_rating
     }
 
-    /// Looks into the open steps of some sides.
-    fn look(&mut self, sides: &[(usize, bool)]) {
-        loop {
-            let next = |&(s, negative): &(usize, bool)| self.next(s, negative).map(|open| (s, negative, open));
-            let next: Vec<(usize, bool, Open)> = sides.iter().filter_map(next).collect();
-            if next.is_empty() {
-                return;
+    /// Looks into the steps that are kept.
+    fn look(&mut self) {
+        let mut open = std::mem::take(&mut self.open);
+        if open.iter().any(|open| self.is_open(open)) {
+            let mut look = Look { windows: &mut self.windows, lanes: [Lane::NONE; LANES] };
+            for (lane, open) in look.lanes.iter_mut().zip(&open) {
+                *lane = lane_of(self.scene, &self.watch, open);
             }
-            for some in next.chunks(LANES) {
-                let of: Vec<_> = some.iter().map(|(s, _, open)| (*s, open.step, &*open.window)).collect();
-                let locals = pieces(self.motion, &of);
-                for ((spring, negative, _), mut local) in some.iter().zip(locals) {
-                    let (spring, negative) = (*spring, *negative);
-                    self.looked += 1;
-                    local.coefficient[0] += self.scene.initial[spring];
-                    let end = ((self.watch.horizon() - local.center) / local.radius).min(1.0);
-                    self.watch.note(spring, negative, &local, end, |t| local.value_at(t));
-                    let best = self.watch.peaks[spring].side(negative).best.value;
-                    let side = &mut self.sides[spring][usize::from(negative)];
-                    side.reached = side.reached.max(best);
-                }
-            }
+            let found = pulp::Arch::new().dispatch(&mut look);
+            open.iter().enumerate().for_each(|(lane, open)| self.note(open, lane, &found));
         }
+        open.clear();
+        self.open = open;
     }
 
-    /// Takes out of a side's open steps the one to look into next: where it may pass its rating first, or stands at it, the
-    /// earliest; else the one with the highest bound.
-    fn next(&mut self, spring: usize, negative: bool) -> Option<Open> {
-        let (level, at_rating) = (self.watch.level(spring, negative), self.watch.at_rating(spring, negative));
-        let uncrossed = self.watch.peaks[spring].side(negative).first_over.is_none();
-        let mut open = std::mem::take(&mut self.sides[spring][usize::from(negative)].open);
-        open.retain(|o| o.upper > level && self.matters(spring, negative, &o.step, o.upper));
-        let may_cross = |o: &Open| uncrossed && self.may_cross(spring, negative, &o.step, o.upper);
-        let first = open.iter().position(|o| at_rating || may_cross(o));
-        let highest = || (0..open.len()).max_by(|&a, &b| open[a].upper.total_cmp(&open[b].upper));
-        let next = first.or_else(highest).map(|place| open.remove(place));
-        self.sides[spring][usize::from(negative)].open = open;
-        next
+    /// Whether a step that was kept still matters.
+    fn is_open(&self, &Open { spring, negative, step, upper, .. }: &Open) -> bool {
+        upper > self.watch.level(spring, negative) && self.matters(spring, negative, &step, upper)
+    }
+
+    /// Takes note of what was found in a step, if it still matters.
+    fn note(&mut self, open: &Open, lane: usize, found: &Found) {
+        let &Open { spring, negative, step, .. } = open;
+        if !self.is_open(open) {
+            return;
+        }
+        self.looked += 1;
+        let local = || found.local(lane, &step);
+        let horizon = self.watch.horizon();
+        let end = end_of(&step, horizon);
+        let top = if found.tops.is_certain[lane] {
+            Some(Point { at: found.tops.at[lane], value: found.tops.value[lane] })
+        } else {
+            local().largest(-1.0, end, self.watch.level(spring, negative))
+        };
+        let time = |x: f64| (step.from + 0.5 * step.width * (1.0 + x)).clamp(0.0, horizon);
+        let top = top.map(|top| {
+            // A step that ends at the horizon ends there to the last bit.
+            let at = time(top.at);
+            let ends = top.at >= end && at > horizon * (1.0 - 8.0 * f64::EPSILON);
+            Point { at: if ends { horizon } else { at }, value: top.value }
+        });
+        let over = |rating: f64| match found.crossings[lane] {
+            x if x.is_nan() => local().first_over(-1.0, 1.0, rating).map(time),
+            x => Some(time(x)),
+        };
+        self.watch.note_top(spring, negative, found.tops.at_end[lane], top, over);
+        let side = self.watch.peaks[spring].side(negative);
+        let (best, is_over) = (side.best.value, side.first_over.is_some());
+        self.raise(spring, negative, best);
+        if is_over {
+            self.note_over(spring, negative, &step);
+        }
+        self.set_level(spring, negative);
     }
 
     /// Looks into all that is still open.
     pub(crate) fn look_into_all(&mut self) {
-        self.look(&self.watch.sides().collect::<Vec<_>>());
+        self.look();
         self.set_levels();
     }
 
@@ -443,105 +472,211 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Forces of the springs around at both ends of a step.
+/// Forces of the springs around at both ends of a step; `at` as for [`piece`].
 #[inline(always)]
 pub(crate) fn windows(springs: usize, spring: usize, at: impl Fn(usize, usize) -> f64) -> [[f64; WINDOW]; 2] {
     let mut windows = [[0.0; WINDOW]; 2];
+    let (places, springs) = around(springs, spring);
     for (end, window) in windows.iter_mut().enumerate() {
-        for (l, w) in window.iter_mut().enumerate() {
-            let s = (spring + l).wrapping_sub(CENTRE);
-            if s < springs {
-                *w = at(end, s);
-            }
-        }
+        window[places.clone()].iter_mut().zip(springs.clone()).for_each(|(w, s)| *w = at(end, s));
     }
     windows
+}
+
+/// Places of a window round a spring that lie in the chain, and the springs there.
+#[inline(always)]
+fn around(springs: usize, spring: usize) -> (Range<usize>, Range<usize>) {
+    let from = CENTRE.saturating_sub(spring);
+    let until = WINDOW.min(springs + CENTRE - spring);
+    (from..until, from + spring - CENTRE..until + spring - CENTRE)
 }
 
 /// The force since the event of one spring over a step; `at(end, s)` is G of spring s at the beginning (0) or end (1) of the step, for
 /// any s in the chain.
 pub fn piece(motion: &Motion, step: &Step, spring: usize, at: impl Fn(usize, usize) -> f64) -> Local {
-    let windows = windows(motion.ahead.len(), spring, at);
-    pieces(motion, &[(spring, *step, &windows)]).swap_remove(0)
+    let window = windows(motion.ahead.len(), spring, at);
+    let mut one = Windows::<1>::NONE;
+    one.set(0, motion, step, spring, &window, 1.0);
+    local(&pulp::Arch::new().dispatch(&mut one), 0, step)
 }
 
-/// The forces since the event of springs over steps, from the forces around them at both ends: at most as many as there are lanes.
-fn pieces(motion: &Motion, of: &[(usize, Step, &[[f64; WINDOW]; 2])]) -> Vec<Local> {
-    let none = [[0.0; LANES]; WINDOW];
-    let mut w = Windows { ahead: none, behind: none, drive: none, sum: none, difference: none };
-    for (lane, (spring, step, window)) in of.iter().enumerate() {
+/// One lane's polynomial over a step.
+fn local<const L: usize>(series: &[[f64; L]; TERMS], lane: usize, step: &Step) -> Local {
+    let mut coefficient = [0.0; COEFFICIENTS];
+    coefficient.iter_mut().zip(series).for_each(|(c, lanes)| *c = lanes[lane]);
+    let radius = 0.5 * step.width;
+    Local { coefficient, terms: TERMS, center: step.from + radius, radius }
+}
+
+/// Where a step is left or the horizon reached, from -1 to 1.
+fn end_of(step: &Step, horizon: f64) -> f64 {
+    let radius = 0.5 * step.width;
+    ((horizon - (step.from + radius)) / radius).min(1.0)
+}
+
+/// Springs around those in question, one in each lane: `X` by its parts, the outside force's share, and forces at both ends.
+#[derive(Clone)]
+struct Windows<const L: usize> {
+    ahead: [[f64; L]; WINDOW],
+    behind: [[f64; L]; WINDOW],
+    drive: [[f64; L]; WINDOW],
+    /// Mean of both ends, and half their difference.
+    sum: [[f64; L]; WINDOW],
+    difference: [[f64; L]; WINDOW],
+}
+
+impl<const L: usize> Windows<L> {
+    const NONE: Windows<L> = {
+        let none = [[0.0; L]; WINDOW];
+        Windows { ahead: none, behind: none, drive: none, sum: none, difference: none }
+    };
+
+    /// Sets one lane, with the forces' sign turned or not.
+    #[inline]
+    fn set(
+        &mut self,
+        lane: usize,
+        motion: &Motion,
+        step: &Step,
+        spring: usize,
+        window: &[[f64; WINDOW]; 2],
+        sign: f64,
+    ) {
         let square = step.width * step.width;
-        for l in 0..WINDOW {
-            w.sum[l][lane] = 0.5 * (window[0][l] + window[1][l]);
-            w.difference[l][lane] = 0.5 * (window[1][l] - window[0][l]);
-            let s = (spring + l).wrapping_sub(CENTRE);
-            if s < motion.ahead.len() {
-                w.ahead[l][lane] = square * motion.ahead[s];
-                w.behind[l][lane] = square * motion.behind[s];
-                w.drive[l][lane] = step.force * (square * motion.drive[s]);
-            }
+        let pull = sign * step.force * square;
+        for (l, (from, to)) in window[0].iter().zip(&window[1]).enumerate() {
+            self.sum[l][lane] = 0.5 * sign * (from + to);
+            self.difference[l][lane] = 0.5 * sign * (to - from);
+        }
+        let (places, springs) = around(motion.ahead.len(), spring);
+        for (row, of, factor) in [
+            (&mut self.ahead, &motion.ahead, square),
+            (&mut self.behind, &motion.behind, square),
+            (&mut self.drive, &motion.drive, pull),
+        ] {
+            row[..places.start].iter_mut().for_each(|lanes| lanes[lane] = 0.0);
+            row[places.end..].iter_mut().for_each(|lanes| lanes[lane] = 0.0);
+            let row = row[places.clone()].iter_mut();
+            row.zip(&of[springs.clone()]).for_each(|(lanes, x)| lanes[lane] = factor * x);
         }
     }
-    let coefficients = pulp::Arch::new().dispatch(&mut w);
-    let local = |(lane, (_, step, _)): (usize, &(usize, Step, _))| {
-        let mut coefficient = [0.0; COEFFICIENTS];
-        coefficient.iter_mut().zip(&coefficients).for_each(|(c, lanes)| *c = lanes[lane]);
-        let radius = 0.5 * step.width;
-        Local { coefficient, terms: 2 * DEGREE, center: step.from + radius, radius }
-    };
-    of.iter().enumerate().map(local).collect()
-}
-
-/// Springs around those in question, one in each lane: `X` by its parts, and forces at both ends.
-struct Windows {
-    ahead: [Row; WINDOW],
-    behind: [Row; WINDOW],
-    drive: [Row; WINDOW],
-    /// Mean of both ends, and half their difference.
-    sum: [Row; WINDOW],
-    difference: [Row; WINDOW],
-}
-
-type Row = [f64; LANES];
-
-/// Compiled for the widest vector unit at hand.
-impl pulp::WithSimd for &mut Windows {
-    type Output = [Row; 2 * DEGREE];
 
     /// Coefficients of the two series at the centres, of the mean and of half the difference in turn.
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) -> [Row; 2 * DEGREE] {
-        let mut out = [[0.0; LANES]; 2 * DEGREE];
-        let table = table();
-        for power in 0..POWERS {
-            let (sum, difference) = (self.sum[CENTRE], self.difference[CENTRE]);
-            for (m, out) in out.iter_mut().enumerate() {
-                let of = if m % 2 == 0 { table.even[power][m / 2] } else { table.odd[power][m / 2] };
-                let r = if m % 2 == 0 { sum } else { difference };
-                let mut next = *out;
-                (0..LANES).for_each(|l| next[l] = of.mul_add(r[l], next[l]));
-                *out = next;
-            }
+    fn series(&mut self) -> [[f64; L]; TERMS] {
+        // X's powers at the centres.
+        let mut powers = [[[0.0; L]; 2]; POWERS];
+        for (power, out) in powers.iter_mut().enumerate() {
+            *out = [self.sum[CENTRE], self.difference[CENTRE]];
             // Each application makes one more place at the edges invalid.
             for r in [&mut self.sum, &mut self.difference] {
-                let mut before = r[power];
+                let mut here = r[power + 1];
+                let mut fall = r[power];
+                (0..L).for_each(|l| fall[l] -= here[l]);
                 for place in power + 1..WINDOW - 1 - power {
-                    let (here, after) = (r[place], r[place + 1]);
+                    let after = r[place + 1];
                     let (ahead, behind) = (self.ahead[place], self.behind[place]);
-                    let mut next = [0.0; LANES];
-                    for l in 0..LANES {
-                        next[l] = behind[l].mul_add(here[l] - after[l], ahead[l] * (here[l] - before[l]));
+                    for l in 0..L {
+                        let next = here[l] - after[l];
+                        r[place][l] = behind[l].mul_add(next, -(ahead[l] * fall[l]));
+                        fall[l] = next;
                     }
-                    r[place] = next;
-                    before = here;
+                    here = after;
                 }
             }
             if power == 0 {
                 for (sum, drive) in self.sum.iter_mut().zip(&self.drive) {
-                    (0..LANES).for_each(|l| sum[l] -= drive[l]);
+                    (0..L).for_each(|l| sum[l] -= drive[l]);
                 }
             }
         }
+        let table = table();
+        let mut out = [[0.0; L]; TERMS];
+        for (m, out) in out.iter_mut().enumerate() {
+            let of = if m % 2 == 0 { &table.even } else { &table.odd };
+            let mut sum = [0.0_f64; L];
+            for (factor, power) in of[m / 2].iter().zip(&powers) {
+                (0..L).for_each(|l| sum[l] = factor.mul_add(power[m % 2][l], sum[l]));
+            }
+            *out = sum;
+        }
         out
+    }
+}
+
+/// Compiled for the widest vector unit at hand.
+impl<const L: usize> pulp::WithSimd for &mut Windows<L> {
+    type Output = [[f64; L]; TERMS];
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
+        self.series()
+    }
+}
+
+/// Kept steps, one in each lane.
+struct Look<'a> {
+    windows: &'a mut Windows<LANES>,
+    lanes: [Lane; LANES],
+}
+
+/// What is asked about one step.
+#[derive(Clone, Copy)]
+struct Lane {
+    /// The force before the event.
+    initial: f64,
+    near: f64,
+    end: f64,
+    /// A first exceedance is wanted over the rating, if the force certainly passes it.
+    rating: f64,
+    certainly_over: f64,
+}
+
+impl Lane {
+    const NONE: Lane = Lane { initial: 0.0, near: 0.0, end: 1.0, rating: 0.0, certainly_over: f64::INFINITY };
+}
+
+/// What is asked about a kept step.
+fn lane_of(scene: &Scene, watch: &Watch, open: &Open) -> Lane {
+    let &Open { spring, negative, step, near, .. } = open;
+    let (initial, rating) = (scene.initial[spring], watch.rating(spring, negative));
+    let is_over = watch.peaks[spring].side(negative).first_over.is_some();
+    let end = end_of(&step, watch.horizon());
+    Lane {
+        initial: if negative { -initial } else { initial },
+        near: near.min(end),
+        end,
+        rating,
+        certainly_over: if is_over { f64::INFINITY } else { rating + watch.bound() },
+    }
+}
+
+/// What was found in steps, one in each lane.
+struct Found {
+    locals: Locals<TERMS, LANES>,
+    tops: Tops<LANES>,
+    /// Where a rating is passed first; NaN if it is not, or if that is not certain.
+    crossings: [f64; LANES],
+}
+
+impl Found {
+    /// One lane's force over a step.
+    fn local(&self, lane: usize, step: &Step) -> Local {
+        local(&self.locals.coefficient, lane, step)
+    }
+}
+
+impl pulp::WithSimd for &mut Look<'_> {
+    type Output = Found;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Found {
+        let mut locals = Locals { coefficient: self.windows.series() };
+        (0..LANES).for_each(|l| locals.coefficient[0][l] += self.lanes[l].initial);
+        let tops = locals.tops(self.lanes.map(|lane| lane.near), self.lanes.map(|lane| lane.end));
+        let mut crosses = [false; LANES];
+        (0..LANES).for_each(|l| crosses[l] = tops.is_certain[l] & (tops.value[l] > self.lanes[l].certainly_over));
+        let crossings = locals.crossings(self.lanes.map(|lane| lane.rating), tops.at, crosses);
+        Found { locals, tops, crossings }
     }
 }

@@ -255,6 +255,167 @@ impl Piece {
     }
 }
 
+#[inline(always)]
+fn more(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+#[inline(always)]
+fn less(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+/// Polynomials in x of `T` terms, lowest power first, one in each of `L` lanes.
+pub(crate) struct Locals<const T: usize, const L: usize> {
+    pub coefficient: [[f64; L]; T],
+}
+
+/// Largest values of polynomials over -1 <= x <= end.
+pub(crate) struct Tops<const L: usize> {
+    pub at: [f64; L],
+    pub value: [f64; L],
+    /// Whether they are right to rounding, and the polynomial rises up to there; if not, [`Local::largest`] finds them.
+    pub is_certain: [bool; L],
+    pub at_end: [f64; L],
+}
+
+impl<const T: usize, const L: usize> Locals<T, L> {
+    #[inline(always)]
+    fn value_and_slope(&self, x: [f64; L]) -> [[f64; L]; 2] {
+        let (mut value, mut slope) = ([0.0_f64; L], [0.0_f64; L]);
+        for c in self.coefficient.iter().rev() {
+            for l in 0..L {
+                slope[l] = slope[l].mul_add(x[l], value[l]);
+                value[l] = value[l].mul_add(x[l], c[l]);
+            }
+        }
+        [value, slope]
+    }
+
+    /// Slope and half the second derivative.
+    #[inline(always)]
+    fn slope_and_bend(&self, x: [f64; L]) -> [[f64; L]; 2] {
+        let (mut value, mut slope, mut bend) = (self.coefficient[T - 1], [0.0_f64; L], [0.0_f64; L]);
+        for c in self.coefficient[1..T - 1].iter().rev() {
+            for l in 0..L {
+                bend[l] = bend[l].mul_add(x[l], slope[l]);
+                slope[l] = slope[l].mul_add(x[l], value[l]);
+                value[l] = value[l].mul_add(x[l], c[l]);
+            }
+        }
+        for l in 0..L {
+            bend[l] = bend[l].mul_add(x[l], slope[l]);
+            slope[l] = slope[l].mul_add(x[l], value[l]);
+        }
+        [slope, bend]
+    }
+
+    /// Over |x| <= 1, an upper bound on the second derivative, and bounds on the sizes of the second and the third.
+    #[inline(always)]
+    fn bounds(&self) -> [[f64; L]; 3] {
+        let [mut upper, mut second, mut third] = [[0.0; L]; 3];
+        for (q, c) in self.coefficient.iter().enumerate().skip(2) {
+            let (twice, thrice) = ((q * (q - 1)) as f64, (q * (q - 1) * (q - 2)) as f64);
+            for l in 0..L {
+                let size = c[l].abs();
+                let most = if q == 2 {
+                    c[l]
+                } else if q % 2 == 0 {
+                    c[l].max(0.0)
+                } else {
+                    size
+                };
+                upper[l] += twice * most;
+                second[l] += twice * size;
+                third[l] += thrice * size;
+            }
+        }
+        [upper, second, third]
+    }
+
+    /// The largest values over -1 <= x <= `end`, from points near them: where a polynomial is concave or monotonic, by Newton's steps.
+    #[inline(always)]
+    pub fn tops(&self, near: [f64; L], end: [f64; L]) -> Tops<L> {
+        let ([_, rise], [last, fall]) = (self.value_and_slope([-1.0; L]), self.value_and_slope(end));
+        let [bend, _, third] = self.bounds();
+        let (mut at, mut is_certain, mut turns) = (near, [false; L], [false; L]);
+        for l in 0..L {
+            let h = end[l] + 1.0;
+            // Within the step the slope is at most h^2 / 8 max |f'''| beyond its end values.
+            let slack = 0.125 * h * h * third[l];
+            let is_concave = bend[l] < 0.0;
+            let rises = (less(rise[l], fall[l]) > slack) | (is_concave & (fall[l] >= 0.0));
+            let falls = (more(rise[l], fall[l]) < -slack) | (is_concave & (rise[l] <= 0.0));
+            is_certain[l] = rises | falls;
+            turns[l] = is_concave & !(rises | falls);
+            at[l] = if falls { -1.0 } else { at[l] };
+            at[l] = if rises { end[l] } else { at[l] };
+        }
+        // A lane that has arrived stays, whatever the others do.
+        let mut moves = turns;
+        for _ in 0..6 {
+            let [slope, half_bend] = self.slope_and_bend(at);
+            for l in 0..L {
+                let next = less(more(at[l] - 0.5 * slope[l] / half_bend[l], -1.0), end[l]);
+                let moved = next - at[l];
+                at[l] = if moves[l] { next } else { at[l] };
+                moves[l] &= moved.abs() > 1e-8;
+            }
+            if !moves.contains(&true) {
+                break;
+            }
+        }
+        let [value, slope] = self.value_and_slope(at);
+        for l in 0..L {
+            // The last slope bounds what is left.
+            is_certain[l] |= turns[l] & (slope[l] * slope[l] <= -2e-16 * bend[l] * value[l].abs());
+        }
+        Tops { at, value, is_certain, at_end: last }
+    }
+
+    /// Where polynomials that rise from -1 to `until` pass a level that lies below their values there, in the lanes asked for: by Newton's
+    /// steps, or by bisection where one leaves the bracket. NaN in other lanes and where it is not found to rounding.
+    #[inline(always)]
+    pub fn crossings(&self, level: [f64; L], until: [f64; L], asked: [bool; L]) -> [f64; L] {
+        if !asked.contains(&true) {
+            return [f64::NAN; L];
+        }
+        let ([first, rise], [last, _], [_, second, _]) =
+            (self.value_and_slope([-1.0; L]), self.value_and_slope(until), self.bounds());
+        let (mut a, mut b, mut x) = ([-1.0; L], until, [-1.0; L]);
+        for l in 0..L {
+            // By the parabola through both ends.
+            let (h, missing) = (until[l] + 1.0, level[l] - first[l]);
+            let curve = (last[l] - first[l] - rise[l] * h) / (h * h);
+            let root = more(rise[l] * rise[l] + 4.0 * curve * missing, 0.0).sqrt();
+            x[l] = less(more(2.0 * missing / (rise[l] + root) - 1.0, -1.0), until[l]);
+        }
+        let mut is_there = [false; L];
+        for _ in 0..16 {
+            let [value, slope] = self.value_and_slope(x);
+            let mut left = false;
+            for l in 0..L {
+                let over = value[l] > level[l];
+                b[l] = if over { x[l] } else { b[l] };
+                a[l] = if over { a[l] } else { x[l] };
+                let step = x[l] - (value[l] - level[l]) / slope[l];
+                let is_inside = (step >= a[l]) & (step <= b[l]);
+                let next = if is_inside { step } else { 0.5 * (a[l] + b[l]) };
+                let moved = next - x[l];
+                x[l] = if is_there[l] { x[l] } else { next };
+                // Newton's steps square the distance.
+                is_there[l] |= is_inside & (moved * moved * second[l] <= 1e-16 * slope[l]) | (a[l] == b[l]);
+                left |= asked[l] & !is_there[l];
+            }
+            if !left {
+                break;
+            }
+        }
+        (0..L).for_each(|l| x[l] = if asked[l] & is_there[l] { x[l] } else { f64::NAN });
+        x
+    }
+}
+
 /// A quick bound from above on `sign` times a polynomial over a step from 0 to 1, lowest power first.
 pub(crate) fn reach(c: &[f64], sign: f64) -> f64 {
     let end: f64 = c.iter().rev().sum();
@@ -265,23 +426,28 @@ pub(crate) fn reach(c: &[f64], sign: f64) -> f64 {
 /// The largest value over [0, h] of the cubic with value and slope `left` at 0 and `right` at h.
 #[inline(always)]
 pub(crate) fn hermite_top(h: f64, left: [f64; 2], right: [f64; 2]) -> Point {
-    let ends = if left[0] >= right[0] { Point { at: 0.0, value: left[0] } } else { Point { at: h, value: right[0] } };
+    hermite_extremes(h, left, right)[0]
+}
+
+/// The same and the smallest value.
+#[inline(always)]
+pub(crate) fn hermite_extremes(h: f64, left: [f64; 2], right: [f64; 2]) -> [Point; 2] {
     let (d0, d1) = (left[1] * h, right[1] * h);
     let rise = right[0] - left[0];
     let c3 = d0 + d1 - 2.0 * rise;
     let c2 = 3.0 * rise - 2.0 * d0 - d1;
-    let discriminant = c2 * c2 - 3.0 * c3 * d0;
-    if discriminant < 0.0 {
-        return ends;
-    }
-    // The maximum is the root of 3 c3 s^2 + 2 c2 s + d0 where the second derivative is negative: written without cancellation.
-    let root = discriminant.sqrt();
-    let s = if c2 <= 0.0 { d0 / (root - c2) } else { -(c2 + root) / (3.0 * c3) };
-    if !(s > 0.0 && s < 1.0) {
-        return ends;
-    }
-    let value = left[0] + s * (d0 + s * (c2 + s * c3));
-    if value > ends.value { Point { at: s * h, value } } else { ends }
+    // Roots of 3 c3 s^2 + 2 c2 s + d0, written without cancellation; NaN if there are none.
+    let sum = (c2 * c2 - 3.0 * c3 * d0).sqrt() + c2.abs();
+    let (small, large) = (d0 / sum, sum / (3.0 * c3));
+    let [top, bottom] = if c2 <= 0.0 { [small, large] } else { [-large, -small] };
+    let point = |s: f64, sign: f64| {
+        let is_right = sign * right[0] > sign * left[0];
+        let [at, value] = if is_right { [h, right[0]] } else { [0.0, left[0]] };
+        let inside = left[0] + s * (d0 + s * (c2 + s * c3));
+        let is_inside = (s > 0.0) & (s < 1.0) & (sign * inside > sign * value);
+        Point { at: if is_inside { s * h } else { at }, value: if is_inside { inside } else { value } }
+    };
+    [point(top, 1.0), point(bottom, -1.0)]
 }
 
 #[cfg(test)]
@@ -309,6 +475,44 @@ mod tests {
         assert!((x * 1.6 - 0.3 + std::f64::consts::FRAC_PI_3).abs() < 1e-14);
         assert_eq!(f.largest(-1.0, 1.0, 1.0 + 1e-12), None);
         assert_eq!(f.first_over(-1.0, 1.0, 1.0 + 1e-12), None);
+    }
+
+    /// Side by side, largest values and crossings are those of one polynomial, and most are certain.
+    #[test]
+    fn lanes_agree_with_one() {
+        let (mut tops_found, mut crossings_found) = (0, 0);
+        for n in 0..100 {
+            let some: [Local; 4] = std::array::from_fn(|l| cosine(0.13 * f64::from(4 * n + l as i32) - 26.0, 0.75));
+            let locals = Locals::<COEFFICIENTS, 4> {
+                coefficient: std::array::from_fn(|q| std::array::from_fn(|l| some[l].coefficient[q])),
+            };
+            let (near, end) = ([0.1, 0.2, -0.95, -1.0], [1.0, 0.3, -0.9, 1.0]);
+            let tops = locals.tops(near, end);
+            let level: [f64; 4] = std::array::from_fn(|l| tops.value[l] - 0.02 * f64::from(n % 5));
+            let asked = std::array::from_fn(|l| tops.is_certain[l] && tops.value[l] > level[l]);
+            let crossings = locals.crossings(level, tops.at, asked);
+            for (l, local) in some.iter().enumerate() {
+                // Nothing depends on the other lanes.
+                let alone = Locals::<COEFFICIENTS, 1> { coefficient: local.coefficient.map(|c| [c]) };
+                let top = alone.tops([near[l]], [end[l]]);
+                assert_eq!((top.at[0], top.value[0]), (tops.at[l], tops.value[l]));
+                let crossing = alone.crossings([level[l]], [tops.at[l]], [asked[l]]);
+                assert_eq!(crossing[0].to_bits(), crossings[l].to_bits());
+                if tops.is_certain[l] {
+                    tops_found += 1;
+                    let top = local.largest(-1.0, end[l], -2.0).expect("a largest value");
+                    assert!((top.value - tops.value[l]).abs() < 4e-16, "{top:?} {}", tops.value[l]);
+                }
+                assert!(asked[l] || crossings[l].is_nan());
+                if !crossings[l].is_nan() {
+                    crossings_found += 1;
+                    let x = local.first_over(-1.0, end[l], level[l]).expect("a crossing");
+                    let slope = local.value_and_slope(x).1;
+                    assert!((x - crossings[l]).abs() <= 1e-15 / slope.abs() + 1e-15, "{x} {}", crossings[l]);
+                }
+            }
+        }
+        assert!(tops_found > 250 && crossings_found > 200, "{tops_found} {crossings_found}");
     }
 
     /// The cubic 3s - 4s^3 on [0, 1] has its largest value 1 at s = 1/2.

@@ -12,7 +12,7 @@
 //! ends as G is ([`super::between`]), so its norm over the springs around is at most `1 / cos(theta/2)` times the larger of
 //! theirs, and `h^4 G'''' = -X h^2 G''`, `h^6 G^(6) = X^2 h^2 G''`.
 
-use super::local::hermite_top;
+use super::local::{Point, hermite_extremes};
 use crate::chain::Scene;
 
 /// Largest value of Lidstone's second polynomial `(3 x^5 - 10 x^3 + 7 x) / 360` on [0, 1].
@@ -180,32 +180,49 @@ pub(crate) fn any_positive<const L: usize>(open: [f64; L]) -> bool {
 /// Lower and upper bound of the largest value over a step, from `G`, `h^2 G''`, `h^4 G''''` at both ends and the remainder;
 /// and where in the step the force reaches the lower one, from 0 to 1.
 #[inline(always)]
-pub(crate) fn bracket([left, right]: [[f64; 3]; 2], remainder: f64) -> [f64; 3] {
+pub(crate) fn bracket(ends: [[f64; 3]; 2], remainder: f64) -> [f64; 3] {
+    brackets(ends, remainder)[0]
+}
+
+/// The same of G and of -G.
+#[inline(always)]
+pub(crate) fn brackets(ends: [[f64; 3]; 2], remainder: f64) -> [[f64; 3]; 2] {
+    let [left, right] = ends;
     let rise = right[0] - left[0];
     // Slopes of the cubic that has these values and second derivatives.
     let slopes = [rise - left[1] / 3.0 - right[1] / 6.0, rise + left[1] / 6.0 + right[1] / 3.0];
-    let top = hermite_top(1.0, [left[0], slopes[0]], [right[0], slopes[1]]);
+    let [top, bottom] = hermite_extremes(1.0, [left[0], slopes[0]], [right[0], slopes[1]]);
     let second = |x: f64| x * (7.0 + x * x * (3.0 * x * x - 10.0)) / 360.0;
-    let there = top.value + second(1.0 - top.at) * left[2] + second(top.at) * right[2] - remainder;
-    let lower = there.max(left[0]).max(right[0]);
-    let at = if there >= lower { top.at } else { f64::from(u8::from(right[0] >= lower)) };
-    [lower, top.value + SECOND * (left[2].max(0.0) + right[2].max(0.0)) + remainder, at]
+    let more = |a: f64, b: f64| if a > b { a } else { b };
+    let of = |sign: f64, top: Point| {
+        let [left, right] = ends.map(|end| end.map(|x| sign * x));
+        let value = sign * top.value;
+        let there = value + second(1.0 - top.at) * left[2] + second(top.at) * right[2] - remainder;
+        let lower = more(more(there, left[0]), right[0]);
+        let at = if there >= lower { top.at } else { f64::from(u8::from(right[0] >= lower)) };
+        [lower, value + SECOND * (more(left[2], 0.0) + more(right[2], 0.0)) + remainder, at]
+    };
+    [of(1.0, top), of(-1.0, bottom)]
 }
 
-/// Lower bound of the slope over a step, rounding included.
+/// Bounds on the slope over a step, rounding included.
 ///
 /// The remainder's second derivative is that of the shorter series for `h^2 G''`, `5 / 384` of the same maximum, and the
 /// remainder vanishes at both ends: its slope is at most half of that.
 #[inline(always)]
-pub(crate) fn least_slope([left, right]: [[f64; 3]; 2], remainder: f64) -> f64 {
+pub(crate) fn slopes([left, right]: [[f64; 3]; 2], remainder: f64) -> [f64; 2] {
     let first = right[0] - left[0] - left[1] / 3.0 - right[1] / 6.0;
     let last = first + 0.5 * (left[1] + right[1]);
-    let turns = left[1] < 0.0 && right[1] > 0.0;
-    let between = if turns { first - 0.5 * left[1] * left[1] / (right[1] - left[1]) } else { first };
+    let turns = (left[1] < 0.0) != (right[1] < 0.0);
+    let between = first - 0.5 * left[1] * left[1] / (right[1] - left[1]);
+    let between = if turns { between } else { first };
     let of_remainder = 0.5 * (5.0 / 384.0) / (61.0 / 46_080.0) * remainder;
+    let more = |a: f64, b: f64| if a > b { a } else { b };
+    let less = |a: f64, b: f64| if a < b { a } else { b };
     // The slope of Lidstone's second polynomial lies between -8 / 360 and 7 / 360.
-    let rounding = ROUNDING * left[0].abs().max(right[0].abs());
-    first.min(last).min(between) - 8.0 / 360.0 * (left[2].abs() + right[2].abs()) - of_remainder - rounding
+    let slack = 8.0 / 360.0 * (left[2].abs() + right[2].abs()) + of_remainder;
+    let slack = slack + ROUNDING * more(left[0].abs(), right[0].abs());
+    [less(less(first, last), between) - slack, more(more(first, last), between) + slack]
 }
 
 #[cfg(test)]
@@ -253,8 +270,11 @@ mod tests {
             assert!(upper - lower <= 2.0 * remainder + 2.0 * SECOND * theta.powi(4));
             let slope = |k: i32| theta * (theta * f64::from(k) / 1000.0 + phase).cos();
             let least = (0..=1000).map(slope).fold(9.0, f64::min);
-            let bound = least_slope([even_derivatives(0.0), even_derivatives(1.0)], remainder);
+            let [bound, other] = slopes([even_derivatives(0.0), even_derivatives(1.0)], remainder);
             assert!(bound <= least && least - bound < 0.1 * theta.powi(4), "{bound} {least}");
+            assert!(other >= (0..=1000).map(slope).fold(-9.0, f64::max));
+            let turned = [even_derivatives(0.0), even_derivatives(1.0)].map(|end| end.map(|x| -x));
+            assert_eq!(brackets(turned, remainder)[0], brackets(turned.map(|end| end.map(|x| -x)), remainder)[1]);
         }
     }
 }

@@ -14,7 +14,7 @@ use pulp::Simd;
 use super::between::{Step, piece};
 use super::lanes::{Aligned, LANES, Layout, Rows};
 use super::local::{Local, Point};
-use super::motion::{Motion, bracket, least_slope};
+use super::motion::{Motion, bracket, slopes};
 use super::propagator::{self, Kind, Marched, StepObserver, View, march};
 use super::watch::{Side, SpringPeaks, bound_of_extremes};
 use super::{Ask, Method, Solution, Wanted, Work};
@@ -337,7 +337,7 @@ impl Recorder<'_> {
             if bracket(ends, remainder)[1] <= level {
                 continue;
             }
-            let top = if least_slope(ends, remainder) > 0.0 {
+            let top = if slopes(ends, remainder)[0] > 0.0 {
                 Some(Point { at: step.from + step.width, value: ends[1][0] }).filter(|end| end.value > level)
             } else {
                 let local = piece(self.motion, step, spring, at);

@@ -9,14 +9,14 @@ pub(crate) const PHASE: f64 = 1.5;
 /// Powers of X that [`table`]'s functions need for 1e-16 up to the largest phase.
 pub(crate) const POWERS: usize = 14;
 /// Coefficients of z, even and odd each, for the same.
-pub(crate) const DEGREE: usize = 10;
+pub(crate) const DEGREE: usize = 9;
 
-/// Coefficients of z in the two functions of [`super::between`], for each power of X.
+/// Coefficients of X's powers in the two functions of [`super::between`], for each power of z.
 pub struct Table {
     /// Of `cos(z theta/2) / cos(theta/2)`: z^0, z^2, ...
-    pub even: [[f64; DEGREE]; POWERS],
+    pub even: [[f64; POWERS]; DEGREE],
     /// Of `sin(z theta/2) / sin(theta/2)`: z^1, z^3, ...
-    pub odd: [[f64; DEGREE]; POWERS],
+    pub odd: [[f64; POWERS]; DEGREE],
 }
 
 /// The table, made once.
@@ -31,11 +31,9 @@ pub fn table() -> &'static Table {
             let over = |x: Dd| if odd == 1 { sine_over_root(x * quarter) } else { cosine_of_root(x * quarter) };
             polynomial(POWERS, PHASE, |x| power(x) / over(x))
         };
-        let by_power = |odd: usize| {
-            let fits: Vec<Vec<f64>> = (0..DEGREE).map(|m| fit(m, odd)).collect();
-            std::array::from_fn(|p| std::array::from_fn(|m| fits[m][p]))
-        };
-        Table { even: by_power(0), odd: by_power(1) }
+        let fits =
+            |odd: usize| std::array::from_fn(|m| fit(m, odd).try_into().expect("as many coefficients as powers"));
+        Table { even: fits(0), odd: fits(1) }
     })
 }
 
@@ -88,8 +86,8 @@ mod tests {
         let table = table();
         for (n, z) in (1..=150).flat_map(|n| [-1.0, -0.7, 0.0, 0.3, 0.9].map(|z| (n, z))) {
             let theta = PHASE * f64::from(n) / 150.0;
-            let sum = |t: &[[f64; DEGREE]; POWERS]| {
-                t.iter().rev().fold(0.0, |s, row| s * theta * theta + row.iter().rev().fold(0.0, |r, c| r * z * z + c))
+            let sum = |t: &[[f64; POWERS]; DEGREE]| {
+                t.iter().rev().fold(0.0, |s, row| s * z * z + row.iter().rev().fold(0.0, |r, c| r * theta * theta + c))
             };
             // Sums near 1.4: two units of rounding, twice.
             assert!((sum(&table.even) - (z * theta / 2.0).cos() / (theta / 2.0).cos()).abs() < 9e-16);

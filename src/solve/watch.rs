@@ -358,25 +358,58 @@ impl Watch {
         } else {
             (local, 1.0)
         };
-        let (rating, bound, min_rise, horizon) =
-            (self.rating(spring, negative), self.bound, self.min_rise(), self.horizon);
-        let side = self.side_mut(spring, negative);
-        let was_departed = side.left_rating;
-        side.left_rating |= local.value_and_slope(end).0 < rating - 4.0 * bound;
+        let horizon = self.horizon;
+        let was_departed = self.note_end(spring, negative, local.value_and_slope(end).0);
         let Some(top) = local.largest(-1.0, end, level) else { return false };
         // A piece that ends at the horizon ends there to the last bit, however its own times round. Elsewhere the
         // force is taken at the exact instant: with fast modes it differs at the nearest `f64`.
         let at = Dd::from(local.center) + Dd::product(local.radius, top.at);
         let ends = top.at >= end && at.hi > horizon * (1.0 - 8.0 * f64::EPSILON);
         let at = if ends || at > Dd::from(horizon) { Dd::from(horizon) } else { at };
-        let (t, value) = (at.hi.max(0.0), sign * exact(at));
-        // A value past a limit of the verdict counts, by however little.
-        let passes = |limit: f64| value > limit && side.best.value <= limit;
-        if value > side.best.value + min_rise || passes(rating - bound) || passes(rating + bound) {
-            side.best = Point { at: t, value };
-            side.near |= value > rating - bound;
+        self.note_best(spring, negative, Point { at: at.hi.max(0.0), value: sign * exact(at) }, was_departed)
+    }
+
+    /// Takes note of a piece by its value at the end and its largest one, if that may matter. `over` gives the time at which the piece
+    /// passes the rating first.
+    pub(crate) fn note_top(
+        &mut self,
+        spring: usize,
+        negative: bool,
+        at_end: f64,
+        top: Option<Point>,
+        over: impl FnOnce(f64) -> Option<f64>,
+    ) {
+        let level = self.level(spring, negative);
+        let was_departed = self.note_end(spring, negative, at_end);
+        let Some(top) = top.filter(|top| top.value > level) else { return };
+        let is_over = self.note_best(spring, negative, top, was_departed);
+        let (rating, horizon) = (self.rating(spring, negative), self.horizon);
+        let side = self.side_mut(spring, negative);
+        if is_over && side.first_over.is_none() {
+            side.first_over = over(rating).map(|t| t.min(horizon));
         }
-        side.near |= was_departed && value > rating - bound;
-        value > rating + bound
+    }
+
+    /// Takes note of a piece's value at its end; whether the force had left its rating before.
+    fn note_end(&mut self, spring: usize, negative: bool, value: f64) -> bool {
+        let left_rating = self.is_well_below_rating(spring, negative, value);
+        let side = self.side_mut(spring, negative);
+        let had_left = side.left_rating;
+        side.left_rating |= left_rating;
+        had_left
+    }
+
+    /// Takes note of the largest value of a piece; whether it is certainly over the rating.
+    fn note_best(&mut self, spring: usize, negative: bool, top: Point, was_departed: bool) -> bool {
+        let (rating, bound, min_rise) = (self.rating(spring, negative), self.bound, self.min_rise());
+        let side = self.side_mut(spring, negative);
+        // A value past a limit of the verdict counts, by however little.
+        let passes = |limit: f64| top.value > limit && side.best.value <= limit;
+        if top.value > side.best.value + min_rise || passes(rating - bound) || passes(rating + bound) {
+            side.best = top;
+            side.near |= top.value > rating - bound;
+        }
+        side.near |= was_departed && top.value > rating - bound;
+        top.value > rating + bound
     }
 }

@@ -6,7 +6,7 @@ use super::forms::{self, AHEAD, Points, UNSEEN};
 use super::rows::Wave;
 use super::stairs::{self, ASKED, DelayedFront, Segment, Stairs};
 use super::{Images, Scene, Watch};
-use crate::solve::local::hermite_top;
+use crate::solve::local::hermite_extremes;
 
 /// Allowed error of cubics between samples, in units of the force, times nu^(2/3) of the nearest front: the curvature
 /// of a top is 0.7 nu^(-2/3), and less would hardly narrow the looks.
@@ -370,7 +370,8 @@ impl Cell {
     /// The cubic's largest value, and that of its negative.
     fn tops(&self) -> [f64; 2] {
         let ([[a, da], [b, db]], h) = (self.ends, self.to - self.from);
-        [hermite_top(h, [a, da], [b, db]).value, hermite_top(h, [-a, -da], [-b, -db]).value]
+        let [top, bottom] = hermite_extremes(h, [a, da], [b, db]);
+        [top.value, -bottom.value]
     }
 
     /// The same cubic on parts of the cell.

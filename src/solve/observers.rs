@@ -33,14 +33,9 @@ pub(super) fn peaks(of: &[Quest]) -> Vec<Peaks> {
     let motions: Vec<Motion> = of.iter().map(|of| Motion::new(of.scene)).collect();
     let scenes: Vec<Marched> =
         of.iter().zip(&motions).map(|(of, motion)| Marched { scene: of.scene, motion, omega: of.omega }).collect();
-    // A guess lies `MARGIN` under the peaks: where larger differences are ignored, it excludes few further steps.
-    let pays = |of: &Quest| of.wanted == Wanted::Worst || of.min_rise < foresee::MARGIN * of.scene.force.abs();
-    let mut found: Vec<Option<Peaks>> = vec![None; of.len()];
-    if of.iter().all(pays) {
-        let marks: Vec<f64> = of.iter().map(|of| of.mark.unwrap_or(of.scene.horizon)).collect();
-        let expected = foresee::levels(&scenes, &marks).into_iter().map(Some).collect();
-        found = peaks_from(of, &scenes, expected);
-    }
+    let marks: Vec<f64> = of.iter().map(|of| of.mark.unwrap_or(of.scene.horizon)).collect();
+    let expected = foresee::levels(&scenes, &marks).into_iter().map(Some).collect();
+    let mut found = peaks_from(of, &scenes, expected);
     // What passed less than was expected, without that.
     for n in (0..of.len()).filter(|&n| found[n].is_none()).collect::<Vec<_>>() {
         found[n] = peaks_from(&of[n..=n], &scenes[n..=n], vec![None]).swap_remove(0);

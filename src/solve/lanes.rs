@@ -78,20 +78,18 @@ impl Layout {
         (if self.is_cut { lane * self.rows } else { 0 }) + row - HALO
     }
 
-    /// The values `offset` places behind those of a row, 0 outside the chains.
+    /// The values `offset` places behind those of a row, 0 outside the chains; halos of several chains are zero.
     #[inline(always)]
     pub(super) fn beside(self, of: &[f64], row: usize, offset: isize) -> [f64; LANES] {
         let there = row.wrapping_add_signed(offset);
-        if (HALO..HALO + self.rows).contains(&there) {
-            return lanes(of, there);
+        if !self.is_cut || (HALO..HALO + self.rows).contains(&there) {
+            return of.as_chunks().0.get(there).copied().unwrap_or_default();
         }
         let mut out = [0.0; LANES];
-        if self.is_cut {
-            for (lane, out) in out.iter_mut().enumerate() {
-                let number = self.number(row, lane).wrapping_add_signed(offset);
-                if number < LANES * self.rows {
-                    *out = of[self.place(0, number)];
-                }
+        for (lane, out) in out.iter_mut().enumerate() {
+            let number = self.number(row, lane).wrapping_add_signed(offset);
+            if number < LANES * self.rows {
+                *out = of[self.place(0, number)];
             }
         }
         out

@@ -258,37 +258,23 @@ impl View<'_> {
         let inner = self.layout.block(block);
         let (from, count) = (inner.start, inner.len());
         let norm = v.of(&self.norms(block, whole)[0])[0];
+        let bounds = QuickBounds {
+            force: [&v.of(self.force[0])[inner.clone()], &v.of(self.force[1])[inner.clone()]],
+            bend: [&v.of(self.bend[0])[inner.clone()], &v.of(self.bend[1])[inner.clone()]],
+            remainder: &v.of(&self.remainders[0])[inner.clone()],
+            levels: [&v.of(&levels[0])[inner.clone()], &v.of(&levels[1])[inner]],
+        };
         let mut most = v.splat(0.0);
-        for row in inner.clone() {
-            most = v.max(most, self.passed(v, levels, row, norm));
+        for n in 0..count {
+            most = v.max(most, bounds.passed(v, n, norm));
         }
         let mut open = 0u16;
         if v.any_larger(most, v.splat(0.0)) {
-            for row in inner {
-                let passed = self.passed(v, levels, row, norm);
-                open |= u16::from(v.any_larger(passed, v.splat(0.0))) << (row - from);
+            for n in 0..count {
+                open |= u16::from(v.any_larger(bounds.passed(v, n, norm), v.splat(0.0))) << n;
             }
         }
         (0..count).filter(move |n| open >> n & 1 == 1).map(move |n| from + n)
-    }
-
-    /// How far a quick bound of a row's springs over the step passes what matters, given a bound on the norms around them.
-    #[inline(always)]
-    fn passed<S: Simd, const H: usize>(
-        &self,
-        v: Rows<S, H>,
-        levels: &[Aligned; 2],
-        row: usize,
-        norm: Row<S, H>,
-    ) -> Row<S, H> {
-        let (f, g) = (v.of(self.force[0])[row], v.of(self.force[1])[row]);
-        let (q, p) = (v.of(self.bend[0])[row], v.of(self.bend[1])[row]);
-        let (zero, eighth) = (v.splat(0.0), v.splat(0.125));
-        let up = v.mul_add(eighth, v.max(v.max(q, p), zero), v.max(f, g));
-        let down = v.mul_add(eighth, v.min(v.min(q, p), zero), v.min(f, g));
-        let high = v.sub(up, v.of(&levels[0])[row]);
-        let low = v.sub(v.sub(zero, down), v.of(&levels[1])[row]);
-        v.mul_add(norm, v.of(&self.remainders[0])[row], v.max(high, low))
     }
 
     /// By how much the quick bounds of a row's springs over the step pass their levels, and their second remainders;
@@ -335,6 +321,28 @@ impl View<'_> {
             (0..LANES).for_each(|l| size[l] = size[l].abs() * root[l]);
         }
         sizes
+    }
+}
+
+/// The rows of a block that quick bounds are of.
+struct QuickBounds<'a, S: Simd, const H: usize> {
+    force: [&'a [Row<S, H>]; 2],
+    bend: [&'a [Row<S, H>]; 2],
+    remainder: &'a [Row<S, H>],
+    levels: [&'a [Row<S, H>]; 2],
+}
+
+impl<S: Simd, const H: usize> QuickBounds<'_, S, H> {
+    /// How far a quick bound of a row's springs over the step passes what matters, given a bound on the norms around them.
+    #[inline(always)]
+    fn passed(&self, v: Rows<S, H>, row: usize, norm: Row<S, H>) -> Row<S, H> {
+        let (f, g) = (self.force[0][row], self.force[1][row]);
+        let (q, p) = (self.bend[0][row], self.bend[1][row]);
+        let (zero, eighth) = (v.splat(0.0), v.splat(0.125));
+        let up = v.mul_add(eighth, v.max(v.max(q, p), zero), v.max(f, g));
+        let down = v.mul_add(eighth, v.min(v.min(q, p), zero), v.min(f, g));
+        let passed = v.max(v.sub(up, self.levels[0][row]), v.sub(v.sub(zero, down), self.levels[1][row]));
+        v.mul_add(norm, self.remainder[row], passed)
     }
 }
 

@@ -99,13 +99,6 @@ impl<'a> Case<'a> {
         let problem = scenario::march(train, scenario, broken, [horizon_s; 2], Rule::Keep);
         Some(safe_speed::find(&problem, &march::ratings_n(train)))
     }
-
-    /// Result of the elastic rod, where there is one.
-    fn rod(&self) -> Option<RodFindings> {
-        let none = self.motion() != Motion::Steps;
-        let parts = || scenario::parts(self.train, &self.scenario.event, self.broken, self.horizon_s);
-        if none { None } else { rod_findings(&parts()) }
-    }
 }
 
 /// The parts that a break or a rectangular pulse leaves, and what is asked of each.
@@ -137,7 +130,7 @@ pub(crate) fn cases_findings(
     let start = Instant::now();
     let cases: Vec<Case> = broken.iter().map(|&b| Case::new(train, scenario, b, options, shared)).collect();
     if Motion::of(train, scenario) != Motion::Steps {
-        return cases.iter().map(|case| case_findings(case, case.solve(), 0.0)).collect();
+        return cases.iter().map(|case| case_findings(case, case.solve(), None, 0.0)).collect();
     }
     let question = |case: &Case| case.question(train, [case.horizon_s, case.passage_s], &case.options);
     let questions: Vec<Question> = cases.iter().map(question).collect();
@@ -146,16 +139,21 @@ pub(crate) fn cases_findings(
     let seconds = start.elapsed().as_secs_f64() / cases.len().max(1) as f64;
     let findings = |(case, question): (&Case, &Question)| {
         let solutions = solutions.by_ref().take(question.parts.len()).collect();
-        case_findings(case, solved_by_parts(train, question, solutions, &case.options), seconds)
+        let solved = solved_by_parts(train, question, solutions, &case.options);
+        case_findings(case, solved, rod_findings(&question.parts), seconds)
     };
     cases.iter().zip(&questions).map(findings).collect()
 }
 
-/// One case, as it was solved in so many seconds.
-fn case_findings(case: &Case, solved: Result<Solved, SolveError>, solved_s: f64) -> Result<CaseFindings, SolveError> {
+/// One case, as it was solved in so many seconds, and the rod's result where there is one.
+fn case_findings(
+    case: &Case,
+    solved: Result<Solved, SolveError>,
+    rod: Option<RodFindings>,
+    solved_s: f64,
+) -> Result<CaseFindings, SolveError> {
     let start = Instant::now();
     let Case { train, scenario, broken, horizon_s, passage_s, ref options, .. } = *case;
-    let rod = case.rod();
     let safe_load_factor = solved.as_ref().ok().and_then(|solved| case.safe_load_factor(solved));
     let Solved { method, reason, error_bound_n, error_estimate_n, mut couplers, worst, left_out, to_mark, marched } =
         solved?;

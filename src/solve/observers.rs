@@ -12,11 +12,12 @@ use super::{Wanted, Work};
 use crate::chain::Scene;
 
 /// Extremes of every spring's force, up to the horizon and up to a mark before it, and the work.
-pub(super) type Peaks = ([Vec<SpringPeaks>; 2], Work);
+pub type Peaks = ([Vec<SpringPeaks>; 2], Work);
 
 /// What to find along a march through a scene.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Quest<'a> {
+pub struct Quest<'a> {
+    /// The scene.
     pub scene: &'a Scene,
     /// An upper bound on the largest frequency.
     pub omega: f64,
@@ -24,12 +25,21 @@ pub(super) struct Quest<'a> {
     pub min_rise: f64,
     /// Terms of the march's series; the same for all that are marched side by side.
     pub terms: usize,
+    /// Which peaks are to be exact.
     pub wanted: Wanted,
+    /// An instant before the horizon up to which peaks are wanted as well.
     pub mark: Option<f64>,
 }
 
+impl<'a> Quest<'a> {
+    /// Every peak, as exact as the march can be.
+    pub fn all(scene: &'a Scene, omega: f64) -> Quest<'a> {
+        Quest { scene, omega, min_rise: 0.0, terms: KICK_TERMS, wanted: Wanted::Everything, mark: None }
+    }
+}
+
 /// Extremes along a march through one scene, or through several side by side.
-pub(super) fn peaks(of: &[Quest]) -> Vec<Peaks> {
+pub fn peaks(of: &[Quest]) -> Vec<Peaks> {
     let motions: Vec<Motion> = of.iter().map(|of| Motion::new(of.scene)).collect();
     let scenes: Vec<Marched> =
         of.iter().zip(&motions).map(|(of, motion)| Marched { scene: of.scene, motion, omega: of.omega }).collect();
@@ -440,8 +450,7 @@ mod tests {
     }
 
     fn quest(scene: &Scene) -> Quest<'_> {
-        let (terms, wanted, mark) = (KICK_TERMS, Wanted::Everything, Some(60.0));
-        Quest { scene, omega: omega_max(scene), min_rise: 0.0, terms, wanted, mark }
+        Quest { mark: Some(60.0), ..Quest::all(scene, omega_max(scene)) }
     }
 
     /// Foreseen levels are just under the peaks of a search without them, and do not change these; a search that

@@ -314,7 +314,7 @@ impl<'a, T: Number> State<'a, T> {
         let series = kick_series(kind.terms, kind.phase);
         let mut sources: Vec<(usize, usize)> =
             scenes.iter().enumerate().map(|(chain, of)| (layout.place(chain, of.scene.source), chain)).collect();
-        if layout.is_cut && sources[0].0 / LANES == HALO && sources[0].0 % LANES > 0 {
+        if layout.is_cut && sources[0].0 / LANES == HALO && !sources[0].0.is_multiple_of(LANES) {
             // The copy in the halo of the piece before.
             sources.push((sources[0].0 + layout.rows * LANES - 1, 0));
         }
@@ -559,7 +559,7 @@ fn two_powers<S: Simd, const H: usize, T: Number, const IS_FIRST: bool>(
 ) {
     let end = c.kick.len() / LANES;
     let (kick, drift) = (&v.of(&c.kick)[..end], &v.of(&c.drift)[..end]);
-    let (q, from): (&[Row<S, H, T>], &[Row<S, H, T>]) = (&v.of(q)[..end], &v.of(from)[..end]);
+    let (q, from) = (&v.of(q)[..end], &v.of(from)[..end]);
     let next = &mut v.of_mut(next)[..end];
     let [scale, first, second] = [scale, first, second].map(|x| v.splat(x));
     let scaled = |row: Row<S, H, T>| if IS_FIRST { v.mul(scale, row) } else { row };

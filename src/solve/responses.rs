@@ -39,7 +39,7 @@ pub enum Shared<'a> {
 impl Shared<'_> {
     /// [`solve_all`], from responses where a scene is of the shared ones and its bound is within the tolerance.
     pub fn solve_all(&self, scenes: &[(&Scene, Ask)]) -> Vec<Result<Solution, SolveError>> {
-        let known: Vec<Option<Solution>> = scenes.iter().map(|(scene, ask)| self.from_response(scene, ask)).collect();
+        let known: Vec<Option<Solution>> = scenes.iter().map(|(scene, ask)| self.shared_solution(scene, ask)).collect();
         let all = scenes.iter().zip(&known);
         let left: Vec<(&Scene, Ask)> = all.filter(|(_, known)| known.is_none()).map(|(scene, _)| *scene).collect();
         let mut solved = solve_all(&left).into_iter();
@@ -47,7 +47,7 @@ impl Shared<'_> {
     }
 
     /// The solution from a response.
-    fn from_response(&self, scene: &Scene, ask: &Ask) -> Option<Solution> {
+    fn shared_solution(&self, scene: &Scene, ask: &Ask) -> Option<Solution> {
         let (responses, is_shared) = match *self {
             Shared::Nothing => return None,
             Shared::EqualChains(responses) => (responses, equal(&scene.chain).is_some()),

@@ -6,9 +6,10 @@
 use serde::Deserialize;
 use serde::de::{Deserializer, Error};
 use trainsafe::chain::{Chain, Scene};
+use trainsafe::solve::observers::{self, Quest};
 use trainsafe::solve::sums::Modes;
 use trainsafe::solve::watch::SpringPeaks;
-use trainsafe::solve::{Ask, Method, Wanted, closed_form, fronts, modal, observers, propagator, solve, sums};
+use trainsafe::solve::{Ask, Method, Wanted, closed_form, fronts, modal, propagator, solve, sums};
 
 /// The share of the largest rating that a force may be off by.
 pub const TOLERANCE: f64 = 1e-9;
@@ -149,10 +150,7 @@ pub fn by(method: Method, scene: &Scene) -> Option<Found> {
             if propagator::steps(scene, omega) * springs > AFFORDABLE {
                 return None;
             }
-            (
-                observers::peaks(scene, omega, 0.0, Wanted::Everything, None).0[0].clone(),
-                propagator::error_bound(scene, omega),
-            )
+            (observers::peaks(&[Quest::all(scene, omega)])[0].0[0].clone(), propagator::error_bound(scene, omega))
         }
         Method::Modal => solved(scene, Method::Modal),
         _ => return None,

@@ -14,6 +14,10 @@ fn solved(scene: &Scene, ask: &Ask) -> Solution {
     solve(scene, ask).expect("a solution")
 }
 
+fn solved_from(shared: Shared, scene: &Scene, ask: &Ask) -> Solution {
+    shared.solve_all(&[(scene, *ask)]).swap_remove(0).expect("a solution")
+}
+
 /// Equal masses and couplers under an even load, whose end is let go.
 fn uniform(springs: usize, held_head: bool, rating: f64) -> Scene {
     Scene {
@@ -73,7 +77,7 @@ proptest! {
         }
         let responses = Responses::new(1 << 20);
         let [all, row] = [EVERYTHING, WORST].map(|ask| {
-            let solution = solved(Shared::EveryChain(&responses), &scene, &ask);
+            let solution = solved_from(Shared::EveryChain(&responses), &scene, &ask);
             WorstRow::of(&scene, &solution).expect("all springs")
         });
         prop_assert!(row.agrees(&all, &scene), "{:?} instead of {:?}", row, all);
@@ -92,17 +96,12 @@ proptest! {
             scene.rated_draft.fill(rating);
             scene.rated_buff.fill(buff * rating);
             let [all, row] = [EVERYTHING, WORST].map(|ask| {
-                let solution = solved(Shared::EqualChains(&responses), &scene, &ask);
+                let solution = solved_from(Shared::EqualChains(&responses), &scene, &ask);
                 WorstRow::of(&scene, &solution)
             });
             prop_assert_eq!(row, all);
         }
     }
-}
-
-/// The solution of one scene.
-fn solved(shared: Shared, scene: &Scene, ask: &Ask) -> Solution {
-    shared.solve_all(&[(scene, *ask)]).swap_remove(0).expect("a solution")
 }
 
 /// Of hundreds of steps of a march a few are left: a tenth of them would be far more.

@@ -35,12 +35,10 @@ use super::closed_form::equal;
 use super::watch::{SpringPeaks, Watch};
 use crate::chain::Scene;
 use rows::{Sums, Task, Wave};
-use windows::{Look, Windows};
+use windows::Windows;
 
 /// The shortest pulse, in units of sqrt(mass / stiffness): the forms cannot tell the fronts of a shorter one apart.
 const SHORTEST_PULSE: f64 = 0.1875;
-/// Springs whose windows are found together.
-const TOGETHER: usize = 32;
 
 /// The fronts of a scene: images of a unit force on a free end, times in units of sqrt(mass / stiffness).
 struct Images {
@@ -73,16 +71,16 @@ impl Images {
         Images { list }
     }
 
-    /// The fronts that a spring feels, the nearest first.
+    /// Adds the fronts that a spring feels, the nearest first.
     fn waves(&self, spring: usize, force: f64, out: &mut Vec<Wave>) {
-        out.clear();
+        let first = out.len();
         // In tension behind the image, in compression before it.
         let wave = |&(a, sign): &(i64, f64)| match spring as i64 - a {
             m if m > 0 => Wave { distance: m as usize, size: force * sign },
             m => Wave { distance: m.unsigned_abs() as usize, size: -force * sign },
         };
         out.extend(self.list.iter().map(wave).filter(|w| w.distance > 0));
-        out.sort_unstable_by_key(|w| w.distance);
+        out[first..].sort_unstable_by_key(|w| w.distance);
     }
 }
 
@@ -137,37 +135,34 @@ pub fn peaks(scene: &Scene) -> (Vec<SpringPeaks>, Work) {
     let unit = equal(&scene.chain).map_or(1.0, |(m, k)| (m / k).sqrt());
     let bound = error_bound(scene);
     let scene = scaled(scene);
-    let mut watch = Watch::new(&scene, bound);
-    let images = Images::new(&scene, rows::pairs(scene.horizon) as i64);
-    let mut windows = Windows::new(&scene, &images);
     let springs = scene.initial.len();
-    for first in (0..springs).step_by(TOGETHER) {
-        windows.find(&watch, first..(first + TOGETHER).min(springs));
-    }
-    let Windows { looks, left, samples, .. } = windows;
-    let work = Work { marched: samples, refinements: looks.len() as u64, ..Work::default() };
-    look(&scene, &images, &mut watch, looks, &left);
+    let mut watch = Watch::new(&scene, bound);
+    let reach = rows::pairs(scene.horizon);
+    let images = Images::new(&scene, reach as i64);
+    let roots: Vec<f64> = (0..=reach + springs + 2).map(|m| (2.0 * m as f64).cbrt()).collect();
+    let steps = [[0.0, 1.0], [scene.duration, -1.0]];
+    let steps = &steps[..if scene.duration < scene.horizon { 2 } else { 1 }];
+    let mut windows = Windows::new(&scene, &images, steps, &roots);
+    windows.find(&watch);
+    let work = Work { marched: windows.samples, refinements: windows.looks.len() as u64, ..Work::default() };
+    look(&scene, &mut watch, windows);
     let mut peaks = watch.peaks;
     peaks.iter_mut().for_each(|spring| spring.scale_time(unit));
     (peaks, work)
 }
 
-/// Looks into cells in the order of time. `left` says when each side that stood at its rating has certainly left it.
-fn look(scene: &Scene, images: &Images, watch: &mut Watch, mut looks: Vec<Look>, left: &[[f64; 2]]) {
+/// Looks into cells in the order of time.
+fn look(scene: &Scene, watch: &mut Watch, windows: Windows) {
+    let Windows { mut looks, left, waves, firsts, steps, .. } = windows;
     looks.sort_by(|a, b| a.from.total_cmp(&b.from));
-    let (mut tasks, mut waves, mut of_spring) = (Vec::new(), Vec::new(), Vec::new());
+    let mut tasks = Vec::with_capacity(looks.len() * steps.len());
     for (sums, look) in looks.iter().enumerate() {
-        let first = waves.len();
-        images.waves(look.spring, scene.force, &mut of_spring);
         let centre = 0.5 * (look.from + look.to);
-        waves.extend(of_spring.iter().filter(|w| w.distance <= rows::pairs(centre)));
-        tasks.push(Task { time: centre, sums, waves: [first, waves.len()] });
-        if centre > scene.duration {
-            let first = waves.len();
-            let time = centre - scene.duration;
-            let after = of_spring.iter().filter(|w| w.distance <= rows::pairs(time));
-            waves.extend(after.map(|w| Wave { size: -w.size, ..*w }));
-            tasks.push(Task { time, sums, waves: [first, waves.len()] });
+        for &[delay, sign] in steps.iter().filter(|[delay, _]| *delay < centre) {
+            let (time, first) = (centre - delay, firsts[look.spring]);
+            let most = rows::pairs(time);
+            let count = waves[first..firsts[look.spring + 1]].iter().take_while(|w| w.distance <= most).count();
+            tasks.push(Task { time, sign, sums, waves: [first, first + count] });
         }
     }
     tasks.sort_by(|a, b| a.time.total_cmp(&b.time));

@@ -49,6 +49,8 @@ pub struct Wave {
 pub struct Task {
     /// Time since the waves set out.
     pub time: f64,
+    /// How many times they count.
+    pub sign: f64,
     /// Which sums they are to be added to.
     pub sums: usize,
     /// The waves, as a range of a list.
@@ -261,7 +263,7 @@ impl Rows {
             for wave in &waves[task.waves[0]..task.waves[1]] {
                 let first = first_of(wave.distance);
                 let place = (self.places[first / BLOCK] - 1) * BLOCK + first % BLOCK;
-                let size = wave.size * self.scale[lane];
+                let size = task.sign * wave.size * self.scale[lane];
                 for (sum, s) in around.iter_mut().zip(&column[place..place + WIDTH]) {
                     *sum = s.mul_add(size, *sum);
                 }
@@ -351,7 +353,7 @@ mod tests {
         let times = [0.6, 1.7, 9.3, 15.9, 16.1, 30.2, 31.0, 47.5, 400.9, 401.0, 777.7];
         let waves: Vec<Wave> = [1, 2, 5, 17, 30, 395, 405].map(|distance| Wave { distance, size: 0.7 }).into();
         let tasks: Vec<Task> =
-            times.iter().enumerate().map(|(sums, &time)| Task { time, sums, waves: [0, waves.len()] }).collect();
+            times.iter().enumerate().map(|(sums, &time)| Task { time, sign: 1.0, sums, waves: [0, waves.len()] }).collect();
         let mut sums = vec![Sums::default(); times.len()];
         collect(&tasks, &waves, &mut sums);
         for (t, sums) in times.iter().zip(&sums) {

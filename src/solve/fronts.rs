@@ -153,7 +153,7 @@ pub fn peaks(scene: &Scene) -> (Vec<SpringPeaks>, Work) {
 
 /// Looks into cells in the order of time.
 fn look(scene: &Scene, watch: &mut Watch, windows: Windows) {
-    let Windows { mut looks, left, waves, firsts, steps, .. } = windows;
+    let Windows { mut looks, left, reached, waves, firsts, steps, .. } = windows;
     looks.sort_by(|a, b| a.from.total_cmp(&b.from));
     let mut tasks = Vec::with_capacity(looks.len() * steps.len());
     for (sums, look) in looks.iter().enumerate() {
@@ -178,8 +178,17 @@ fn look(scene: &Scene, watch: &mut Watch, windows: Windows) {
             if look.from >= left[look.spring][side] {
                 leave(watch, look.spring, negative);
             }
-            let value = local.value_and_slope(end).0 * if negative { -1.0 } else { 1.0 };
-            lowest[look.spring][side] = lowest[look.spring][side].min(value);
+            if watch.at_rating(look.spring, negative) {
+                let value = local.value_and_slope(end).0 * if negative { -1.0 } else { 1.0 };
+                lowest[look.spring][side] = lowest[look.spring][side].min(value);
+            } else if end == 1.0
+                && look.upper[side] <= reached[look.spring][side]
+                && watch.peaks[look.spring].side(negative).first_over.is_none()
+                && watch.note_crossing(look.spring, negative, &local)
+            {
+                // Only a first exceedance was to be found here.
+                continue;
+            }
             if look.upper[side] > watch.level(look.spring, negative) {
                 watch.note(look.spring, negative, &local, end, |t| local.value_at(t));
             }

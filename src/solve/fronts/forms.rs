@@ -98,13 +98,33 @@ const J1: [f64; 5] = [
     0.002_257_761_222_212_101,
     -0.000_220_520_618_664_339,
 ];
+/// `arctan u / u`, as powers of u^2, for 0 <= u <= 1: to 4e-14.
+const ARCTAN: [f64; 16] = [
+    0.999_999_999_999_959_7,
+    -0.333_333_333_312_175_8,
+    0.199_999_998_148_974_54,
+    -0.142_857_078_526_261_4,
+    0.111_109_929_758_248_77,
+    -0.090_895_867_830_801_24,
+    0.076_824_893_465_226_72,
+    -0.066_155_666_414_885_74,
+    0.056_886_643_218_922_74,
+    -0.047_130_745_595_821_213,
+    0.035_636_520_771_333_38,
+    -0.022_994_749_256_908_153,
+    0.011_746_429_010_568_394,
+    -0.004_344_643_015_423_943,
+    0.001_018_269_736_065_282_5,
+    -0.000_112_436_759_602_791_07,
+];
 
 /// A front on its way.
 #[derive(Clone, Copy, Debug)]
 pub struct Front {
-    /// nu, and nu^(1/3).
+    /// nu, nu^(1/3), and nu^(-2/3).
     pub order: f64,
     pub root: f64,
+    inverse: f64,
     /// The x between which the uniform form is used.
     ahead: f64,
     behind: f64,
@@ -114,7 +134,7 @@ impl Front {
     /// The front of order nu, with nu^(1/3).
     pub fn new(order: f64, root: f64) -> Front {
         let behind = (order + BEHIND * root).min(order * ((1.0 + LARGEST_Y) / (1.0 - LARGEST_Y)));
-        Front { order, root, ahead: (order - AHEAD * root).max(0.0), behind }
+        Front { order, root, inverse: 1.0 / (root * root), ahead: (order - AHEAD * root).max(0.0), behind }
     }
 }
 
@@ -125,49 +145,50 @@ pub struct Sums {
     pub value: Lanes,
     /// Of dP/dt.
     pub slope: Lanes,
-    /// Bounds on the fourth derivative in time over the next unit of it.
-    pub fourth: Lanes,
-    /// Assumed largest errors of values and slopes.
-    pub error_estimate: Lanes,
+    /// Bound on the fourth derivative in time from the first instant to a unit of time after the last.
+    pub fourth: f64,
+    /// Assumed largest error of values and slopes.
+    pub error_estimate: f64,
 }
 
 impl Sums {
     /// Adds a front, `size` times, at ascending x. Whether it has arrived anywhere.
     #[inline(always)]
     pub fn add(&mut self, front: &Front, size: f64, x: &Lanes) -> bool {
-        let &Front { order, root, ahead, behind } = front;
-        let last = x[LANES - 1];
+        let &Front { order, root, inverse, ahead, behind } = front;
+        let [first, last] = [x[0], x[LANES - 1]];
         if last <= ahead {
             return false;
         }
         let (mut value, mut slope) = ([0.0; LANES], [0.0; LANES]);
-        let mut error_estimate = [LEAST_ERROR + UNIFORM_ERROR / (order * order); LANES];
-        if x[0] < behind && last >= EARLY {
-            [value, slope] = uniform(order, root, &lanes(|l| x[l].clamp(ahead, behind)));
+        let mut error_estimate = 0.0f64;
+        if first < behind && last >= EARLY {
+            [value, slope] = uniform(front, &lanes(|l| x[l].min(behind).max(ahead)));
+            error_estimate = LEAST_ERROR + UNIFORM_ERROR * inverse * inverse * inverse;
         }
         if last >= behind && last >= EARLY {
-            let far = debye(order, &lanes(|l| x[l].max(behind)));
-            for l in 0..LANES {
-                value[l] = if x[l] < behind { value[l] } else { far[0][l] };
-                slope[l] = if x[l] < behind { slope[l] } else { far[1][l] };
-                error_estimate[l] = if x[l] < behind { error_estimate[l] } else { far[2][l] };
-            }
+            let ([far, far_slope], error) = debye(order, &lanes(|l| x[l].max(behind)));
+            value = lanes(|l| if x[l] < behind { value[l] } else { far[l] });
+            slope = lanes(|l| if x[l] < behind { slope[l] } else { far_slope[l] });
+            error_estimate = error_estimate.max(error);
         }
-        if x[0] < EARLY {
+        if first < EARLY {
             for l in 0..LANES {
                 if x[l] < EARLY {
                     [value[l], slope[l]] = early(order, x[l]);
-                    error_estimate[l] = TABLE_ERROR;
                 }
             }
+            error_estimate = error_estimate.max(TABLE_ERROR);
         }
         for l in 0..LANES {
             let arrived = if x[l] > ahead { size } else { 0.0 };
             self.value[l] += arrived * value[l];
             self.slope[l] += arrived * slope[l];
-            self.fourth[l] += arrived.abs() * fourth_derivative(order, root, x[l]);
-            self.error_estimate[l] += arrived.abs() * error_estimate[l];
         }
+        // The bound on fourth derivatives is largest here.
+        let steepest = (order * (order - 4.0 * root).max(0.0) * (1.0 / 0.375)).sqrt();
+        self.fourth += size.abs() * fourth_derivative(order, root, steepest.max(first).min(last));
+        self.error_estimate += size.abs() * error_estimate;
         true
     }
 }
@@ -208,18 +229,18 @@ fn polynomial<const N: usize>(coefficient: &[f64; N], y: &Lanes) -> Lanes {
 
 /// Value and slope around the front.
 #[inline(always)]
-fn uniform(order: f64, root: f64, x: &Lanes) -> [Lanes; 2] {
+fn uniform(&Front { order, root, inverse, .. }: &Front, x: &Lanes) -> [Lanes; 2] {
     let airy = airy();
-    let square = root * root;
-    let inverse = 1.0 / square;
     let y = lanes(|l| (x[l] - order) / (x[l] + order));
     let zeta = polynomial(&ZETA, &y);
-    let xi = lanes(|l| y[l] * zeta[l] * square);
-    let (mut node, mut ai, mut slope, mut integral) = ([0.0; LANES], [0.0; LANES], [0.0; LANES], [0.0; LANES]);
+    let xi = lanes(|l| y[l] * zeta[l] * (root * root));
+    // Adding this, a number is rounded, and its last bits are the place of its node.
+    const ROUND: f64 = 1.5 * (1u64 << 52) as f64;
+    let rounded = lanes(|l| (xi[l] - FIRST).mul_add(NODES, ROUND));
+    let node = lanes(|l| (rounded[l] - ROUND).mul_add(1.0 / NODES, FIRST));
+    let (mut ai, mut slope, mut integral) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
     for l in 0..LANES {
-        let place = ((xi[l] - FIRST) * NODES + 0.5).clamp(0.0, (airy.len() - 1) as f64) as usize;
-        node[l] = FIRST + place as f64 / NODES;
-        [ai[l], slope[l], integral[l]] = airy[place];
+        [ai[l], slope[l], integral[l], _] = airy[rounded[l].to_bits() as usize % TABLE];
     }
     let (phi, a0, b0, j1) = (polynomial(&PHI, &y), polynomial(&A0, &y), polynomial(&B0, &y), polynomial(&J1, &y));
     let (mut value, mut rate) = ([0.0; LANES], [0.0; LANES]);
@@ -235,7 +256,7 @@ fn uniform(order: f64, root: f64, x: &Lanes) -> [Lanes; 2] {
         let series = [c0, c1 * (1.0 / 2.0), c2 * (1.0 / 3.0), c3 * (1.0 / 4.0), c4 * (1.0 / 5.0), c5 * (1.0 / 6.0)];
         let behind = integral[l] - d * horner(d, series);
         value[l] = behind + inverse * (a0[l] * prime + inverse * b0[l] * here);
-        rate[l] = 2.0 * phi[l] * root * inverse * (here + inverse * inverse * j1[l] * prime);
+        rate[l] = 2.0 * phi[l] * (root * inverse) * (here + inverse * inverse * j1[l] * prime);
     }
     [value, rate]
 }
@@ -246,7 +267,7 @@ fn horner<const N: usize>(x: f64, coefficient: [f64; N]) -> f64 {
     coefficient.iter().rev().fold(0.0, |sum: f64, c| sum.mul_add(x, *c))
 }
 
-/// Value and slope far behind the front, where it swings about 1: with w = sqrt(x^2 - nu^2), c = nu / w and
+/// Value and slope far behind the front, and their error; where it swings about 1: with w = sqrt(x^2 - nu^2), c = nu / w and
 /// psi = w - nu acos(nu / x) - pi / 4
 ///
 /// ```text
@@ -257,40 +278,29 @@ fn horner<const N: usize>(x: f64, coefficient: [f64; N]) -> f64 {
 ///
 /// with q1 and q2 from dP/dx = nu J / x, order by order.
 #[inline(always)]
-fn debye(order: f64, x: &Lanes) -> [Lanes; 3] {
-    let u = lanes(|l| ((x[l] - order) / (x[l] + order)).sqrt());
+fn debye(order: f64, x: &Lanes) -> ([Lanes; 2], f64) {
+    let v = lanes(|l| (x[l] - order) / (x[l] + order));
+    let u = lanes(|l| v[l].sqrt());
     let w = lanes(|l| u[l] * (x[l] + order));
-    let angle = arctangent(&u);
-    let psi = lanes(|l| w[l] - 2.0 * order * angle[l] - std::f64::consts::FRAC_PI_4);
+    let angle = polynomial(&ARCTAN, &v);
+    let psi = lanes(|l| w[l] - 2.0 * order * u[l] * angle[l] - std::f64::consts::FRAC_PI_4);
     let [sin, cos] = sine_and_cosine(&psi);
     let (mut value, mut rate) = ([0.0; LANES], [0.0; LANES]);
     for l in 0..LANES {
-        let inverse = 1.0 / w[l];
+        let of_both = 1.0 / (w[l] * x[l]);
+        let inverse = of_both * x[l];
         let c = order * inverse;
         let (cc, ii) = (c * c, inverse * inverse);
         let size = (std::f64::consts::FRAC_2_PI * inverse).sqrt();
-        let e1 = (3.0 + 5.0 * cc) * (1.0 / 24.0) * inverse;
-        let e2 = -(81.0 + cc * (462.0 + 385.0 * cc)) * (1.0 / 1152.0) * ii;
+        let e1 = cc.mul_add(5.0 / 24.0, 3.0 / 24.0) * inverse;
+        let e2 = -cc.mul_add(cc.mul_add(385.0 / 1152.0, 462.0 / 1152.0), 81.0 / 1152.0) * ii;
         let square = x[l] * x[l] * ii;
         let q1 = -e1 - 1.5 * square * inverse;
-        let q2 = e2 - square * ii * (39.0 / 24.0 + 41.0 / 8.0 * cc) + 1.5 * square * inverse * q1;
+        let q2 = e2 - square * ii * cc.mul_add(41.0 / 8.0, 39.0 / 24.0) + 1.5 * square * inverse * q1;
         value[l] = 1.0 + size * c * (sin[l] * (1.0 + q2) + cos[l] * q1);
-        rate[l] = 2.0 * order / x[l] * size * (cos[l] * (1.0 + e2) + sin[l] * e1);
+        rate[l] = 2.0 * order * of_both * w[l] * size * (cos[l] * (1.0 + e2) + sin[l] * e1);
     }
-    [value, rate, lanes(|l| LEAST_ERROR + DEBYE_ERROR / (psi[l] * psi[l] * psi[l]))]
-}
-
-/// arctan u for 0 <= u <= 1, by one halving of the angle and Taylor's series: to 1e-12.
-#[inline(always)]
-fn arctangent(u: &Lanes) -> Lanes {
-    let mut out = [0.0; LANES];
-    for l in 0..LANES {
-        let half = u[l] / (1.0 + (1.0 + u[l] * u[l]).sqrt());
-        let quarter = half / (1.0 + (1.0 + half * half).sqrt());
-        let v = -quarter * quarter;
-        out[l] = 4.0 * quarter * horner(v, std::array::from_fn::<f64, 9, _>(|k| 1.0 / (2 * k + 1) as f64));
-    }
-    out
+    ([value, rate], LEAST_ERROR + DEBYE_ERROR / (psi[0] * psi[0] * psi[0]))
 }
 
 /// Sine and cosine, to 1e-7.
@@ -311,23 +321,25 @@ fn sine_and_cosine(psi: &Lanes) -> [Lanes; 2] {
     [sin, cos]
 }
 
-/// First node of the table of Airy functions, and nodes in a unit.
+/// First node of the table of Airy functions, nodes in a unit, the last that is not zero, and how many there are.
 const FIRST: f64 = -14.0;
 const NODES: f64 = 8.0;
 const LAST: f64 = 10.0;
+const TABLE: usize = 256;
 
 /// Ai, Ai' and the integral of Ai from there on, at the nodes.
-fn airy() -> &'static [[f64; 3]] {
-    static TABLE: OnceLock<Vec<[f64; 3]>> = OnceLock::new();
-    TABLE.get_or_init(|| {
-        // Ai(0), Ai'(0), and a third: DLMF 9.2.3, 9.2.4, 9.10.11.
-        let origin = [0.355_028_053_887_817_2, -0.258_819_403_792_806_8, 1.0 / 3.0];
+#[inline(always)]
+fn airy() -> &'static [[f64; 4]; TABLE] {
+    static AIRY: OnceLock<[[f64; 4]; TABLE]> = OnceLock::new();
+    AIRY.get_or_init(|| {
+        let mut table = [[0.0; 4]; TABLE];
         let zero = (-FIRST * NODES) as usize;
-        let mut table = vec![origin; ((LAST - FIRST) * NODES) as usize + 1];
+        // Ai(0), Ai'(0), and a third: DLMF 9.2.3, 9.2.4, 9.10.11.
+        table[zero] = [0.355_028_053_887_817_2, -0.258_819_403_792_806_8, 1.0 / 3.0, 0.0];
         for k in (0..zero).rev() {
             table[k] = airy_step(FIRST + (k + 1) as f64 / NODES, table[k + 1], -1.0 / NODES);
         }
-        for k in zero + 1..table.len() {
+        for k in zero + 1..=((LAST - FIRST) * NODES) as usize {
             table[k] = airy_step(FIRST + (k - 1) as f64 / NODES, table[k - 1], 1.0 / NODES);
         }
         table
@@ -335,7 +347,7 @@ fn airy() -> &'static [[f64; 3]] {
 }
 
 /// From one node to another by the Taylor series of Ai'' = z Ai.
-fn airy_step(z: f64, [ai, slope, integral]: [f64; 3], d: f64) -> [f64; 3] {
+fn airy_step(z: f64, [ai, slope, integral, _]: [f64; 4], d: f64) -> [f64; 4] {
     let mut c = [0.0; 24];
     (c[0], c[1], c[2]) = (ai, slope, 0.5 * z * ai);
     for k in 3..24 {
@@ -343,7 +355,7 @@ fn airy_step(z: f64, [ai, slope, integral]: [f64; 3], d: f64) -> [f64; 3] {
     }
     let sum = |term: &dyn Fn(usize) -> f64| (0..24).rev().fold(0.0, |s, k| s * d + term(k));
     let rate = (1..24).rev().fold(0.0, |s, k| s * d + k as f64 * c[k]);
-    [sum(&|k| c[k]), rate, integral - d * sum(&|k| c[k] / (k + 1) as f64)]
+    [sum(&|k| c[k]), rate, integral - d * sum(&|k| c[k] / (k + 1) as f64), 0.0]
 }
 
 /// Value and slope while x < 64.
@@ -387,7 +399,7 @@ mod tests {
     fn forms_are_within_their_assumed_errors() {
         for t in TIMES {
             for (k, (sums, [value, slope])) in forms_and_values(t).into_iter().enumerate() {
-                let (off, assumed) = ((sums.value[0] - value).abs().max((sums.slope[0] - slope).abs()), sums.error_estimate[0]);
+                let (off, assumed) = ((sums.value[0] - value).abs().max((sums.slope[0] - slope).abs()), sums.error_estimate);
                 assert!(
                     off <= 0.5 * (assumed + UNSEEN),
                     "t {t} distance {}: {off:e} of {assumed:e}",

@@ -129,11 +129,11 @@ impl Stairs {
         let root = order.cbrt();
         let (front, top) = (Front::new(order, root), top(order, root));
         // At the breakpoints up to the top, at the top, and at those after it.
-        let (mut values, mut error_estimate) = ([0.0; 2 * LANES], UNSEEN);
-        for (half, values) in values.chunks_mut(LANES).enumerate() {
+        let (mut values, mut error_estimate) = ([0.0; 16], UNSEEN);
+        for (chunk, values) in values.chunks_mut(LANES).enumerate() {
             let mut x = [0.0; LANES];
             for (l, x) in x.iter_mut().enumerate() {
-                let offset = match half * LANES + l + AROUND - 1 {
+                let offset = match chunk * LANES + l + AROUND - 1 {
                     k if k < TOP => BEGINS[k],
                     TOP => 0.0,
                     k => BEGINS[(k - 1).min(BEHIND - 2)],
@@ -143,7 +143,7 @@ impl Stairs {
             let mut sums = Sums::default();
             sums.add(&front, 1.0, &x);
             values.copy_from_slice(&sums.value);
-            error_estimate = sums.error_estimate.iter().fold(error_estimate, |a, e| a.max(*e));
+            error_estimate = error_estimate.max(sums.error_estimate);
         }
         let mut stairs = Stairs { low: [0.0; STEPS], high: [0.0; STEPS] };
         stairs.high[..PRECURSOR.len()].copy_from_slice(&PRECURSOR);

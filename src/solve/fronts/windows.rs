@@ -37,6 +37,8 @@ pub struct Windows<'a> {
     pub looks: Vec<Look>,
     /// When a side that stood at its rating has certainly left it; infinite for the others.
     pub left: Vec<[f64; 2]>,
+    /// What each side certainly reaches.
+    pub reached: Vec<[f64; 2]>,
     /// Values of fronts that were computed.
     pub samples: u64,
     /// All springs' fronts, and where each spring's begin.
@@ -88,8 +90,8 @@ impl<'a> Windows<'a> {
     /// Nothing is known yet.
     pub fn new(scene: &'a Scene, images: &'a Images, steps: &'a [[f64; 2]], roots: &'a [f64]) -> Windows<'a> {
         let left = vec![[f64::INFINITY; 2]; scene.initial.len()];
-        let (looks, waves, firsts) = (Vec::new(), Vec::new(), vec![0]);
-        Windows { scene, images, steps, roots, looks, left, samples: 0, waves, firsts }
+        let (looks, reached, waves, firsts) = (Vec::new(), Vec::new(), Vec::new(), vec![0]);
+        Windows { scene, images, steps, roots, looks, left, reached, samples: 0, waves, firsts }
     }
 
     /// Finds the cells of all springs that are worth a look.
@@ -155,6 +157,7 @@ impl<'a> Windows<'a> {
             member.reach(sample);
         }
         self.find_cells(&mut member, samples, cells);
+        self.reached.push([member.goals[0].reached, member.goals[1].reached]);
     }
 
     /// The force at some instants, in their order, of which the first `count` are wanted.
@@ -177,8 +180,8 @@ impl<'a> Windows<'a> {
                 time: times[l],
                 value: initial + sums.value[l],
                 slope: sums.slope[l],
-                fourth: sums.fourth[l],
-                error_estimate: unseen + sums.error_estimate[l],
+                fourth: sums.fourth,
+                error_estimate: unseen + sums.error_estimate,
                 last: false,
             });
         }

@@ -199,7 +199,7 @@ impl<'a> Windows<'a> {
         windows.clear();
         let [draft, buff] = &member.goals;
         for &Segment { from, to, low, high } in segments {
-            if draft.leaves_open(from, high) || buff.leaves_open(from, -low) {
+            if draft.leaves_open(from, high) | buff.leaves_open(from, -low) {
                 match windows.last_mut() {
                     Some(window) if window[1] == from && from != self.scene.duration => window[1] = to,
                     _ => windows.push([from, to]),
@@ -427,7 +427,8 @@ impl Goal {
 
     #[inline(always)]
     fn leaves_open(&self, from: f64, upper: f64) -> bool {
-        from >= self.from && (upper > self.reached + self.min_rise || upper > self.rating && from <= self.over_by)
+        let is_first = (upper > self.rating) & (from <= self.over_by);
+        (from >= self.from) & ((upper > self.reached + self.min_rise) | is_first)
     }
 }
 

@@ -282,19 +282,26 @@ impl<'a> Windows<'a> {
                 cells.push(cell);
             }
         }
-        for cell in cells.iter().filter(|cell| member.tops_if_open(cell) != CLOSED) {
+        for cell in cells.iter() {
+            let tops = member.tops_if_open(cell);
+            if tops == CLOSED {
+                continue;
+            }
+            if let Some(part) = member.around_top(cell, tops) {
+                self.list(member.spring, part, tops.map(|top| top + cell.margin));
+                continue;
+            }
             for part in cell.parts() {
                 let tops = member.tops_if_open(&part);
                 if tops != CLOSED {
-                    self.list(member.spring, &part, tops.map(|top| top + part.margin));
+                    self.list(member.spring, [part.from, part.to], tops.map(|top| top + part.margin));
                 }
             }
         }
     }
 
     /// Lists a part of a cell for a look, together with the one before it if they touch.
-    fn list(&mut self, spring: usize, part: &Cell, upper: [f64; 2]) {
-        let Cell { from, to, .. } = *part;
+    fn list(&mut self, spring: usize, [from, to]: [f64; 2], upper: [f64; 2]) {
         let starts_anew = from == self.scene.duration;
         match self.looks.last_mut() {
             Some(look) if look.spring == spring && look.to == from && !starts_anew && to - look.from <= LOOK => {
@@ -350,6 +357,26 @@ impl Member<'_> {
             }
         }
         tops
+    }
+
+    /// Where a cell can matter that is open on one side, only for the largest value, and has a concave cubic there: around its top.
+    #[inline(always)]
+    fn around_top(&self, cell: &Cell, tops: [f64; 2]) -> Option<[f64; 2]> {
+        let (side, sign) = if tops[0] > tops[1] { (0, 1.0) } else { (1, -1.0) };
+        let (goal, upper) = (&self.goals[side], tops[side] + cell.margin);
+        let may_pass = upper > goal.rating && cell.from <= goal.over_by;
+        if tops[1 - side] > f64::NEG_INFINITY || may_pass {
+            return None;
+        }
+        let ([[a, da], [b, db]], h) = (cell.ends.map(|end| end.map(|v| sign * v)), cell.to - cell.from);
+        // The larger of the second derivatives at both ends.
+        let bend = (6.0 * (b - a) / h - 4.0 * da - 2.0 * db).max(6.0 * (a - b) / h + 2.0 * da + 4.0 * db) / h;
+        if bend >= 0.0 {
+            return None;
+        }
+        let at = cell.from + hermite_top(h, [a, da], [b, db]).at;
+        let width = (2.0 * (upper - goal.reached) / -bend).sqrt();
+        Some([(at - width).max(cell.from), (at + width).min(cell.to)])
     }
 }
 

@@ -8,7 +8,7 @@ use crate::solve::local::hermite_top;
 
 /// Allowed error of cubics between samples, in units of the force, times nu^(2/3) of the nearest front: the curvature
 /// of a top is 0.7 nu^(-2/3), and less would hardly narrow the looks.
-const CUBIC_ERROR: f64 = 0.012;
+const CUBIC_ERROR: f64 = 0.02;
 const NARROWEST: f64 = 0.4;
 const WIDEST: f64 = 2.0;
 /// The parts of a cell in which its cubic is looked at, and the widest look.

@@ -153,14 +153,14 @@ pub fn peaks(scene: &Scene) -> (Vec<SpringPeaks>, Work) {
 
 /// Looks into cells in the order of time.
 fn look(scene: &Scene, watch: &mut Watch, windows: Windows) {
-    let Windows { mut looks, left, reached, waves, firsts, steps, .. } = windows;
+    let Windows { mut looks, left, reached, waves, firsts, steps, roots, .. } = windows;
     looks.sort_by(|a, b| a.from.total_cmp(&b.from));
     let mut tasks = Vec::with_capacity(looks.len() * steps.len());
     for (sums, look) in looks.iter().enumerate() {
         let centre = 0.5 * (look.from + look.to);
         for &[delay, sign] in steps.iter().filter(|[delay, _]| *delay < centre) {
             let (time, first) = (centre - delay, firsts[look.spring]);
-            let most = rows::pairs(time);
+            let most = (time + 6.0 * roots[time.ceil() as usize] + 14.0) as usize;
             let count = waves[first..firsts[look.spring + 1]].iter().take_while(|w| w.distance <= most).count();
             tasks.push(Task { time, sign, sums, waves: [first, first + count] });
         }

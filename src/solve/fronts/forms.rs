@@ -125,6 +125,8 @@ pub struct Front {
     pub order: f64,
     pub root: f64,
     inverse: f64,
+    /// Where the bound on its fourth derivative is largest.
+    steepest: f64,
     /// The x between which the uniform form is used.
     ahead: f64,
     behind: f64,
@@ -134,7 +136,8 @@ impl Front {
     /// The front of order nu, with nu^(1/3).
     pub fn new(order: f64, root: f64) -> Front {
         let behind = (order + BEHIND * root).min(order * ((1.0 + LARGEST_Y) / (1.0 - LARGEST_Y)));
-        Front { order, root, inverse: 1.0 / (root * root), ahead: (order - AHEAD * root).max(0.0), behind }
+        let steepest = (order * (order - 4.0 * root).max(0.0) * (1.0 / 0.375)).sqrt();
+        Front { order, root, inverse: 1.0 / (root * root), steepest, ahead: (order - AHEAD * root).max(0.0), behind }
     }
 }
 
@@ -155,7 +158,7 @@ impl Sums {
     /// Adds a front, `size` times, at ascending x. Whether it has arrived anywhere.
     #[inline(always)]
     pub fn add(&mut self, front: &Front, size: f64, x: &Lanes) -> bool {
-        let &Front { order, root, inverse, ahead, behind } = front;
+        let &Front { order, root, inverse, steepest, ahead, behind } = front;
         let [first, last] = [x[0], x[LANES - 1]];
         if last <= ahead {
             return false;
@@ -185,8 +188,6 @@ impl Sums {
             self.value[l] += arrived * value[l];
             self.slope[l] += arrived * slope[l];
         }
-        // The bound on fourth derivatives is largest here.
-        let steepest = (order * (order - 4.0 * root).max(0.0) * (1.0 / 0.375)).sqrt();
         self.fourth += size.abs() * fourth_derivative(order, root, steepest.max(first).min(last));
         self.error_estimate += size.abs() * error_estimate;
         true

@@ -216,15 +216,23 @@ impl<'a> DelayedFront<'a> {
     }
 }
 
-/// Bounds on a spring's force up to the horizon: sums of its fronts' steps. `also` is one more breakpoint.
+/// Bounds on a spring's force up to the horizon: sums of its fronts' steps, without those before the first breakpoint. `also` is one
+/// more breakpoint.
 #[inline(always)]
 pub fn bound_force(delayed_fronts: &mut [DelayedFront], initial: f64, also: f64, horizon: f64, out: &mut Vec<Segment>) {
     out.clear();
-    let mut from = 0.0;
+    delayed_fronts.sort_unstable_by(|a, b| a.next.total_cmp(&b.next));
+    let (mut from, mut arrived) = (0.0, 0);
     loop {
         let mut to = if also > from { also.min(horizon) } else { horizon };
         let (mut low, mut high) = (initial, initial);
-        for delayed in delayed_fronts.iter_mut() {
+        while delayed_fronts.get(arrived).is_some_and(|d| d.next <= from) {
+            arrived += 1;
+        }
+        if let Some(coming) = delayed_fronts.get(arrived) {
+            to = to.min(coming.next);
+        }
+        for delayed in delayed_fronts[..arrived].iter_mut() {
             while delayed.next <= from {
                 delayed.set_step(delayed.step + 1);
             }

@@ -4,7 +4,7 @@ use super::forms::{self, Front, LANES, Lanes, Sums, UNSEEN, lanes};
 use super::rows::Wave;
 use super::stairs::{self, DelayedFront, Segment};
 use super::{Images, Scene, Watch};
-use crate::solve::local::hermite_top;
+use crate::solve::local::{Point, hermite_top};
 
 /// Allowed error of cubics between samples, in units of the force, times nu^(2/3) of the nearest front: the curvature
 /// of a top is 0.7 nu^(-2/3), and less would hardly narrow the looks.
@@ -32,7 +32,7 @@ pub struct Windows<'a> {
     /// When a step of force sends out fronts, and its sign.
     pub steps: &'a [[f64; 2]],
     /// The cube roots of nu at all distances.
-    roots: &'a [f64],
+    pub roots: &'a [f64],
     /// Cells to look into.
     pub looks: Vec<Look>,
     /// When a side that stood at its rating has certainly left it; infinite for the others.
@@ -83,7 +83,7 @@ struct Lists {
     samples: Vec<Sample>,
     segments: Vec<Segment>,
     windows: Vec<[f64; 2]>,
-    cells: Vec<Cell>,
+    cells: Vec<(Cell, [Point; 2])>,
 }
 
 impl<'a> Windows<'a> {
@@ -240,7 +240,7 @@ impl<'a> Windows<'a> {
     /// Samples a window.
     #[inline(always)]
     fn sample_window(&mut self, member: &Member, [from, to]: [f64; 2], out: &mut Vec<Sample>) {
-        let cells = ((to - from) / self.width(member.fronts, from, to)).ceil().max(1.0);
+        let cells = ((to - from) / self.width(member.fronts, to)).ceil().max(1.0);
         let marks = cells as usize + 1;
         let time = |n: usize| if n + 1 < marks { from + n as f64 * ((to - from) / cells) } else { to };
         for first in (0..marks).step_by(LANES) {
@@ -252,55 +252,55 @@ impl<'a> Windows<'a> {
         }
     }
 
-    /// How wide cells may be in a window for cubics to be right to the [`CUBIC_ERROR`].
+    /// How wide cells may be in a window up to an instant for cubics to be right to the [`CUBIC_ERROR`].
     #[inline(always)]
-    fn width(&self, fronts: &[(Front, f64)], from: f64, to: f64) -> f64 {
-        let fourth = |time: f64| -> f64 {
-            let of_step = |[delay, _]: &[f64; 2]| -> f64 {
-                let x = 2.0 * (time - delay);
-                let passed = fronts.iter().map(|f| f.0).take_while(|f| x > f.order);
-                passed.map(|f| forms::fourth_derivative(f.order, f.root, x)).sum()
-            };
-            self.steps.iter().map(of_step).sum()
-        };
+    fn width(&self, fronts: &[(Front, f64)], to: f64) -> f64 {
+        let mut fourth = 0.0;
+        for [delay, _] in self.steps {
+            let x = 2.0 * (to - delay);
+            for (front, _) in fronts.iter().take_while(|f| x > f.0.order) {
+                fourth += forms::fourth_derivative(front.order, front.root, x);
+            }
+        }
         let root = fronts.iter().rev().find(|f| f.0.order < 2.0 * to).map_or(1.0, |f| f.0.root);
         let cubic_error = CUBIC_ERROR / (root * root);
-        (384.0 * cubic_error / fourth(from).max(fourth(to))).sqrt().sqrt().clamp(NARROWEST, WIDEST)
+        (384.0 * cubic_error / fourth).sqrt().sqrt().clamp(NARROWEST, WIDEST)
     }
 
     /// From the samples of a spring: the cells that are worth a look.
     #[inline(always)]
-    fn find_cells(&mut self, member: &mut Member, samples: &[Sample], cells: &mut Vec<Cell>) {
+    fn find_cells(&mut self, member: &mut Member, samples: &[Sample], cells: &mut Vec<(Cell, [Point; 2])>) {
         cells.clear();
         for pair in samples.windows(2).filter(|pair| !pair[0].last) {
             let cell = Cell::new(&pair[0], &pair[1]);
             let tops = member.tops_if_open(&cell);
-            for (goal, top) in member.goals.iter_mut().zip(tops) {
-                goal.reached = goal.reached.max(top - cell.margin);
+            for (goal, top) in member.goals.iter_mut().zip(&tops) {
+                goal.reached = goal.reached.max(top.value - cell.margin);
             }
-            if tops != CLOSED {
-                cells.push(cell);
+            if member.open(&cell, &tops) != CLOSED {
+                cells.push((cell, tops));
             }
         }
-        for cell in cells.iter() {
-            let tops = member.tops_if_open(cell);
-            if tops == CLOSED {
+        for (cell, tops) in cells.iter() {
+            let upper = member.open(cell, tops);
+            if upper == CLOSED {
                 continue;
             }
-            if let Some(part) = member.around_top(cell, tops) {
-                self.list(member.spring, part, tops.map(|top| top + cell.margin));
+            if let Some(part) = member.around_top(cell, tops, upper) {
+                self.list(member.spring, part, upper);
                 continue;
             }
             for part in cell.parts() {
-                let tops = member.tops_if_open(&part);
-                if tops != CLOSED {
-                    self.list(member.spring, [part.from, part.to], tops.map(|top| top + part.margin));
+                let upper = member.open(&part, &member.tops_if_open(&part));
+                if upper != CLOSED {
+                    self.list(member.spring, [part.from, part.to], upper);
                 }
             }
         }
     }
 
     /// Lists a part of a cell for a look, together with the one before it if they touch.
+    #[inline(always)]
     fn list(&mut self, spring: usize, [from, to]: [f64; 2], upper: [f64; 2]) {
         let starts_anew = from == self.scene.duration;
         match self.looks.last_mut() {
@@ -330,7 +330,7 @@ impl pulp::WithSimd for Search<'_, '_> {
     }
 }
 
-/// No side is open.
+/// No side can matter.
 const CLOSED: [f64; 2] = [f64::NEG_INFINITY; 2];
 
 impl Member<'_> {
@@ -342,30 +342,40 @@ impl Member<'_> {
         buff.reach(-sample.value - sample.error_estimate, sample.time);
     }
 
-    /// The largest value of a cell's cubic, and that of its negative, on sides where they can matter; elsewhere minus infinity.
+    /// The top of a cell's cubic, and that of its negative, on sides where they can matter.
     #[inline(always)]
-    fn tops_if_open(&self, cell: &Cell) -> [f64; 2] {
+    fn tops_if_open(&self, cell: &Cell) -> [Point; 2] {
         let ([[a, da], [b, db]], h) = (cell.ends, cell.to - cell.from);
-        let mut tops = CLOSED;
+        let mut tops = [Point { at: 0.0, value: f64::NEG_INFINITY }; 2];
         for (top, (goal, sign)) in tops.iter_mut().zip(self.goals.iter().zip([1.0, -1.0])) {
             let (left, right) = ([sign * a, sign * da], [sign * b, sign * db]);
             // The cubic's two slope terms are at most 4/27 of the slopes each.
             let quick = left[0].max(right[0]) + SLOPE_SHARE * h * (left[1].max(0.0) + (-right[1]).max(0.0));
             if goal.leaves_open(cell.from, quick + cell.margin) {
-                let exact = hermite_top(h, left, right).value;
-                *top = if goal.leaves_open(cell.from, exact + cell.margin) { exact } else { f64::NEG_INFINITY };
+                *top = hermite_top(h, left, right);
             }
         }
         tops
     }
 
+    /// What the force can reach in a cell with these tops, on sides where that can matter; elsewhere minus infinity.
+    #[inline(always)]
+    fn open(&self, cell: &Cell, tops: &[Point; 2]) -> [f64; 2] {
+        let mut upper = CLOSED;
+        for side in 0..2 {
+            let top = tops[side].value + cell.margin;
+            upper[side] = if self.goals[side].leaves_open(cell.from, top) { top } else { f64::NEG_INFINITY };
+        }
+        upper
+    }
+
     /// Where a cell can matter that is open on one side, only for the largest value, and has a concave cubic there: around its top.
     #[inline(always)]
-    fn around_top(&self, cell: &Cell, tops: [f64; 2]) -> Option<[f64; 2]> {
-        let (side, sign) = if tops[0] > tops[1] { (0, 1.0) } else { (1, -1.0) };
-        let (goal, upper) = (&self.goals[side], tops[side] + cell.margin);
-        let may_pass = upper > goal.rating && cell.from <= goal.over_by;
-        if tops[1 - side] > f64::NEG_INFINITY || may_pass {
+    fn around_top(&self, cell: &Cell, tops: &[Point; 2], upper: [f64; 2]) -> Option<[f64; 2]> {
+        let (side, sign) = if upper[0] > upper[1] { (0, 1.0) } else { (1, -1.0) };
+        let goal = &self.goals[side];
+        let may_pass = upper[side] > goal.rating && cell.from <= goal.over_by;
+        if may_pass || upper[1 - side] > f64::NEG_INFINITY {
             return None;
         }
         let ([[a, da], [b, db]], h) = (cell.ends.map(|end| end.map(|v| sign * v)), cell.to - cell.from);
@@ -374,8 +384,8 @@ impl Member<'_> {
         if bend >= 0.0 {
             return None;
         }
-        let at = cell.from + hermite_top(h, [a, da], [b, db]).at;
-        let width = (2.0 * (upper - goal.reached) / -bend).sqrt();
+        let at = cell.from + tops[side].at;
+        let width = (2.0 * (upper[side] - goal.reached) / -bend).sqrt();
         Some([(at - width).max(cell.from), (at + width).min(cell.to)])
     }
 }

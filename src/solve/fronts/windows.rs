@@ -67,6 +67,14 @@ struct Sample {
     last: bool,
 }
 
+impl Sample {
+    /// What the force and its negative certainly reach.
+    #[inline(always)]
+    fn lower(&self) -> [f64; 2] {
+        [self.value - self.error_estimate, -self.value - self.error_estimate]
+    }
+}
+
 /// From one sample to the next.
 #[derive(Clone, Copy)]
 struct Cell {
@@ -146,7 +154,7 @@ impl<'a> Windows<'a> {
             }
         }
         for sample in samples.iter() {
-            member.reach(sample);
+            member.reach(sample.lower(), sample.time);
         }
         samples.clear();
         self.find_windows(watch, &mut member, segments, windows);
@@ -154,7 +162,7 @@ impl<'a> Windows<'a> {
             self.sample_window(&member, *window, samples);
         }
         for sample in samples.iter() {
-            member.reach(sample);
+            member.reach(sample.lower(), sample.time);
         }
         self.find_cells(&mut member, samples, cells);
         self.reached.push([member.goals[0].reached, member.goals[1].reached]);
@@ -295,6 +303,8 @@ impl<'a> Windows<'a> {
                 if upper != CLOSED {
                     self.list(member.spring, [part.from, part.to], upper);
                 }
+                let value = part.ends[1][0];
+                member.reach([value - part.margin, -value - part.margin], part.to);
             }
         }
     }
@@ -334,12 +344,11 @@ impl pulp::WithSimd for Search<'_, '_> {
 const CLOSED: [f64; 2] = [f64::NEG_INFINITY; 2];
 
 impl Member<'_> {
-    /// Takes note of a sample.
+    /// Takes note of what the force and its negative certainly reach by some time.
     #[inline(always)]
-    fn reach(&mut self, sample: &Sample) {
-        let [draft, buff] = &mut self.goals;
-        draft.reach(sample.value - sample.error_estimate, sample.time);
-        buff.reach(-sample.value - sample.error_estimate, sample.time);
+    fn reach(&mut self, lower: [f64; 2], by: f64) {
+        self.goals[0].reach(lower[0], by);
+        self.goals[1].reach(lower[1], by);
     }
 
     /// The top of a cell's cubic, and that of its negative, on sides where they can matter.
@@ -374,7 +383,7 @@ impl Member<'_> {
     fn around_top(&self, cell: &Cell, tops: &[Point; 2], upper: [f64; 2]) -> Option<[f64; 2]> {
         let (side, sign) = if upper[0] > upper[1] { (0, 1.0) } else { (1, -1.0) };
         let goal = &self.goals[side];
-        let may_pass = upper[side] > goal.rating && cell.from <= goal.over_by;
+        let may_pass = upper[side] > goal.rating && cell.from < goal.over_by;
         if may_pass || upper[1 - side] > f64::NEG_INFINITY {
             return None;
         }
@@ -464,7 +473,7 @@ impl Goal {
 
     #[inline(always)]
     fn leaves_open(&self, from: f64, upper: f64) -> bool {
-        let is_first = (upper > self.rating) & (from <= self.over_by);
+        let is_first = (upper > self.rating) & (from < self.over_by);
         (from >= self.from) & ((upper > self.reached + self.min_rise) | is_first)
     }
 }

@@ -1,7 +1,7 @@
 //! When a spring's force can be largest, or pass its rating first: windows, and the cells in them that are worth a look.
 
 use super::forms::{self, Front, LANES, Lanes, Sums, UNSEEN, lanes};
-use super::rows::Wave;
+use super::rows::{LOOK, Wave};
 use super::stairs::{self, DelayedFront, Segment};
 use super::{Images, Scene, Watch};
 use crate::solve::local::{Point, hermite_top};
@@ -11,9 +11,9 @@ use crate::solve::local::{Point, hermite_top};
 const CUBIC_ERROR: f64 = 0.02;
 const NARROWEST: f64 = 0.4;
 const WIDEST: f64 = 2.0;
-/// The parts of a cell in which its cubic is looked at, and the widest look.
+/// The parts of a cell in which its cubic is looked at: none is wider than a look may be.
 const PARTS: usize = 4;
-const LOOK: f64 = 1.0;
+const _: () = assert!(WIDEST / PARTS as f64 <= LOOK);
 
 /// A stretch of a spring's force that has to be looked into, and what it can reach there in either sign.
 #[derive(Clone, Copy, Debug)]
@@ -395,7 +395,8 @@ impl Member<'_> {
         }
         let at = cell.from + tops[side].at;
         let width = (2.0 * (upper[side] - goal.reached) / -bend).sqrt();
-        Some([(at - width).max(cell.from), (at + width).min(cell.to)])
+        let [from, to] = [(at - width).max(cell.from), (at + width).min(cell.to)];
+        (to - from <= LOOK).then_some([from, to])
     }
 }
 

@@ -16,10 +16,10 @@
 //!
 //! 1. Every front lies between two step functions (`stairs`); their sums say in which few windows a spring's force can
 //!    be largest or pass its rating first.
-//! 2. There the fronts are sampled by forms that are right to a few digits (`forms`); cubics between samples, with a bound on
-//!    their fourth derivative, leave one or two cells a side.
-//! 3. In those the force is a polynomial made of Bessel functions of all orders (`rows`). Every value and time that is
-//!    reported comes from there, within [`error_bound`].
+//! 2. There the fronts are sampled by forms that are right to a few digits (`forms`), at eight instants of a spring at once; cubics
+//!    between samples, with a bound on their fourth derivative, leave one or two cells a side.
+//! 3. In those the force is a polynomial made of Bessel functions of all orders (`rows`), whose recurrence at one instant serves all
+//!    cells of all springs within four units of time. Every value and time that is reported comes from there, within [`error_bound`].
 //!
 //! What steps 1 and 2 exclude relies on two numbers that are measured with a margin, not proved: the error of the
 //! forms (twice the largest found or more) and their bound on fourth derivatives (5 % over it). Bounds on the fronts'
@@ -87,9 +87,16 @@ impl Images {
 /// Bound on the error of every force up to the horizon.
 ///
 /// Rounding in the recurrence at order m reaches lower orders through solutions of the same recurrence, whose sums stay
-/// near 1 / J's own size: 16 units times sum |J| < sqrt(2 x), x = 2t, for each of the images that overlap in a spring. The
-/// polynomial about an instant, of half a unit of time each way, adds what its derivatives are off by: at most `2^q` times a
-/// single Bessel function's error for the q-th one, together less than `e - 1` of it; 48 units cover both.
+/// near 1 / J's own size: 16 units times `sum |J_n| < sqrt(x / 2)` over n > 0, x = 2 (t + 4) at most, for each of the images that
+/// overlap in a spring. A shift in time carries such solutions along. Three more things are added:
+///
+/// - what a polynomial's derivatives are off by: at most `2^q` times a single Bessel function's error for the q-th one, over 0.3 units
+///   of time each way together less than `e^0.6 - 1` of it;
+/// - the roundings of the hundred orders that a shift by up to 8 in x combines, times `sum |J_k(8)| < 5`: under 280 units, and less
+///   before t = 16, when most of these orders are zero;
+/// - those of the sums over orders, which a shift leaves as they are.
+///
+/// With S = 4 + sqrt(4 t) the first two are under 15 S and 33 S units; the last is the term 2 t.
 pub fn error_bound(scene: &Scene) -> f64 {
     let time = scaled(scene).horizon;
     let roundoff = f64::EPSILON / 2.0;

@@ -16,7 +16,7 @@
 //! zeta and phi are those of the Bessel functions' uniform expansion (F. W. J. Olver, *Phil. Trans. R. Soc. A* 247 (1954)
 //! 328-368; DLMF 10.20); a_0 and b_0 follow by putting the form and its derivative into that expansion:
 //! `a_0 = (1 - phi^3 / 2) / zeta`, `b_0 = -(phi^3 / 2) B_0 - d a_0 / d zeta`. All are polynomials in y = (x - nu) / (x + nu) here,
-//! fitted on |y| <= 0.3 (`tests/reference/front_forms.py`).
+//! fitted on |y| <= 0.3; the arctangent in Debye's form is one in y (`tests/reference/front_forms.py`).
 //!
 //! These forms locate extremes; no force that is reported comes from them. Their assumed errors
 //! ([`Sums::error_estimate`]) are not proved: they are twice the largest found or more (the test below measures them
@@ -400,12 +400,9 @@ mod tests {
     fn forms_are_within_their_assumed_errors() {
         for t in TIMES {
             for (k, (sums, [value, slope])) in forms_and_values(t).into_iter().enumerate() {
-                let (off, assumed) = ((sums.value[0] - value).abs().max((sums.slope[0] - slope).abs()), sums.error_estimate);
-                assert!(
-                    off <= 0.5 * (assumed + UNSEEN),
-                    "t {t} distance {}: {off:e} of {assumed:e}",
-                    k + 1
-                );
+                let (off, assumed) =
+                    ((sums.value[0] - value).abs().max((sums.slope[0] - slope).abs()), sums.error_estimate);
+                assert!(off <= 0.5 * (assumed + UNSEEN), "t {t} distance {}: {off:e} of {assumed:e}", k + 1);
             }
         }
     }

@@ -353,8 +353,11 @@ mod tests {
     fn polynomials_agree_with_rows() {
         let times = [0.6, 1.7, 9.3, 15.9, 16.1, 30.2, 31.0, 47.5, 400.9, 401.0, 777.7];
         let waves: Vec<Wave> = [1, 2, 5, 17, 30, 395, 405].map(|distance| Wave { distance, size: 0.7 }).into();
-        let tasks: Vec<Task> =
-            times.iter().enumerate().map(|(sums, &time)| Task { time, sign: 1.0, sums, waves: [0, waves.len()] }).collect();
+        let tasks: Vec<Task> = times
+            .iter()
+            .enumerate()
+            .map(|(sums, &time)| Task { time, sign: 1.0, sums, waves: [0, waves.len()] })
+            .collect();
         let mut sums = vec![Sums::default(); times.len()];
         collect(&tasks, &waves, &mut sums);
         for (t, sums) in times.iter().zip(&sums) {

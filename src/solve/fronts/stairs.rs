@@ -14,7 +14,8 @@
 //!   `w - nu acos(nu / x)`, w = sqrt(x^2 - nu^2), grows by less than pi. With q = 2 pi x^2 / w^3 <= 0.31 the last zero
 //!   therefore lies where w^2 has at least 1 - 1.3 q of its value at x, and the envelope is larger there by that to the power -3/4.
 //!
-//! On the flank the steps' heights are values of [`super::forms`], with a margin over the errors found, not proved.
+//! On the flank the steps' heights are values of [`super::forms`], with a margin over the errors found, not proved. In units of d^(1/3)
+//! from the top they hardly depend on the distance: fronts of nearly the same distance share their steps.
 
 use std::sync::OnceLock;
 
@@ -23,8 +24,8 @@ use super::forms::{Front, LANES, Sums, UNSEEN};
 /// Where the steps of a front begin, but for the first: in units of d^(1/3) from the top. First far ahead, where the front is under
 /// the [`PRECURSOR`]; then around the top; then behind, where the envelope holds.
 const BEGINS: [f64; STEPS - 1] = [
-    -9.0, -7.5, -6.0, -4.4, -3.0, -2.0, -1.4, -1.0, -0.7, -0.45, -0.25, -0.1, 0.1, 0.25, 0.5, 1.5, 2.1, 3.2, 5.0, 9.0, 18.0, 40.0,
-    90.0, 200.0, 500.0, 1500.0, 5000.0,
+    -9.0, -7.5, -6.0, -4.4, -3.0, -2.0, -1.4, -1.0, -0.7, -0.45, -0.25, -0.1, 0.1, 0.25, 0.5, 1.5, 2.1, 3.2, 5.0, 9.0,
+    18.0, 40.0, 90.0, 200.0, 500.0, 1500.0, 5000.0,
 ];
 const STEPS: usize = 28;
 /// The first steps whose heights are values around the top; that which holds the top; and the first behind.

@@ -238,9 +238,9 @@ impl Rows {
                 }
             }
         }
-        for lane in 0..LANES {
+        for (lane, scale) in self.scale.iter_mut().enumerate() {
             let total = rows[0][lane] + rows[2][lane];
-            self.scale[lane] = 1.0 / total;
+            *scale = 1.0 / total;
             if self.places[0] > 0 {
                 let column = &mut self.columns[lane * self.stride..][..2 * BEFORE + BLOCK];
                 for n in 1..=BEFORE {

@@ -86,7 +86,7 @@ fn distances(place: usize) -> [usize; 2] {
         return [place + 1; 2];
     }
     let (octave, eighth) = ((place + 1 - SINGLE) / 8, (place + 1 - SINGLE) % 8);
-    let scale = SINGLE / 8 << octave;
+    let scale = (SINGLE / 8) << octave;
     [(8 + eighth) * scale, (9 + eighth) * scale - 1]
 }
 

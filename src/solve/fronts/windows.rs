@@ -141,14 +141,11 @@ impl<'a> Windows<'a> {
         stairs::bound_force(delayed, self.scene.initial[spring], duration, horizon, segments);
         samples.clear();
         for &[delay, _] in self.steps {
-            let mut rest = &*member.fronts;
-            while !rest.is_empty() {
+            for group in member.fronts.chunks(LANES) {
                 let time = |f: &(Front, f64)| stairs::top(f.0.order, f.0.root) + delay;
-                let count = rest.iter().take(LANES).take_while(|f| time(f) <= horizon).count();
-                let (group, later) = rest.split_at(count);
-                rest = if count < LANES { &[] } else { later };
-                if let Some(last) = group.last() {
-                    let times = lanes(|l| time(group.get(l).unwrap_or(last)));
+                let count = group.iter().take_while(|f| time(f) <= horizon).count();
+                if count > 0 {
+                    let times = lanes(|l| time(&group[l.min(count - 1)]));
                     self.sample(&member, &times, count, samples);
                 }
             }
@@ -183,9 +180,9 @@ impl<'a> Windows<'a> {
         }
         let initial = self.scene.initial[member.spring];
         let unseen = UNSEEN * self.steps.len() as f64 * self.scene.force.abs() * member.fronts.len() as f64;
-        for l in 0..count {
+        for (l, &time) in times.iter().enumerate().take(count) {
             out.push(Sample {
-                time: times[l],
+                time,
                 value: initial + sums.value[l],
                 slope: sums.slope[l],
                 fourth: sums.fourth,

@@ -16,10 +16,10 @@
 //!
 //! 1. Every front lies between two step functions (`stairs`); their sums say in which few windows a spring's force can
 //!    be largest or pass its rating first.
-//! 2. There the fronts are sampled by forms that are right to a few digits (`forms`); cubics between samples, with a bound on
-//!    their fourth derivative, leave one or two cells a side.
-//! 3. In those the force is a polynomial made of Bessel functions of all orders (`rows`). Every value and time that is
-//!    reported comes from there, within [`error_bound`].
+//! 2. There the fronts are sampled by forms that are right to a few digits (`forms`), at eight instants of a spring at once; cubics
+//!    between samples, with a bound on their fourth derivative, leave one or two cells a side.
+//! 3. In those the force is a polynomial made of Bessel functions of all orders (`rows`), whose recurrence at one instant serves all
+//!    cells of all springs within four units of time. Every value and time that is reported comes from there, within [`error_bound`].
 //!
 //! What steps 1 and 2 exclude relies on two numbers that are measured with a margin, not proved: the error of the
 //! forms (twice the largest found or more) and their bound on fourth derivatives (5 % over it). Bounds on the fronts'
@@ -35,12 +35,10 @@ use super::closed_form::equal;
 use super::watch::{SpringPeaks, Watch};
 use crate::chain::Scene;
 use rows::{Sums, Task, Wave};
-use windows::{Look, Windows};
+use windows::Windows;
 
 /// The shortest pulse, in units of sqrt(mass / stiffness): the forms cannot tell the fronts of a shorter one apart.
 const SHORTEST_PULSE: f64 = 0.1875;
-/// Springs whose windows are found together.
-const TOGETHER: usize = 32;
 
 /// The fronts of a scene: images of a unit force on a free end, times in units of sqrt(mass / stiffness).
 struct Images {
@@ -73,25 +71,32 @@ impl Images {
         Images { list }
     }
 
-    /// The fronts that a spring feels, the nearest first.
+    /// Adds the fronts that a spring feels, the nearest first.
     fn waves(&self, spring: usize, force: f64, out: &mut Vec<Wave>) {
-        out.clear();
+        let first = out.len();
         // In tension behind the image, in compression before it.
         let wave = |&(a, sign): &(i64, f64)| match spring as i64 - a {
             m if m > 0 => Wave { distance: m as usize, size: force * sign },
             m => Wave { distance: m.unsigned_abs() as usize, size: -force * sign },
         };
         out.extend(self.list.iter().map(wave).filter(|w| w.distance > 0));
-        out.sort_unstable_by_key(|w| w.distance);
+        out[first..].sort_unstable_by_key(|w| w.distance);
     }
 }
 
 /// Bound on the error of every force up to the horizon.
 ///
 /// Rounding in the recurrence at order m reaches lower orders through solutions of the same recurrence, whose sums stay
-/// near 1 / J's own size: 16 units times sum |J| < sqrt(2 x), x = 2t, for each of the images that overlap in a spring. The
-/// polynomial about an instant, of half a unit of time each way, adds what its derivatives are off by: at most `2^q` times a
-/// single Bessel function's error for the q-th one, together less than `e - 1` of it; 48 units cover both.
+/// near 1 / J's own size: 16 units times `sum |J_n| < sqrt(x / 2)` over n > 0, x = 2 (t + 4) at most, for each of the images that
+/// overlap in a spring. A shift in time carries such solutions along. Three more things are added:
+///
+/// - what a polynomial's derivatives are off by: at most `2^q` times a single Bessel function's error for the q-th one, over 0.3 units
+///   of time each way together less than `e^0.6 - 1` of it;
+/// - the roundings of the hundred orders that a shift by up to 8 in x combines, times `sum |J_k(8)| < 5`: under 280 units, and less
+///   before t = 16, when most of these orders are zero;
+/// - those of the sums over orders, which a shift leaves as they are.
+///
+/// With S = 4 + sqrt(4 t) the first two are under 15 S and 33 S units; the last is the term 2 t.
 pub fn error_bound(scene: &Scene) -> f64 {
     let time = scaled(scene).horizon;
     let roundoff = f64::EPSILON / 2.0;
@@ -137,37 +142,34 @@ pub fn peaks(scene: &Scene) -> (Vec<SpringPeaks>, Work) {
     let unit = equal(&scene.chain).map_or(1.0, |(m, k)| (m / k).sqrt());
     let bound = error_bound(scene);
     let scene = scaled(scene);
-    let mut watch = Watch::new(&scene, bound);
-    let images = Images::new(&scene, rows::pairs(scene.horizon) as i64);
-    let mut windows = Windows::new(&scene, &images);
     let springs = scene.initial.len();
-    for first in (0..springs).step_by(TOGETHER) {
-        windows.find(&watch, first..(first + TOGETHER).min(springs));
-    }
-    let Windows { looks, left, samples, .. } = windows;
-    let work = Work { marched: samples, refinements: looks.len() as u64, ..Work::default() };
-    look(&scene, &images, &mut watch, looks, &left);
+    let mut watch = Watch::new(&scene, bound);
+    let reach = rows::pairs(scene.horizon);
+    let images = Images::new(&scene, reach as i64);
+    let roots: Vec<f64> = (0..=reach + springs + 2).map(|m| (2.0 * m as f64).cbrt()).collect();
+    let steps = [[0.0, 1.0], [scene.duration, -1.0]];
+    let steps = &steps[..if scene.duration < scene.horizon { 2 } else { 1 }];
+    let mut windows = Windows::new(&scene, &images, steps, &roots);
+    windows.find(&watch);
+    let work = Work { marched: windows.samples, refinements: windows.looks.len() as u64, ..Work::default() };
+    look(&scene, &mut watch, windows);
     let mut peaks = watch.peaks;
     peaks.iter_mut().for_each(|spring| spring.scale_time(unit));
     (peaks, work)
 }
 
-/// Looks into cells in the order of time. `left` says when each side that stood at its rating has certainly left it.
-fn look(scene: &Scene, images: &Images, watch: &mut Watch, mut looks: Vec<Look>, left: &[[f64; 2]]) {
+/// Looks into cells in the order of time.
+fn look(scene: &Scene, watch: &mut Watch, windows: Windows) {
+    let Windows { mut looks, left, reached, waves, firsts, steps, roots, .. } = windows;
     looks.sort_by(|a, b| a.from.total_cmp(&b.from));
-    let (mut tasks, mut waves, mut of_spring) = (Vec::new(), Vec::new(), Vec::new());
+    let mut tasks = Vec::with_capacity(looks.len() * steps.len());
     for (sums, look) in looks.iter().enumerate() {
-        let first = waves.len();
-        images.waves(look.spring, scene.force, &mut of_spring);
         let centre = 0.5 * (look.from + look.to);
-        waves.extend(of_spring.iter().filter(|w| w.distance <= rows::pairs(centre)));
-        tasks.push(Task { time: centre, sums, waves: [first, waves.len()] });
-        if centre > scene.duration {
-            let first = waves.len();
-            let time = centre - scene.duration;
-            let after = of_spring.iter().filter(|w| w.distance <= rows::pairs(time));
-            waves.extend(after.map(|w| Wave { size: -w.size, ..*w }));
-            tasks.push(Task { time, sums, waves: [first, waves.len()] });
+        for &[delay, sign] in steps.iter().filter(|[delay, _]| *delay < centre) {
+            let (time, first) = (centre - delay, firsts[look.spring]);
+            let most = (time + 6.0 * roots[time.ceil() as usize] + 14.0) as usize;
+            let count = waves[first..firsts[look.spring + 1]].iter().take_while(|w| w.distance <= most).count();
+            tasks.push(Task { time, sign, sums, waves: [first, first + count] });
         }
     }
     tasks.sort_by(|a, b| a.time.total_cmp(&b.time));
@@ -183,8 +185,17 @@ fn look(scene: &Scene, images: &Images, watch: &mut Watch, mut looks: Vec<Look>,
             if look.from >= left[look.spring][side] {
                 leave(watch, look.spring, negative);
             }
-            let value = local.value_and_slope(end).0 * if negative { -1.0 } else { 1.0 };
-            lowest[look.spring][side] = lowest[look.spring][side].min(value);
+            if watch.at_rating(look.spring, negative) {
+                let value = local.value_and_slope(end).0 * if negative { -1.0 } else { 1.0 };
+                lowest[look.spring][side] = lowest[look.spring][side].min(value);
+            } else if end == 1.0
+                && look.upper[side] <= reached[look.spring][side]
+                && watch.peaks[look.spring].side(negative).first_over.is_none()
+                && watch.note_crossing(look.spring, negative, &local)
+            {
+                // Only a first exceedance was to be found here.
+                continue;
+            }
             if look.upper[side] > watch.level(look.spring, negative) {
                 watch.note(look.spring, negative, &local, end, |t| local.value_at(t));
             }

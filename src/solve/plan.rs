@@ -14,11 +14,11 @@ use crate::chain::Scene;
 /// Nanoseconds for one spring in one exact step.
 const STEP: f64 = 4.0;
 /// Nanoseconds for one spring and one front that passes it.
-const FRONT: f64 = 480.0;
-/// Nanoseconds for one spring and one pair of fronts.
-const PAIR: f64 = 40.0;
-/// Nanoseconds for one spring's Bessel functions of all orders, per `sqrt(m / k)` of the horizon.
-const ORDERS: f64 = 0.2;
+const FRONT: f64 = 350.0;
+/// Nanoseconds for one spring and three fronts: more fronts make more windows in which their sums have to be told apart.
+const TRIPLE: f64 = 5.0;
+/// Nanoseconds for the Bessel functions of all orders up to the horizon in `sqrt(m / k)`, per square of it.
+const ORDERS: f64 = 0.006;
 /// Nanoseconds to find one entry of one vibration mode by its formula, for equal chains.
 const EQUAL_ENTRY: f64 = 20.0;
 /// Nanoseconds to look into one spring's forces between instants.
@@ -95,7 +95,8 @@ fn offers(scene: &Scene, mark: Option<f64>, omega_max: f64) -> Vec<Offer> {
     if fronts::fits(scene) {
         let price = |scene: &Scene| {
             let passing = fronts::passing(scene);
-            springs * (passing * (FRONT + PAIR * passing) + ORDERS * scene.horizon * omega_max / 2.0)
+            let horizon = scene.horizon * omega_max / 2.0;
+            springs * passing * (FRONT + TRIPLE * passing * passing) + ORDERS * horizon * horizon
         };
         offers.push(Offer {
             method: Method::Fronts,

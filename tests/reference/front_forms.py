@@ -6,7 +6,7 @@ Needs mpmath, numpy and scipy. With y = (x - nu) / (x + nu), |y| <= 0.3, and phi
 
     ZETA = zeta / y,  PHI = phi nu / x,  A0 = (1 - phi^3 / 2) / zeta,  B0 = -(phi^3 / 2) B_0 - d A0 / d zeta,  J1 = B_0(zeta)
 
-as powers of y with the size of what the fit leaves out, and then the largest ratio of |d^4 P / dt^4| to
+as powers of y with the size of what the fit leaves out, ARCTAN = arctan(u) / u as powers of u^2 <= 1, and then the largest ratio of |d^4 P / dt^4| to
 sqrt(2 / pi) 16 nu w^(5/2) / x^4, w^2 = max(x^2 - nu^2, 0) + 4 nu^(4/3), x at least nu, on a grid of orders and instants.
 """
 import mpmath as mp
@@ -47,16 +47,18 @@ def b0(z):
     return -(phi(z) ** 3) / 2 * olver_b0(z) - mp.diff(a0, z, h=mp.mpf(10) ** -14) / slope
 
 
-def fit(function, degree):
+def fit(function, degree, middle=mp.mpf(0), width=WIDTH):
     """Powers of y of the Chebyshev sum up to a degree, and the sum of the other coefficients' sizes."""
     at = [mp.cos(mp.pi * (2 * k + 1) / (2 * NODES)) for k in range(NODES)]
-    values = [function((1 + WIDTH * c) / (1 - WIDTH * c), WIDTH * c) for c in at]
+    values = [function((1 + y) / (1 - y), y) for y in (middle + width * c for c in at)]
     term = lambda j, k: values[k] * mp.cos(mp.pi * j * (2 * k + 1) / (2 * NODES))
     chebyshev = [2 * sum(term(j, k) for k in range(NODES)) / NODES for j in range(NODES)]
     chebyshev[0] /= 2
-    basis = [[mp.mpf(1)], [mp.mpf(0), mp.mpf(1)]]
+    basis = [[mp.mpf(1)], [-middle / width, 1 / width]]
     for _ in range(2, degree + 1):
-        following = [mp.mpf(0)] + [2 * c for c in basis[-1]]
+        following = [mp.mpf(0)] + [2 / width * c for c in basis[-1]]
+        for power, c in enumerate(basis[-1]):
+            following[power] -= 2 * middle / width * c
         for power, c in enumerate(basis[-2]):
             following[power] -= c
         basis.append(following)
@@ -65,7 +67,7 @@ def fit(function, degree):
         for power, p in enumerate(polynomial):
             powers[power] += c * p
     left_out = sum(abs(c) for c in chebyshev[degree + 1 :])
-    return [float(p / WIDTH**power) for power, p in enumerate(powers)], float(left_out)
+    return [float(p) for p in powers], float(left_out)
 
 
 def roughness(nu):
@@ -90,5 +92,8 @@ if __name__ == "__main__":
     ]:
         powers, left_out = fit(function, degree)
         print(name, powers, f"leaves out {left_out:.1e}")
+    half = mp.mpf("0.5")
+    powers, left_out = fit(lambda z, y: mp.atan(mp.sqrt(y)) / mp.sqrt(y), 15, half, half)
+    print("ARCTAN", powers, f"leaves out {left_out:.1e}")
     for nu in [2, 4, 6, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 20000]:
         print(nu, f"{roughness(nu):.4f}")

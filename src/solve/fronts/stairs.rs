@@ -14,44 +14,81 @@
 //!   `w - nu acos(nu / x)`, w = sqrt(x^2 - nu^2), grows by less than pi. With q = 2 pi x^2 / w^3 <= 0.31 the last zero
 //!   therefore lies where w^2 has at least 1 - 1.3 q of its value at x, and the envelope is larger there by that to the power -3/4.
 //!
-//! On the flank the steps' heights are values of [`super::forms`], with a margin over the errors found, not proved.
+//! On the flank the steps' heights are values of [`super::forms`], with a margin over the errors found, not proved. In units of d^(1/3)
+//! from the top they hardly depend on the distance: fronts of nearly the same distance share their steps.
 
-use super::forms::{Points, Shape, UNSEEN};
+use std::sync::OnceLock;
 
-/// Breakpoints around the top, in units of d^(1/3) from it, and where the forms need not be asked: far ahead, where the front is
-/// under the [`PRECURSOR`].
-const FAR_AHEAD: [f64; 4] = [-9.0, -7.5, -6.0, -4.4];
-const AROUND: [f64; 11] = [-3.0, -2.0, -1.4, -1.0, -0.7, -0.45, -0.25, -0.1, 0.1, 0.25, 0.5];
-/// Place in [`AROUND`] of the step that holds the top.
-const TOP: usize = 7;
-/// Behind, where the envelope holds.
-const BEHIND: [f64; 12] = [1.5, 2.1, 3.2, 5.0, 9.0, 18.0, 40.0, 90.0, 200.0, 500.0, 1500.0, 5000.0];
+use super::forms::{Front, LANES, Sums, UNSEEN};
+
+/// Where the steps of a front begin, but for the first: in units of d^(1/3) from the top. First far ahead, where the front is under
+/// the [`PRECURSOR`]; then around the top; then behind, where the envelope holds.
+const BEGINS: [f64; STEPS - 1] = [
+    -9.0, -7.5, -6.0, -4.4, -3.0, -2.0, -1.4, -1.0, -0.7, -0.45, -0.25, -0.1, 0.1, 0.25, 0.5, 1.5, 2.1, 3.2, 5.0, 9.0,
+    18.0, 40.0, 90.0, 200.0, 500.0, 1500.0, 5000.0,
+];
+const STEPS: usize = 28;
+/// The first steps whose heights are values around the top; that which holds the top; and the first behind.
+const AROUND: usize = 5;
+const TOP: usize = 12;
+const BEHIND: usize = 16;
 /// Twice the integral of Ai from where the uniform variable is at least 15.6, 12.6, 9.6 and 6.4 on: those are the breakpoints of
-/// [`FAR_AHEAD`] by the tangent of zeta at the front, which zeta lies above.
+/// [`BEGINS`] by the tangent of zeta at the front, which zeta lies above.
 const PRECURSOR: [f64; 4] = [1e-19, 1e-14, 4e-10, 4e-6];
 /// What the second and the third extreme cannot pass: the envelope at `x - nu >= 3.244 nu^(1/3)` and `4.381 nu^(1/3)`, which the
 /// zeros lie beyond (C. K. Qu and R. Wong, *Trans. Amer. Math. Soc.* 351 (1999) 2833-2859).
 const AFTER: [f64; 2] = [0.80, 1.16];
 /// The first extreme is less than this over 1: the envelope at 1.855 nu^(1/3).
 const HIGHEST: f64 = 0.3;
-/// Steps of a front.
-pub const STEPS: usize = 1 + FAR_AHEAD.len() + AROUND.len() + BEHIND.len();
-/// Values of the forms that the steps of a front need, the top among them.
-pub const ASKED: usize = AROUND.len() + 1;
+/// Distances up to this have steps of their own; from there on those of an eighth of an octave share theirs.
+const SINGLE: usize = 32;
+/// Allowed for heights between the ends of such a range to be beyond both: they are nearly linear in nu^(-2/3), of which a range spans
+/// 0.004 at most, and none is found beyond (the test below holds without it).
+const BETWEEN: f64 = 1e-4;
 
-/// Bounds on a front: from each breakpoint to the next it is between `low` and `high`.
-#[derive(Clone, Copy)]
+/// Bounds on the fronts of some distances: from each breakpoint to the next they are between `low` and `high`.
+#[derive(Clone, Copy, Debug)]
 pub struct Stairs {
-    /// Times since the front set out.
-    pub from: [f64; STEPS],
-    pub low: [f64; STEPS],
-    pub high: [f64; STEPS],
+    low: [f64; STEPS],
+    high: [f64; STEPS],
 }
 
-impl Default for Stairs {
-    fn default() -> Stairs {
-        Stairs { from: [0.0; STEPS], low: [0.0; STEPS], high: [0.0; STEPS] }
+/// The steps of all fronts, up to distances of 2^32.
+pub fn all() -> &'static [Stairs] {
+    static ALL: OnceLock<Vec<Stairs>> = OnceLock::new();
+    struct All;
+    impl pulp::WithSimd for All {
+        type Output = Vec<Stairs>;
+
+        #[inline(always)]
+        fn with_simd<S: pulp::Simd>(self, _: S) -> Vec<Stairs> {
+            let mut all = Vec::new();
+            for place in 0..place(1 << 32) {
+                all.push(Stairs::between(distances(place)));
+            }
+            all
+        }
     }
+    ALL.get_or_init(|| pulp::Arch::new().dispatch(All))
+}
+
+/// Place of a distance's steps among those of all.
+pub fn place(distance: usize) -> usize {
+    if distance < SINGLE {
+        return distance.max(1) - 1;
+    }
+    let octave = distance.ilog2();
+    SINGLE - 1 + 8 * (octave - SINGLE.ilog2()) as usize + (distance >> (octave - 3)) - 8
+}
+
+/// The least and the largest distance of a place.
+fn distances(place: usize) -> [usize; 2] {
+    if place < SINGLE - 1 {
+        return [place + 1; 2];
+    }
+    let (octave, eighth) = ((place + 1 - SINGLE) / 8, (place + 1 - SINGLE) % 8);
+    let scale = (SINGLE / 8) << octave;
+    [(8 + eighth) * scale, (9 + eighth) * scale - 1]
 }
 
 /// Time at which the front of order nu has its first top: half of the first zero of J_nu (DLMF 10.21.40), to 0.5 % of nu^(1/3).
@@ -59,78 +96,85 @@ pub fn top(order: f64, root: f64) -> f64 {
     0.5 * (order + 1.855_757_1 * root + 1.033_15 / root)
 }
 
-/// Asks for the values that [`Stairs::new`] needs.
-pub fn ask(points: &mut Points, order: f64, root: f64) {
-    let (top, unit) = (top(order, root), root * UNIT);
-    for c in AROUND {
-        points.push(order, root, 2.0 * (top + c * unit));
-    }
-    points.push(order, root, 2.0 * top);
-}
-
 /// d^(1/3) / nu^(1/3)
-const UNIT: f64 = 0.793_700_525_984_099_8;
+pub const UNIT: f64 = 0.793_700_525_984_099_8;
 
 /// Where the front of order nu first matters.
 pub fn start(order: f64, root: f64) -> f64 {
-    top(order, root) + FAR_AHEAD[0] * UNIT * root
+    top(order, root) + BEGINS[0] * UNIT * root
 }
 
 impl Stairs {
-    /// The steps of a front of order nu, from the values asked for with [`ask`].
-    /// Those that begin behind the horizon are left out.
-    pub fn new(order: f64, root: f64, shapes: &[Shape], horizon: f64) -> Stairs {
-        let (top, unit) = (top(order, root), root * UNIT);
-        let value = |k: usize| shapes[k].value;
-        let error_estimate = shapes.iter().fold(0.0f64, |a, s| a.max(s.error_estimate)).max(UNSEEN);
-        let mut stairs = Stairs::default();
-        stairs.high[0] = PRECURSOR[0];
-        let around = 1 + FAR_AHEAD.len();
-        let behind = around + AROUND.len();
-        for (k, c) in FAR_AHEAD.into_iter().enumerate() {
-            stairs.from[1 + k] = top + c * unit;
-            stairs.high[1 + k] = PRECURSOR.get(k + 1).copied().unwrap_or(value(0) + error_estimate);
+    /// The steps of the fronts of all distances from one to another.
+    #[inline(always)]
+    fn between(distances: [usize; 2]) -> Stairs {
+        let orders = [2.0 * distances[0] as f64, 2.0 * distances[1] as f64];
+        let [first, last] = [Stairs::around_top(orders[0]), Stairs::around_top(orders[1])];
+        let margin = if orders[0] < orders[1] { BETWEEN } else { 0.0 };
+        let mut stairs = first;
+        for k in PRECURSOR.len()..BEHIND {
+            stairs.low[k] = (first.low[k].min(last.low[k]) - margin).max(0.0);
+            stairs.high[k] = first.high[k].max(last.high[k]) + margin;
         }
-        for (k, c) in AROUND.into_iter().enumerate() {
-            let here = value(k);
-            let (low, high) = if k < TOP {
-                (here, value(k + 1))
-            } else if k == TOP {
-                (here.min(value(k + 1)), value(AROUND.len()) + error_estimate)
-            } else {
-                (AFTER[0], here.max(AFTER[1]))
-            };
-            stairs.from[around + k] = top + c * unit;
-            stairs.low[around + k] = (low - error_estimate).max(0.0);
-            stairs.high[around + k] = high + error_estimate;
+        for k in BEHIND..STEPS {
+            let [first, last] = orders.map(|order| envelope(order, BEGINS[k - 1]));
+            let swing = first[0].max(last[0]) * first[1].max(last[1]);
+            stairs.low[k] = AFTER[0].max(1.0 - swing);
+            stairs.high[k] = 1.0 + swing.min(HIGHEST);
         }
-        for (k, c) in BEHIND.into_iter().enumerate() {
-            let t = top + c * unit;
-            stairs.from[behind + k] = t;
-            if t > horizon {
-                stairs.from[behind + k..].fill(f64::INFINITY);
-                break;
+        stairs
+    }
+
+    /// The steps of the front of order nu up to those behind.
+    #[inline(always)]
+    fn around_top(order: f64) -> Stairs {
+        let root = order.cbrt();
+        let (front, top) = (Front::new(order, root), top(order, root));
+        // At the breakpoints up to the top, at the top, and at those after it.
+        let (mut values, mut error_estimate) = ([0.0; 16], UNSEEN);
+        for (chunk, values) in values.chunks_mut(LANES).enumerate() {
+            let mut x = [0.0; LANES];
+            for (l, x) in x.iter_mut().enumerate() {
+                let offset = match chunk * LANES + l + AROUND - 1 {
+                    k if k < TOP => BEGINS[k],
+                    TOP => 0.0,
+                    k => BEGINS[(k - 1).min(BEHIND - 2)],
+                };
+                *x = 2.0 * (top + offset * UNIT * root);
             }
-            let swing = envelope(order, 2.0 * t);
-            stairs.low[behind + k] = AFTER[0].max(1.0 - swing);
-            stairs.high[behind + k] = 1.0 + swing.min(HIGHEST);
+            let mut sums = Sums::default();
+            sums.add(&front, 1.0, &x);
+            values.copy_from_slice(&sums.value);
+            error_estimate = error_estimate.max(sums.error_estimate);
         }
-        stairs.from.iter_mut().for_each(|t| *t = t.max(0.0));
+        let mut stairs = Stairs { low: [0.0; STEPS], high: [0.0; STEPS] };
+        stairs.high[..PRECURSOR.len()].copy_from_slice(&PRECURSOR);
+        let value = |k: usize| values[k - AROUND];
+        for k in PRECURSOR.len()..BEHIND {
+            let (low, high) = match k {
+                k if k < AROUND => (0.0, value(AROUND)),
+                k if k < TOP => (value(k), value(k + 1)),
+                TOP => (value(TOP).min(value(TOP + 2)), value(TOP + 1) + error_estimate),
+                k => (AFTER[0], value(k + 1).max(AFTER[1])),
+            };
+            stairs.low[k] = (low - error_estimate).max(0.0);
+            stairs.high[k] = high + error_estimate;
+        }
         stairs
     }
 }
 
-/// How far from 1 the front of order nu can be from x on, beyond its first top; infinite where that is not known.
-fn envelope(order: f64, x: f64) -> f64 {
+/// The two factors of how far from 1 the front of order nu can be from `top + c d^(1/3)` on: its envelope there, which rises with
+/// nu, and by how much it is larger at the zero before, which falls with nu; infinite where that is not known.
+#[inline(always)]
+fn envelope(order: f64, c: f64) -> [f64; 2] {
+    let root = order.cbrt();
+    let x = 2.0 * (top(order, root) + c * UNIT * root);
     let square = (x - order) * (x + order);
-    let w = square.sqrt();
-    let q = std::f64::consts::TAU * x * x / (square * w);
-    if q.is_nan() || q > 0.31 {
-        return f64::INFINITY;
-    }
-    let zero = square * (1.0 - 1.3 * q);
-    let root = zero.sqrt();
-    std::f64::consts::FRAC_2_PI.sqrt() * order / (root * root.sqrt())
+    let power = |a: f64| 1.0 / (a.sqrt() * a.sqrt().sqrt());
+    let q = std::f64::consts::TAU * x * x / (square * square.sqrt());
+    let widening = if q <= 0.31 { power(1.0 - 1.3 * q) } else { f64::INFINITY };
+    [std::f64::consts::FRAC_2_PI.sqrt() * order * power(square), widening]
 }
 
 /// Bounds on a spring's force from one instant to the next.
@@ -142,47 +186,61 @@ pub struct Segment {
     pub high: f64,
 }
 
-/// A front on its way to a spring: its steps begin `delay` later, and count `size` times.
+/// A front on its way to a spring: its steps count `size` times.
 pub struct DelayedFront<'a> {
     stairs: &'a Stairs,
-    delay: f64,
+    /// When its top is there, and d^(1/3).
+    top: f64,
+    unit: f64,
     size: f64,
     step: usize,
     /// When the next step begins.
     next: f64,
-    ends: [f64; 2],
+    low: f64,
+    high: f64,
 }
 
 impl<'a> DelayedFront<'a> {
-    /// At time 0.
-    pub fn new(stairs: &'a Stairs, delay: f64, size: f64) -> DelayedFront<'a> {
-        let mut delayed = DelayedFront { stairs, delay, size, step: 0, next: 0.0, ends: [0.0; 2] };
+    /// Long before its top.
+    #[inline(always)]
+    pub fn new(stairs: &'a Stairs, top: f64, unit: f64, size: f64) -> DelayedFront<'a> {
+        let mut delayed = DelayedFront { stairs, top, unit, size, step: 0, next: 0.0, low: 0.0, high: 0.0 };
         delayed.set_step(0);
         delayed
     }
 
+    #[inline(always)]
     fn set_step(&mut self, step: usize) {
         let (low, high) = (self.size * self.stairs.low[step], self.size * self.stairs.high[step]);
         self.step = step;
-        self.ends = if self.size > 0.0 { [low, high] } else { [high, low] };
-        self.next = self.stairs.from.get(step + 1).map_or(f64::INFINITY, |t| t + self.delay);
+        (self.low, self.high) = (low.min(high), low.max(high));
+        self.next = BEGINS.get(step).map_or(f64::INFINITY, |c| self.top + c * self.unit);
     }
 }
 
-/// Bounds on a spring's force up to the horizon: sums of its fronts' steps. `also` is one more breakpoint.
+/// Bounds on a spring's force up to the horizon: sums of its fronts' steps, without those before the first breakpoint. `also` is one
+/// more breakpoint.
+#[inline(always)]
 pub fn bound_force(delayed_fronts: &mut [DelayedFront], initial: f64, also: f64, horizon: f64, out: &mut Vec<Segment>) {
     out.clear();
-    let mut from = 0.0;
+    delayed_fronts.sort_unstable_by(|a, b| a.next.total_cmp(&b.next));
+    let (mut from, mut arrived) = (0.0, 0);
     loop {
         let mut to = if also > from { also.min(horizon) } else { horizon };
         let (mut low, mut high) = (initial, initial);
-        for delayed in delayed_fronts.iter_mut() {
+        while delayed_fronts.get(arrived).is_some_and(|d| d.next <= from) {
+            arrived += 1;
+        }
+        if let Some(coming) = delayed_fronts.get(arrived) {
+            to = to.min(coming.next);
+        }
+        for delayed in delayed_fronts[..arrived].iter_mut() {
             while delayed.next <= from {
                 delayed.set_step(delayed.step + 1);
             }
-            low += delayed.ends[0];
-            high += delayed.ends[1];
-            to = to.min(delayed.next);
+            low += delayed.low;
+            high += delayed.high;
+            to = if delayed.next < to { delayed.next } else { to };
         }
         out.push(Segment { from, to, low, high });
         if to >= horizon {
@@ -200,28 +258,20 @@ mod tests {
     /// Every front lies between its steps at all times.
     #[test]
     fn fronts_are_between_their_steps() {
-        let horizon = 3000.0;
-        let orders: Vec<f64> = (1..1200).map(|d| 2.0 * d as f64).collect();
-        let mut points = Points::default();
-        orders.iter().for_each(|&order| ask(&mut points, order, order.cbrt()));
-        points.evaluate();
-        let stairs: Vec<Stairs> = orders
-            .iter()
-            .zip(points.shape.chunks(ASKED))
-            .map(|(&order, shapes)| Stairs::new(order, order.cbrt(), shapes, horizon))
-            .collect();
+        let all = all();
         let times = (1..160).map(|k| 0.3 * k as f64).chain((1..160).map(|k| 18.7 * k as f64));
         for t in times {
             let exact = rows::values_and_slopes(t);
-            for (k, stairs) in stairs.iter().enumerate() {
-                let value = exact.get(k + 1).map_or(0.0, |e| e[0]);
-                let step = stairs.from.partition_point(|&from| from <= t).max(1) - 1;
+            for distance in 1..1200 {
+                let value = exact.get(distance).map_or(0.0, |e| e[0]);
+                let (stairs, order) = (&all[place(distance)], 2.0 * distance as f64);
+                let root = order.cbrt();
+                let step = BEGINS.partition_point(|c| top(order, root) + c * UNIT * root <= t);
                 let (low, high) = (stairs.low[step], stairs.high[step]);
                 // Rows are right to rounding.
                 assert!(
                     low - 1e-13 <= value && value <= high + 1e-13,
-                    "t {t} distance {}: {value} {low} {high}",
-                    k + 1
+                    "t {t} distance {distance}: {value} {low} {high}"
                 );
             }
         }

@@ -272,33 +272,57 @@ impl<S: Simd, const H: usize, T: Number> Rows<S, H, T> {
 
     #[inline(always)]
     pub(super) fn add(self, a: Row<S, H, T>, b: Row<S, H, T>) -> Row<S, H, T> {
-        std::array::from_fn(|h| T::add(self.0, a[h], b[h]))
+        let mut out = a;
+        for h in 0..H {
+            out[h] = T::add(self.0, a[h], b[h]);
+        }
+        out
     }
 
     #[inline(always)]
     pub(super) fn sub(self, a: Row<S, H, T>, b: Row<S, H, T>) -> Row<S, H, T> {
-        std::array::from_fn(|h| T::sub(self.0, a[h], b[h]))
+        let mut out = a;
+        for h in 0..H {
+            out[h] = T::sub(self.0, a[h], b[h]);
+        }
+        out
     }
 
     #[inline(always)]
     pub(super) fn mul(self, a: Row<S, H, T>, b: Row<S, H, T>) -> Row<S, H, T> {
-        std::array::from_fn(|h| T::mul(self.0, a[h], b[h]))
+        let mut out = a;
+        for h in 0..H {
+            out[h] = T::mul(self.0, a[h], b[h]);
+        }
+        out
     }
 
     #[inline(always)]
     pub(super) fn max(self, a: Row<S, H, T>, b: Row<S, H, T>) -> Row<S, H, T> {
-        std::array::from_fn(|h| T::max(self.0, a[h], b[h]))
+        let mut out = a;
+        for h in 0..H {
+            out[h] = T::max(self.0, a[h], b[h]);
+        }
+        out
     }
 
     #[inline(always)]
     pub(super) fn min(self, a: Row<S, H, T>, b: Row<S, H, T>) -> Row<S, H, T> {
-        std::array::from_fn(|h| T::min(self.0, a[h], b[h]))
+        let mut out = a;
+        for h in 0..H {
+            out[h] = T::min(self.0, a[h], b[h]);
+        }
+        out
     }
 
     /// `a b + c`, rounded once.
     #[inline(always)]
     pub(super) fn mul_add(self, a: Row<S, H, T>, b: Row<S, H, T>, c: Row<S, H, T>) -> Row<S, H, T> {
-        std::array::from_fn(|h| T::mul_add(self.0, a[h], b[h], c[h]))
+        let mut out = a;
+        for h in 0..H {
+            out[h] = T::mul_add(self.0, a[h], b[h], c[h]);
+        }
+        out
     }
 
     /// `a + b`, and its rounding error.

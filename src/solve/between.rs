@@ -404,7 +404,9 @@ impl<'a> Search<'a> {
 
     /// Whether a step that was kept still matters.
     fn is_open(&self, &Open { spring, negative, step, upper, .. }: &Open) -> bool {
-        upper > self.watch.level(spring, negative) && self.matters(spring, negative, &step, upper)
+        // A later step may certainly reach more, but not by so much that it would be taken instead of this one.
+        let with_rise = upper + self.watch.min_rise();
+        upper > self.watch.level(spring, negative) && self.matters(spring, negative, &step, with_rise)
     }
 
     /// Takes note of what was found in a step, if it still matters.

@@ -2,9 +2,9 @@
 //!
 //! | method | what it does | equal chains only | work |
 //! | --- | --- | --- | --- |
-//! | [`Method::Fronts`] | sums of travelling Bessel fronts, a force on a free end | yes | springs x passing fronts squared |
+//! | [`Method::Fronts`] | sums of travelling Bessel fronts, a force on a free end | yes | springs x passing fronts; of many fronts the cube |
 //! | [`Method::Modal`] | sums over modes, by the paper's formula or found numerically | no | springs x modes x instants, and the modes |
-//! | [`Method::Propagator`] | steps that are exact in time | no | springs behind the front x steps |
+//! | [`Method::Propagator`] | steps that are exact in time | no | springs that waves reach x steps |
 //!
 //! Beyond steps of force on undamped chains [`damped_modes`] sums modes that all have the same damping ratio; all else is marched, by
 //! [`crate::march`]. Many loads and ratings of a chain are judged from its [`response`] to a unit force, marched once.

@@ -12,17 +12,17 @@ use super::{
 use crate::chain::Scene;
 
 /// Nanoseconds for one spring in one exact step.
-const STEP: f64 = 4.0;
+const STEP: f64 = 3.5;
 /// Nanoseconds for one spring and one front that passes it.
-const FRONT: f64 = 350.0;
+const FRONT: f64 = 850.0;
 /// Nanoseconds for one spring and three fronts: more fronts make more windows in which their sums have to be told apart.
-const TRIPLE: f64 = 5.0;
+const TRIPLE: f64 = 12.0;
 /// Nanoseconds for the Bessel functions of all orders up to the horizon in `sqrt(m / k)`, per square of it.
 const ORDERS: f64 = 0.006;
 /// Nanoseconds to find one entry of one vibration mode by its formula, for equal chains.
 const EQUAL_ENTRY: f64 = 20.0;
 /// Nanoseconds to look into one spring's forces between instants.
-const LOOK: f64 = 3000.0;
+const LOOK: f64 = 4500.0;
 /// A better bound may cost this many times the cheapest method whose bound is within 10 times the tolerance, or within
 /// 1e-8 of the force if that is more.
 const MAX_WORK_RATIO: f64 = 10.0;

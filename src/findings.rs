@@ -495,8 +495,8 @@ fn scenario_findings(train: &Train, scenario: &Scenario, options: &Options) -> R
             let found = cases_findings(train, scenario, some, options, Shared::Nothing);
             found.into_iter().collect::<Result<Vec<_>, _>>().map_err(solve)
         })
-        .collect::<Result<Vec<_>, _>>()?
-        .concat();
+        .collect::<Result<Vec<_>, _>>()?;
+    let cases: Vec<CaseFindings> = cases.into_iter().flatten().collect();
     options.stop.check()?;
     let map = if options.map { map::find(train, scenario, options) } else { Ok(None) };
     let map = map.map_err(solve)?;

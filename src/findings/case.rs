@@ -62,9 +62,9 @@ impl<'a> Case<'a> {
     }
 
     /// What the solver is asked up to a time, and up to a mark if that is before it; the train may have other ratings than the case's.
-    fn question(&self, train: &Train, [until_s, mark_s]: [f64; 2], options: &Options) -> Question {
+    fn asked_parts(&self, train: &Train, [until_s, mark_s]: [f64; 2], options: &Options) -> AskedParts {
         let parts = scenario::parts(train, &self.scenario.event, self.broken, until_s);
-        Question { parts, ask: ask(train, options, (mark_s < until_s).then_some(mark_s)) }
+        AskedParts { parts, ask: ask(train, options, (mark_s < until_s).then_some(mark_s)) }
     }
 
     /// Extremes of every coupler of a train up to a time, and up to a mark if that is before it; the train may have other ratings
@@ -73,15 +73,15 @@ impl<'a> Case<'a> {
         match self.motion() {
             Motion::March => march::solved(train, self.scenario, self.broken, [until_s, mark_s], options),
             Motion::Steps => {
-                let question = self.question(train, [until_s, mark_s], options);
-                let solutions = self.shared.solve_all(&question.scenes());
-                solved_by_parts(train, &question, solutions, options)
+                let asked_parts = self.asked_parts(train, [until_s, mark_s], options);
+                let solutions = self.shared.solve_all(&asked_parts.scenes());
+                solved_by_parts(train, &asked_parts, solutions, options)
             }
             Motion::DampedModes(ratio) => {
-                let question = self.question(train, [until_s, mark_s], options);
+                let asked_parts = self.asked_parts(train, [until_s, mark_s], options);
                 let solved = |(scene, ask): (&Scene, Ask)| damped::solved(scene, ratio, &ask);
-                let solutions = question.scenes().into_iter().map(solved).collect();
-                solved_by_parts(train, &question, solutions, options)
+                let solutions = asked_parts.scenes().into_iter().map(solved).collect();
+                solved_by_parts(train, &asked_parts, solutions, options)
             }
         }
     }
@@ -102,12 +102,12 @@ impl<'a> Case<'a> {
 }
 
 /// The parts that a break or a rectangular pulse leaves, and what is asked of each.
-struct Question {
+struct AskedParts {
     parts: Vec<Part>,
     ask: Ask,
 }
 
-impl Question {
+impl AskedParts {
     fn scenes(&self) -> Vec<(&Scene, Ask)> {
         self.parts.iter().map(|part| (&part.scene, self.ask)).collect()
     }
@@ -132,17 +132,17 @@ pub(crate) fn cases_findings(
     if Motion::of(train, scenario) != Motion::Steps {
         return cases.iter().map(|case| case_findings(case, case.solve(), None, 0.0)).collect();
     }
-    let question = |case: &Case| case.question(train, [case.horizon_s, case.passage_s], &case.options);
-    let questions: Vec<Question> = cases.iter().map(question).collect();
-    let scenes: Vec<(&Scene, Ask)> = questions.iter().flat_map(Question::scenes).collect();
+    let asked_parts = |case: &Case| case.asked_parts(train, [case.horizon_s, case.passage_s], &case.options);
+    let asked: Vec<AskedParts> = cases.iter().map(asked_parts).collect();
+    let scenes: Vec<(&Scene, Ask)> = asked.iter().flat_map(AskedParts::scenes).collect();
     let mut solutions = shared.solve_all(&scenes).into_iter();
     let seconds = start.elapsed().as_secs_f64() / cases.len().max(1) as f64;
-    let findings = |(case, question): (&Case, &Question)| {
-        let solutions = solutions.by_ref().take(question.parts.len()).collect();
-        let solved = solved_by_parts(train, question, solutions, &case.options);
-        case_findings(case, solved, rod_findings(&question.parts), seconds)
+    let findings = |(case, asked_parts): (&Case, &AskedParts)| {
+        let solutions = solutions.by_ref().take(asked_parts.parts.len()).collect();
+        let solved = solved_by_parts(train, asked_parts, solutions, &case.options);
+        case_findings(case, solved, rod_findings(&asked_parts.parts), seconds)
     };
-    cases.iter().zip(&questions).map(findings).collect()
+    cases.iter().zip(&asked).map(findings).collect()
 }
 
 /// One case, as it was solved in so many seconds, and the rod's result where there is one.
@@ -214,7 +214,7 @@ fn closures(marched: Option<&Marched>) -> Vec<GapClosure> {
 /// Extremes of every coupler in the parts that a break or a rectangular pulse leaves.
 fn solved_by_parts(
     train: &Train,
-    Question { parts, ask }: &Question,
+    AskedParts { parts, ask }: &AskedParts,
     solutions: Vec<Result<Solution, SolveError>>,
     options: &Options,
 ) -> Result<Solved, SolveError> {

@@ -8,7 +8,8 @@ use pulp::Simd;
 
 use super::between::Levels;
 use super::lanes::{Aligned, Layout, Rows};
-use super::propagator::{Kind, Marched, StepObserver, View, march};
+use super::propagator::{Marched, StepKind, StepObserver, march};
+use super::view::View;
 use crate::chain::Scene;
 
 /// Phase of a step, and terms of its series.
@@ -25,7 +26,7 @@ pub(super) fn levels(scenes: &[Marched], marks: &[f64]) -> Vec<[Levels; 2]> {
     let levels = vec![Default::default(); scenes.len()];
     let mut guess = Guess { scenes, marks, extremes: [zero.clone(), zero], levels };
     // A unit force: the numbers are neither too large nor too small for single precision.
-    march(scenes, Kind { phase: PHASE, terms: TERMS, unit: true }, &mut guess);
+    march(scenes, StepKind { phase: PHASE, terms: TERMS, unit: true }, &mut guess);
     for [to_mark, to_horizon] in &mut guess.levels {
         if to_mark.is_empty() {
             to_mark.clone_from(to_horizon);

@@ -22,6 +22,7 @@ pub mod modal;
 pub mod motion;
 pub mod observers;
 pub mod path;
+pub mod pieces;
 pub mod plan;
 pub mod propagator;
 pub mod response;
@@ -30,6 +31,7 @@ pub mod search;
 pub mod series;
 pub mod statics;
 pub mod sums;
+mod view;
 pub mod watch;
 
 use crate::chain::Scene;

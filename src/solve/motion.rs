@@ -9,7 +9,7 @@
 //! ```
 //!
 //! whose maxima follow from the equations of motion: `h^2 G''` at any instant of the step is the same mix of its values at both
-//! ends as G is ([`super::between`]), so its norm over the springs around is at most `1 / cos(theta/2)` times the larger of
+//! ends as G is ([`super::pieces`]), so its norm over the springs around is at most `1 / cos(theta/2)` times the larger of
 //! theirs, and `h^4 G'''' = -X h^2 G''`, `h^6 G^(6) = X^2 h^2 G''`.
 
 use super::local::{Point, hermite_extremes};

@@ -4,11 +4,13 @@ use std::ops::Range;
 
 use pulp::Simd;
 
-use super::between::{Levels, Search, windows};
+use super::between::{Levels, Search};
 use super::foresee;
-use super::lanes::{Aligned, LANES, Layout, Row, Rows, WithRows, dispatch, lanes};
-use super::motion::{MARGIN, Motion, any_positive, excess, norms_around};
-use super::propagator::{KICK_TERMS, Kind, Marched, StepObserver, View, error_bound_of_terms, march};
+use super::lanes::{Aligned, LANES, Layout, Rows, WithRows, dispatch};
+use super::motion::Motion;
+use super::pieces::windows;
+use super::propagator::{KICK_TERMS, Marched, StepKind, StepObserver, error_bound_of_terms, march};
+use super::view::View;
 use super::watch::SpringPeaks;
 use super::{Wanted, Work};
 use crate::chain::{Chain, Scene};
@@ -18,7 +20,7 @@ pub type Peaks = ([Vec<SpringPeaks>; 2], Work);
 
 /// What to find along a march through a scene.
 #[derive(Clone, Copy, Debug)]
-pub struct Quest<'a> {
+pub struct MarchAsk<'a> {
     /// The scene.
     pub scene: &'a Scene,
     /// An upper bound on the largest frequency.
@@ -33,22 +35,22 @@ pub struct Quest<'a> {
     pub mark: Option<f64>,
 }
 
-impl<'a> Quest<'a> {
+impl<'a> MarchAsk<'a> {
     /// Every peak, as exact as the march can be.
-    pub fn all(scene: &'a Scene, omega: f64) -> Quest<'a> {
-        Quest { scene, omega, min_rise: 0.0, terms: KICK_TERMS, wanted: Wanted::Everything, mark: None }
+    pub fn all(scene: &'a Scene, omega: f64) -> MarchAsk<'a> {
+        MarchAsk { scene, omega, min_rise: 0.0, terms: KICK_TERMS, wanted: Wanted::Everything, mark: None }
     }
 }
 
 /// Extremes along a march through one scene, or through several side by side.
-pub fn peaks(of: &[Quest]) -> Vec<Peaks> {
+pub fn peaks(of: &[MarchAsk]) -> Vec<Peaks> {
     let reached: Vec<Range<usize>> = of.iter().map(|of| reach(of.scene, of.omega)).collect();
     if of.iter().zip(&reached).all(|(of, reached)| *reached == (0..of.scene.initial.len())) {
         return peaks_of_reached(of);
     }
     let scenes: Vec<Scene> = of.iter().zip(&reached).map(|(of, reached)| part(of.scene, reached)).collect();
-    let quests: Vec<Quest> = of.iter().zip(&scenes).map(|(of, scene)| Quest { scene, ..*of }).collect();
-    let of_reached = peaks_of_reached(&quests).into_iter();
+    let asks: Vec<MarchAsk> = of.iter().zip(&scenes).map(|(of, scene)| MarchAsk { scene, ..*of }).collect();
+    let of_reached = peaks_of_reached(&asks).into_iter();
     of_reached.zip(of).zip(reached).map(|((found, of), reached)| of_whole(found, of, reached)).collect()
 }
 
@@ -77,7 +79,7 @@ fn part(scene: &Scene, springs: &Range<usize>) -> Scene {
 }
 
 /// What was found of a part, and the other springs at rest.
-fn of_whole((found, work): Peaks, of: &Quest, part: Range<usize>) -> Peaks {
+fn of_whole((found, work): Peaks, of: &MarchAsk, part: Range<usize>) -> Peaks {
     let motion = Motion::new(of.scene);
     let bound = error_bound_of_terms(of.scene, of.omega, of.terms);
     let (at_rest, _) = Search::new(of.scene, &motion, [bound, of.min_rise]).finish();
@@ -92,7 +94,7 @@ fn of_whole((found, work): Peaks, of: &Quest, part: Range<usize>) -> Peaks {
     (whole, work)
 }
 
-fn peaks_of_reached(of: &[Quest]) -> Vec<Peaks> {
+fn peaks_of_reached(of: &[MarchAsk]) -> Vec<Peaks> {
     let motions: Vec<Motion> = of.iter().map(|of| Motion::new(of.scene)).collect();
     let scenes: Vec<Marched> =
         of.iter().zip(&motions).map(|(of, motion)| Marched { scene: of.scene, motion, omega: of.omega }).collect();
@@ -107,14 +109,14 @@ fn peaks_of_reached(of: &[Quest]) -> Vec<Peaks> {
 }
 
 /// The same, given what forces are expected to pass up to the mark and up to the horizon; `None` if some do not.
-fn peaks_from(of: &[Quest], scenes: &[Marched], expected: Vec<Option<[Levels; 2]>>) -> Vec<Option<Peaks>> {
+fn peaks_from(of: &[MarchAsk], scenes: &[Marched], expected: Vec<Option<[Levels; 2]>>) -> Vec<Option<Peaks>> {
     let case = |((of, marched), expected)| CaseSearch::new(of, marched, expected);
     let mut cases: Vec<CaseSearch> = of.iter().zip(scenes).zip(expected).map(case).collect();
     let springs: Vec<usize> = of.iter().map(|of| of.scene.initial.len()).collect();
     let mut levels = RowLevels::new(Layout::new(&springs));
     cases.iter_mut().enumerate().for_each(|(chain, case)| levels.update(chain, &mut case.search));
     let mut observer = PeaksObserver { cases, levels };
-    march(scenes, Kind::exact(of[0].terms), &mut observer);
+    march(scenes, StepKind::exact(of[0].terms), &mut observer);
     observer.cases.into_iter().map(CaseSearch::finish).collect()
 }
 
@@ -124,7 +126,7 @@ pub fn history(scene: &Scene, omega: f64, spring: usize, times: &[f64]) -> Vec<f
     let search = Search::new(scene, &motion, [0.0; 2]);
     let values = vec![scene.initial[spring]; times.len()];
     let mut record = HistoryObserver { search, spring, times, values, next: 0, horizon: scene.horizon };
-    march(&[Marched { scene, motion: &motion, omega }], Kind::exact(KICK_TERMS), &mut record);
+    march(&[Marched { scene, motion: &motion, omega }], StepKind::exact(KICK_TERMS), &mut record);
     record.values
 }
 
@@ -133,7 +135,7 @@ pub fn history(scene: &Scene, omega: f64, spring: usize, times: &[f64]) -> Vec<f
 pub fn field(scene: &Scene, omega: f64, times: &[f64], see: &mut dyn FnMut(usize, usize, f64)) {
     let motion = Motion::new(scene);
     let mut observer = FieldObserver { scene, times, next: 0, see };
-    march(&[Marched { scene, motion: &motion, omega }], Kind::exact(KICK_TERMS), &mut observer);
+    march(&[Marched { scene, motion: &motion, omega }], StepKind::exact(KICK_TERMS), &mut observer);
 }
 
 /// The search along the march through one scene.
@@ -150,7 +152,7 @@ struct CaseSearch<'a> {
 }
 
 impl<'a> CaseSearch<'a> {
-    fn new(of: &Quest<'a>, marched: &Marched<'a>, expected: Option<[Levels; 2]>) -> CaseSearch<'a> {
+    fn new(of: &MarchAsk<'a>, marched: &Marched<'a>, expected: Option<[Levels; 2]>) -> CaseSearch<'a> {
         let bound = error_bound_of_terms(of.scene, of.omega, of.terms);
         let mut search = Search::new(of.scene, marched.motion, [bound, of.min_rise]);
         let later = expected.map(|[first, later]| {
@@ -308,131 +310,6 @@ impl View<'_> {
             }
         }
     }
-
-    /// Rows of a block in which a quick bound passes `levels`, per sign and spring, of G or -G.
-    #[inline(always)]
-    pub(super) fn open_rows<S: Simd, const H: usize>(
-        &self,
-        v: Rows<S, H>,
-        levels: &[Aligned; 2],
-        block: usize,
-        whole: [f64; LANES],
-    ) -> impl Iterator<Item = usize> + use<S, H> {
-        let inner = self.layout.block(block);
-        let (from, count) = (inner.start, inner.len());
-        let norm = v.of(&self.norms(block, whole)[0])[0];
-        let bounds = QuickBounds {
-            force: [&v.of(self.force[0])[inner.clone()], &v.of(self.force[1])[inner.clone()]],
-            bend: [&v.of(self.bend[0])[inner.clone()], &v.of(self.bend[1])[inner.clone()]],
-            remainder: &v.of(&self.remainders[0])[inner.clone()],
-            levels: [&v.of(&levels[0])[inner.clone()], &v.of(&levels[1])[inner]],
-        };
-        let mut most = v.splat(0.0);
-        for n in 0..count {
-            most = v.max(most, bounds.passed(v, n, norm));
-        }
-        let mut open = 0u16;
-        if v.any_larger(most, v.splat(0.0)) {
-            for n in 0..count {
-                open |= u16::from(v.any_larger(bounds.passed(v, n, norm), v.splat(0.0))) << n;
-            }
-        }
-        (0..count).filter(move |n| open >> n & 1 == 1).map(move |n| from + n)
-    }
-
-    /// By how much the quick bounds of a row's springs over the step pass their levels, and their second remainders;
-    /// `None` if no bound does. Per sign and spring, G, or -G, must pass `levels`, and `crossings` if it rises through the
-    /// whole step.
-    pub(super) fn open_springs(
-        &self,
-        levels: [&[Aligned; 2]; 2],
-        row: usize,
-        last: [bool; LANES],
-    ) -> Option<([f64; LANES], [f64; LANES])> {
-        pulp::Arch::new().dispatch(Closer { view: self, levels, row, last })
-    }
-
-    /// How far the quick bounds of a row's springs pass what matters, given bounds on the norms around them.
-    #[inline(always)]
-    fn passing(
-        &self,
-        [levels, crossings]: [&[Aligned; 2]; 2],
-        row: usize,
-        norms: [f64; LANES],
-        last: [bool; LANES],
-    ) -> [f64; LANES] {
-        let (f0, f1) = (lanes(self.force[0], row), lanes(self.force[1], row));
-        let (q0, q1) = (lanes(self.bend[0], row), lanes(self.bend[1], row));
-        let remainder = lanes(&self.remainders[0], row);
-        let (high, low) = (lanes(&levels[0], row), lanes(&levels[1], row));
-        let (over, under) = (lanes(&crossings[0], row), lanes(&crossings[1], row));
-        let mut open = [0.0; LANES];
-        for l in 0..LANES {
-            let (level, crossing) = ([high[l], low[l]], [over[l], under[l]]);
-            open[l] = excess([f0[l], f1[l]], [q0[l], q1[l]], norms[l] * remainder[l], level, crossing, last[l]);
-        }
-        open
-    }
-
-    /// `|q| / sqrt(k)` at both ends in the springs `offset` places behind those of a row.
-    #[inline(always)]
-    fn sizes(&self, row: usize, offset: isize) -> [[f64; LANES]; 2] {
-        let of = |of: &[f64]| self.layout.beside(of, row, offset);
-        let root = of(self.root);
-        let mut sizes = [of(self.bend[0]), of(self.bend[1])];
-        for size in &mut sizes {
-            (0..LANES).for_each(|l| size[l] = size[l].abs() * root[l]);
-        }
-        sizes
-    }
-}
-
-/// The rows of a block that quick bounds are of.
-struct QuickBounds<'a, S: Simd, const H: usize> {
-    force: [&'a [Row<S, H>]; 2],
-    bend: [&'a [Row<S, H>]; 2],
-    remainder: &'a [Row<S, H>],
-    levels: [&'a [Row<S, H>]; 2],
-}
-
-impl<S: Simd, const H: usize> QuickBounds<'_, S, H> {
-    /// How far a quick bound of a row's springs over the step passes what matters, given a bound on the norms around them.
-    #[inline(always)]
-    fn passed(&self, v: Rows<S, H>, row: usize, norm: Row<S, H>) -> Row<S, H> {
-        let (f, g) = (self.force[0][row], self.force[1][row]);
-        let (q, p) = (self.bend[0][row], self.bend[1][row]);
-        let (zero, eighth) = (v.splat(0.0), v.splat(0.125));
-        let up = v.mul_add(eighth, v.max(v.max(q, p), zero), v.max(f, g));
-        let down = v.mul_add(eighth, v.min(v.min(q, p), zero), v.min(f, g));
-        let passed = v.max(v.sub(up, self.levels[0][row]), v.sub(v.sub(zero, down), self.levels[1][row]));
-        v.mul_add(norm, self.remainder[row], passed)
-    }
-}
-
-/// The test of [`View::open_springs`]; few rows need it, so it is compiled apart from the march.
-struct Closer<'a> {
-    view: &'a View<'a>,
-    levels: [&'a [Aligned; 2]; 2],
-    row: usize,
-    last: [bool; LANES],
-}
-
-impl pulp::WithSimd for Closer<'_> {
-    type Output = Option<([f64; LANES], [f64; LANES])>;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
-        let Closer { view, levels, row, last } = self;
-        let bounds = view.norms(view.layout.block_of(row), view.whole_energy());
-        if !any_positive(view.passing(levels, row, bounds[0], last)) {
-            return None;
-        }
-        let norms = norms_around(|place| view.sizes(row, place as isize - MARGIN as isize), bounds);
-        let open = view.passing(levels, row, norms, last);
-        let mut remainders = lanes(&view.remainders[1], row);
-        (0..LANES).for_each(|l| remainders[l] *= norms[l]);
-        any_positive(open).then_some((open, remainders))
-    }
 }
 
 /// Keeps one spring's force at given times.
@@ -502,8 +379,8 @@ mod tests {
         Scene { chain, source: 39, force: -0.5, duration, initial, rated_draft, rated_buff, horizon: 150.0 }
     }
 
-    fn quest(scene: &Scene) -> Quest<'_> {
-        Quest { mark: Some(60.0), ..Quest::all(scene, omega_max(scene)) }
+    fn march_ask(scene: &Scene) -> MarchAsk<'_> {
+        MarchAsk { mark: Some(60.0), ..MarchAsk::all(scene, omega_max(scene)) }
     }
 
     /// Foreseen levels are just under the peaks of a search without them, and do not change these; a search that
@@ -514,7 +391,7 @@ mod tests {
             let scene = unequal(duration);
             let (motion, omega) = (Motion::new(&scene), omega_max(&scene));
             let scenes = [Marched { scene: &scene, motion: &motion, omega }];
-            let find = |expected| peaks_from(&[quest(&scene)], &scenes, vec![expected]).swap_remove(0);
+            let find = |expected| peaks_from(&[march_ask(&scene)], &scenes, vec![expected]).swap_remove(0);
             let levels = foresee::levels(&scenes, &[60.0]).swap_remove(0);
             let ([plain, to_mark], _) = find(None).expect("nothing was expected");
             for (found, levels) in [(&to_mark, &levels[0]), (&plain, &levels[1])] {
@@ -552,10 +429,10 @@ mod tests {
         };
         let scenes: Vec<Scene> = [39, 12, 1, 30, 38, 7].map(scene).into();
         for wanted in [Wanted::Everything, Wanted::Worst] {
-            let quests: Vec<Quest> = scenes.iter().map(|scene| Quest { wanted, ..quest(scene) }).collect();
-            let together = peaks(&quests);
-            for (quest, (found, work)) in quests.iter().zip(&together) {
-                let (alone, work_alone) = peaks(&[*quest]).swap_remove(0);
+            let asks: Vec<MarchAsk> = scenes.iter().map(|scene| MarchAsk { wanted, ..march_ask(scene) }).collect();
+            let together = peaks(&asks);
+            for (march_ask, (found, work)) in asks.iter().zip(&together) {
+                let (alone, work_alone) = peaks(&[*march_ask]).swap_remove(0);
                 assert_eq!(*found, alone);
                 assert_eq!(work.marched, work_alone.marched);
             }

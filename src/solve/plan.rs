@@ -4,7 +4,7 @@
 //! for everyone, makes the counts comparable. The choice therefore depends on the scene alone, not on the machine or on what else runs on it.
 
 use super::lanes::LANES;
-use super::observers::{Peaks, Quest};
+use super::observers::{MarchAsk, Peaks};
 use super::watch::{SpringPeaks, bound_of_extremes, bound_of_pieces};
 use super::{
     Ask, Method, Solution, SolveError, Wanted, Work, closed_form, fronts, modal, observers, propagator, search, sums,
@@ -228,16 +228,16 @@ pub(super) struct Planned<'a> {
 /// Carries plans out. Breaks that are marched are marched side by side, where that is less work.
 #[inline(never)]
 pub(super) fn run_all(all: &[Planned]) -> Vec<Solution> {
-    let quests: Vec<Quest> = all.iter().map(|of| quest(of.scene, &of.ask, &of.plan)).collect();
+    let asks: Vec<MarchAsk> = all.iter().map(|of| march_ask(of.scene, &of.ask, &of.plan)).collect();
     let can_join = |of: &Planned| {
         let is_free = !of.ask.verdict_only && !of.ask.all_time_bound;
         is_free && of.plan.method == Method::Propagator && of.scene.duration >= of.scene.horizon
     };
     let mut joined: Vec<usize> = (0..all.len()).filter(|&n| can_join(&all[n])).collect();
-    joined.sort_by_key(|&n| (quests[n].terms, all[n].scene.initial.len()));
+    joined.sort_by_key(|&n| (asks[n].terms, all[n].scene.initial.len()));
     let mut found: Vec<Option<Peaks>> = vec![None; all.len()];
-    for some in joined.chunk_by(|&a, &b| quests[a].terms == quests[b].terms).flat_map(|some| some.chunks(LANES)) {
-        let of: Vec<Quest> = some.iter().map(|&n| quests[n]).collect();
+    for some in joined.chunk_by(|&a, &b| asks[a].terms == asks[b].terms).flat_map(|some| some.chunks(LANES)) {
+        let of: Vec<MarchAsk> = some.iter().map(|&n| asks[n]).collect();
         if are_less_work_together(&of) {
             some.iter().zip(observers::peaks(&of)).for_each(|(&n, peaks)| found[n] = Some(peaks));
         }
@@ -246,7 +246,7 @@ pub(super) fn run_all(all: &[Planned]) -> Vec<Solution> {
 }
 
 /// Whether a march through chains side by side is less work than one through each of them in pieces.
-fn are_less_work_together(of: &[Quest]) -> bool {
+fn are_less_work_together(of: &[MarchAsk]) -> bool {
     let springs = || of.iter().map(|of| of.scene.initial.len());
     let rows = springs().fold(0, usize::max);
     let in_pieces: usize = springs().map(|springs| springs / LANES + PIECES_ROWS).sum();
@@ -254,11 +254,11 @@ fn are_less_work_together(of: &[Quest]) -> bool {
 }
 
 /// What a march has to find.
-fn quest<'a>(scene: &'a Scene, ask: &Ask, plan: &Plan) -> Quest<'a> {
+fn march_ask<'a>(scene: &'a Scene, ask: &Ask, plan: &Plan) -> MarchAsk<'a> {
     let coarse = coarse_min_rise(scene, ask);
     let terms = propagator::terms(scene, plan.omega_max, coarse);
     let min_rise = coarse.min(ask.tolerance - propagator::error_bound_of_terms(scene, plan.omega_max, terms));
-    Quest { scene, omega: plan.omega_max, terms, min_rise, wanted: ask.wanted, mark: ask.mark }
+    MarchAsk { scene, omega: plan.omega_max, terms, min_rise, wanted: ask.wanted, mark: ask.mark }
 }
 
 /// Carries a plan out, as far as it is not yet: `found` along a march.
@@ -298,11 +298,11 @@ pub(super) fn run(scene: &Scene, ask: &Ask, plan: &Plan, found: Option<Peaks>) -
             (peaks, work, bound_of_extremes(fronts::error_bound(scene)))
         }
         _ => {
-            let quest = quest(scene, ask, plan);
-            let bound = propagator::error_bound_of_terms(scene, plan.omega_max, quest.terms);
-            let found = found.or_else(|| observers::peaks(&[quest]).pop());
+            let march_ask = march_ask(scene, ask, plan);
+            let bound = propagator::error_bound_of_terms(scene, plan.omega_max, march_ask.terms);
+            let found = found.or_else(|| observers::peaks(&[march_ask]).pop());
             let (peaks, work) = found.unwrap_or_default();
-            (peaks, work, bound_of_extremes(bound).max(bound + quest.min_rise))
+            (peaks, work, bound_of_extremes(bound).max(bound + march_ask.min_rise))
         }
     };
     let kept = |peaks: &[SpringPeaks]| springs.clone().map(|i| peaks.get(i).copied().filter(|_| !safe(i))).collect();

@@ -18,12 +18,12 @@
 
 use pulp::Simd;
 
-use super::between::Step;
 use super::dd::{Dd, two_sum};
-use super::lanes::{Aligned, BLOCK, HALO, LANES, Layout, Number, Row, Rows, WithRows, dispatch, lanes};
-use super::motion::{FAR, Motion, local_norms};
+use super::lanes::{Aligned, HALO, LANES, Layout, Number, Row, Rows, WithRows, dispatch};
+use super::motion::Motion;
 use super::path::Path;
 use super::series::{PHASE, polynomial, sine_over_root};
+use super::view::{Stretch, View};
 use crate::chain::Scene;
 
 /// Terms of the full series for P: its error is 1e-17 up to the largest phase.
@@ -34,7 +34,8 @@ const SWITCH_TERMS: usize = 14;
 const FEWEST_TERMS: usize = 4;
 /// With fewer terms than the full series the error bound is at most this share of the difference that is ignored.
 const BOUND_SHARE: f64 = 0.05;
-/// Adding and subtracting this share of the force sets to zero what is smaller than 1e-16 of it: denormal numbers are slow.
+/// Adding and subtracting this share of the force sets to zero what is smaller than 1e-16 of it, since denormal numbers are slow, and leaves
+/// what is larger than a millionth of the force as it is.
 const TINY: f64 = 1e-22;
 
 /// Steps within the horizon at the largest phase.
@@ -106,7 +107,7 @@ pub(super) struct Marched<'a> {
 
 /// How steps are made.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Kind {
+pub(super) struct StepKind {
     /// Their largest phase.
     pub phase: f64,
     /// Terms of the series.
@@ -115,110 +116,16 @@ pub(super) struct Kind {
     pub unit: bool,
 }
 
-impl Kind {
+impl StepKind {
     /// Those that [`error_bound_of_terms`] is of.
-    pub(super) fn exact(terms: usize) -> Kind {
-        Kind { phase: PHASE, terms, unit: false }
-    }
-}
-
-/// Equal steps under a constant force, of each lane.
-#[derive(Clone, Copy, Debug)]
-struct Stretch {
-    /// The number of the first.
-    number: u64,
-    from: [f64; LANES],
-    width: [f64; LANES],
-    force: [f64; LANES],
-    count: [u64; LANES],
-}
-
-/// What a march shows of a step. Rows are laid out by `layout`.
-pub(super) struct View<'a, T: Number = f64> {
-    stretch: &'a Stretch,
-    /// Steps of the stretch before this one.
-    done: u64,
-    pub layout: Layout,
-    /// G at both ends.
-    pub force: [&'a [T]; 2],
-    /// `q = -h^2 G''` at both ends, with halos.
-    pub bend: [&'a [T]; 2],
-    /// The two remainders of every spring, per unit of the norm of `h^2 G''` around it.
-    pub remainders: &'a [Aligned<T>; 2],
-    /// `1 / sqrt(k)`
-    pub root: &'a [T],
-    /// Sums of `q_i^2 / k_i` over the blocks of rows, lane by lane: the larger ones of both ends, with halos.
-    energy: &'a [T],
-}
-
-impl<T: Number> View<'_, T> {
-    /// The step of a lane.
-    #[inline(always)]
-    pub(super) fn step(&self, lane: usize) -> Step {
-        let Stretch { number, from, width, force, .. } = self.stretch;
-        let (width, force) = (width[lane], force[lane]);
-        Step { number: number + self.done, from: from[lane] + self.done as f64 * width, width, force }
-    }
-
-    /// The lane's step is its last of a stretch.
-    #[inline(always)]
-    pub(super) fn is_last(&self, lane: usize) -> bool {
-        self.done + 1 == self.stretch.count[lane]
-    }
-
-    /// The lane's steps have ended before.
-    #[inline(always)]
-    pub(super) fn is_over(&self, lane: usize) -> bool {
-        self.done >= self.stretch.count[lane]
-    }
-}
-
-impl View<'_> {
-    /// G of a chain's spring at the step's beginning (0) or end (1).
-    #[inline(always)]
-    pub(super) fn force(&self, end: usize, chain: usize, spring: usize) -> f64 {
-        self.force[end][self.layout.place(chain, spring)]
-    }
-
-    /// `G`, `h^2 G''` and `h^4 G''''` of a chain's spring at both ends.
-    #[inline(always)]
-    pub(super) fn even_derivatives(&self, motion: &Motion, [chain, spring]: [usize; 2]) -> [[f64; 3]; 2] {
-        let (ahead, behind) = (motion.ahead[spring], motion.behind[spring]);
-        let (place, width) = (self.layout.place(chain, spring), self.stretch.width[chain]);
-        [0, 1].map(|end| {
-            let q = self.bend[end];
-            let pull = ahead * (q[place] - q[place - LANES]) + behind * (q[place] - q[place + LANES]);
-            [self.force[end][place], -q[place], width * width * pull]
-        })
-    }
-
-    /// The energy of all blocks of a lane's chain together.
-    #[inline(always)]
-    pub(super) fn whole_energy(&self) -> [f64; LANES] {
-        let mut sums = [0.0; LANES];
-        for block in 0..self.layout.blocks() {
-            let energy = lanes(self.energy, HALO + block);
-            (0..LANES).for_each(|l| sums[l] += energy[l]);
-        }
-        let [a, b, c, d, e, f, g, h] = sums;
-        if self.layout.is_cut { [((a + b) + (c + d)) + ((e + f) + (g + h)); LANES] } else { sums }
-    }
-
-    /// The bounds of [`local_norms`] for a block of rows.
-    #[inline(always)]
-    pub(super) fn norms(&self, block: usize, whole: [f64; LANES]) -> [[f64; LANES]; 2] {
-        if self.layout.rows < BLOCK {
-            // Short blocks: all of them count as near.
-            local_norms(|n| if n == FAR { whole } else { [0.0; LANES] }, whole)
-        } else {
-            local_norms(|n| lanes(self.energy, HALO + block + n - FAR), whole)
-        }
+    pub(super) fn exact(terms: usize) -> StepKind {
+        StepKind { phase: PHASE, terms, unit: false }
     }
 }
 
 /// Marches to the horizons in numbers T, through one scene or through as many as there are lanes, each under one force all the time, and
 /// passes every step to `see`.
-pub(super) fn march<T: Number>(scenes: &[Marched], kind: Kind, see: &mut impl StepObserver<T>) {
+pub(super) fn march<T: Number>(scenes: &[Marched], kind: StepKind, see: &mut impl StepObserver<T>) {
     let springs: Vec<usize> = scenes.iter().map(|of| of.scene.initial.len()).collect();
     let layout = Layout::new(&springs);
     let mut state = State::<T>::new(scenes, layout, kind);
@@ -268,7 +175,7 @@ impl<T: Number, F: StepObserver<T>> WithRows<T> for March<'_, '_, T, F> {
 struct State<'a, T: Number> {
     scenes: &'a [Marched<'a>],
     layout: Layout,
-    kind: Kind,
+    kind: StepKind,
     /// Adding and subtracting this sets to zero what is far smaller: denormal numbers are slow.
     tiny: Aligned<T>,
     /// `1 / sqrt(k)`
@@ -300,7 +207,7 @@ struct Coefficients<T> {
 }
 
 impl<'a, T: Number> State<'a, T> {
-    fn new(scenes: &'a [Marched], layout: Layout, kind: Kind) -> State<'a, T> {
+    fn new(scenes: &'a [Marched], layout: Layout, kind: StepKind) -> State<'a, T> {
         let zero = Aligned::new(layout.len(), T::default());
         let blocks = Aligned::new((layout.blocks() + 2 * HALO) * LANES, T::default());
         let two = || [zero.clone(), zero.clone()];

@@ -3,7 +3,7 @@
 //! `F_i(t) = F_i(0) + f R_i(t)`, and R depends on the chain, the source of the force and its duration alone. Of R and of -R the records are
 //! kept: each step of a march in which it rises above all that came before, with its largest value there. The largest force is that at the
 //! last record; it first passes its rating in the first record over the level `(rating - F_i(0)) / |f|`, and the
-//! instant follows from the forces at both ends of that step, as along a march ([`super::between`]).
+//! instant follows from the forces at both ends of that step, as along a march ([`super::pieces`]).
 //!
 //! Bound: |f| times that of R, and the rounding of the product and of the sum.
 
@@ -11,11 +11,12 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use pulp::Simd;
 
-use super::between::{Step, piece};
 use super::lanes::{Aligned, LANES, Layout, Rows};
 use super::local::{Local, Point};
 use super::motion::{Motion, bracket, slopes};
-use super::propagator::{self, Kind, Marched, StepObserver, View, march};
+use super::pieces::{Step, piece};
+use super::propagator::{self, Marched, StepKind, StepObserver, march};
+use super::view::View;
 use super::watch::{Side, SpringPeaks, bound_of_extremes};
 use super::{Ask, Method, Solution, Wanted, Work};
 use crate::chain::Scene;
@@ -102,7 +103,7 @@ impl UnitResponse {
         let mut recorder =
             Recorder { horizon, motion: &motion, levels, min_rise, last: u64::MAX, steps, rows, records };
         let marched = Marched { scene, motion: &motion, omega: omega_max };
-        march(&[marched], Kind::exact(propagator::KICK_TERMS), &mut recorder);
+        march(&[marched], StepKind::exact(propagator::KICK_TERMS), &mut recorder);
         let Recorder { steps, rows, mut records, .. } = recorder;
         records.iter_mut().flatten().for_each(Vec::shrink_to_fit);
         let tops = records.iter().flatten().filter_map(|of_side| Some(of_side.last()?.top.value));

@@ -11,7 +11,7 @@ pub(crate) const POWERS: usize = 14;
 /// Coefficients of z, even and odd each, for the same.
 pub(crate) const DEGREE: usize = 9;
 
-/// Coefficients of X's powers in the two functions of [`super::between`], for each power of z.
+/// Coefficients of X's powers in the two functions of [`super::pieces`], for each power of z.
 pub struct Table {
     /// Of `cos(z theta/2) / cos(theta/2)`: z^0, z^2, ...
     pub even: [[f64; POWERS]; DEGREE],

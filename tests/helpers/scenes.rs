@@ -6,7 +6,7 @@
 use serde::Deserialize;
 use serde::de::{Deserializer, Error};
 use trainsafe::chain::{Chain, Scene};
-use trainsafe::solve::observers::{self, Quest};
+use trainsafe::solve::observers::{self, MarchAsk};
 use trainsafe::solve::sums::Modes;
 use trainsafe::solve::watch::SpringPeaks;
 use trainsafe::solve::{Ask, Method, Wanted, closed_form, fronts, modal, propagator, solve, sums};
@@ -150,7 +150,7 @@ pub fn by(method: Method, scene: &Scene) -> Option<Found> {
             if propagator::steps(scene, omega) * springs > AFFORDABLE {
                 return None;
             }
-            (observers::peaks(&[Quest::all(scene, omega)])[0].0[0].clone(), propagator::error_bound(scene, omega))
+            (observers::peaks(&[MarchAsk::all(scene, omega)])[0].0[0].clone(), propagator::error_bound(scene, omega))
         }
         Method::Modal => solved(scene, Method::Modal),
         _ => return None,

@@ -4,7 +4,7 @@ use crate::scenes::*;
 use nalgebra::{DMatrix, SymmetricEigen};
 use serde::Deserialize;
 use trainsafe::chain::{Chain, Scene};
-use trainsafe::solve::observers::{self, Quest};
+use trainsafe::solve::observers::{self, MarchAsk};
 use trainsafe::solve::path::Path;
 use trainsafe::solve::{Ask, Method, propagator, solve};
 
@@ -114,7 +114,7 @@ fn three_thousand_vehicles() {
 
 fn marched(scene: &Scene) -> Found {
     let omega = propagator::omega_max(scene);
-    let springs = observers::peaks(&[Quest::all(scene, omega)])[0].0[0].clone();
+    let springs = observers::peaks(&[MarchAsk::all(scene, omega)])[0].0[0].clone();
     Found { method: Method::Propagator, springs, bound: propagator::error_bound(scene, omega) }
 }
 
@@ -150,7 +150,7 @@ fn recurring_peaks_of_few_light_vehicles() {
         let omega = propagator::omega_max(&scene);
         let ask = Ask { tolerance: 1e-9, method: Some(Method::Modal), ..Ask::default() };
         let by_modes = solve(&scene, &ask).expect("a solution");
-        let by_steps = observers::peaks(&[Quest::all(&scene, omega)])[0].0[0].clone();
+        let by_steps = observers::peaks(&[MarchAsk::all(&scene, omega)])[0].0[0].clone();
         let bound = by_modes.error_bound + propagator::error_bound(&scene, omega);
         assert!(by_modes.error_bound <= ask.tolerance);
         for (modes, steps) in by_modes.springs.iter().map(|s| s.expect("asked for")).zip(by_steps) {
@@ -205,7 +205,7 @@ fn a_peak_at_the_end_of_a_step_is_not_lost() {
             continue;
         }
         aligned += 1;
-        let peaks = observers::peaks(&[Quest::all(&scene, omega)])[0].0[0].clone();
+        let peaks = observers::peaks(&[MarchAsk::all(&scene, omega)])[0].0[0].clone();
         let largest = peaks[0].draft.best.value;
         // A light mass's own swing is of the order of its share.
         assert!((largest - 2.0).abs() < 4.0 * LIGHT, "{count} steps: {largest}");

@@ -130,7 +130,12 @@ pub(crate) fn cases_findings(
     let start = Instant::now();
     let cases: Vec<Case> = broken.iter().map(|&b| Case::new(train, scenario, b, options, shared)).collect();
     if Motion::of(train, scenario) != Motion::Steps {
-        return cases.iter().map(|case| case_findings(case, case.solve(), None, 0.0)).collect();
+        let findings = |case: &Case| {
+            let start = Instant::now();
+            let solved = case.solve();
+            case_findings(case, solved, None, start.elapsed().as_secs_f64())
+        };
+        return cases.iter().map(findings).collect();
     }
     let asked_parts = |case: &Case| case.asked_parts(train, [case.horizon_s, case.passage_s], &case.options);
     let asked: Vec<AskedParts> = cases.iter().map(asked_parts).collect();
@@ -145,7 +150,7 @@ pub(crate) fn cases_findings(
     cases.iter().zip(&asked).map(findings).collect()
 }
 
-/// One case, as it was solved in so many seconds, and the rod's result where there is one.
+/// The findings of one case, from its solution, the rod's result where there is one, and the time that solving took, s.
 fn case_findings(
     case: &Case,
     solved: Result<Solved, SolveError>,

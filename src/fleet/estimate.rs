@@ -8,8 +8,8 @@
 //! ```
 //!
 //! where the mean is over all that were counted and the sums over those that were solved: the counts say how cases differ,
-//! the measurements what a count takes on this machine. A case is solved together with the one that mirrors it in its
-//! train, for equal vehicles make them the same. That other trains may have the same scenes is left out.
+//! the measurements what a count takes on this machine. A case is solved together with those of its train that the run solves with it, and
+//! its c and t are their means. That other trains may have the same scenes is left out.
 
 use std::time::Instant;
 
@@ -31,9 +31,9 @@ const SOLVING_S: f64 = 1.5;
 struct SampledCase {
     /// To read its train.
     load: f64,
-    /// By the counted work of it and of its mirror.
+    /// By the counted work, in the mean of the cases that are solved together.
     counted: f64,
-    /// Measured for both; `None` if they were not solved.
+    /// Measured, in the mean of the same cases; `None` if they were not solved.
     solved: Option<f64>,
 }
 
@@ -72,11 +72,11 @@ pub fn seconds(plan: &Plan) -> Result<[f64; 2], FleetError> {
     let spread = if solved.len() < 5 { 1.0 } else { (2.0 * (of_mean + of_ratio).sqrt()).clamp(0.1, 1.0) };
     let loads = (plan.chunks() + plan.units()) as f64;
     let threads = rayon::current_num_threads() as f64;
-    let about = (cases as f64 * worth * 0.5 * counted + loads * load) / threads;
+    let about = (cases as f64 * worth * counted + loads * load) / threads;
     Ok([about / (1.0 + spread), about * (1.0 + spread)])
 }
 
-/// Counts the work of a case and of its mirror, and solves them if there is time.
+/// Counts the work of the cases that are solved together with one, and solves them if there is time; the mean of these cases.
 fn sample_case(plan: &Plan, case: u64, start: Instant) -> Result<Option<SampledCase>, FleetError> {
     let (unit, index) = plan.place(case);
     let from = Instant::now();
@@ -89,8 +89,9 @@ fn sample_case(plan: &Plan, case: u64, start: Instant) -> Result<Option<SampledC
             let some = findings::cases_at_once(&train, scenario);
             let some = all.chunks(some).nth((index - before) / some).unwrap_or_default();
             let count = |b: &Option<usize>| findings::case_estimate_s(&train, scenario, *b, &plan.options);
-            let counted: f64 = some.iter().filter_map(|b| count(b).ok()).sum();
-            let is_time = start.elapsed().as_secs_f64() < SOLVING_S && counted < SOLVING_S;
+            let each = 1.0 / some.len().max(1) as f64;
+            let counted = each * some.iter().filter_map(|b| count(b).ok()).sum::<f64>();
+            let is_time = start.elapsed().as_secs_f64() < SOLVING_S && counted < each * SOLVING_S;
             let solved = is_time.then(|| {
                 let shared = plan.shared(&train);
                 // Those that cannot be computed take their time too.
@@ -101,7 +102,7 @@ fn sample_case(plan: &Plan, case: u64, start: Instant) -> Result<Option<SampledC
                 }
                 let begun = Instant::now();
                 drop(solve());
-                begun.elapsed().as_secs_f64()
+                each * begun.elapsed().as_secs_f64()
             });
             return Ok(Some(SampledCase { load, counted, solved }));
         }

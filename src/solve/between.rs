@@ -308,7 +308,8 @@ impl<'a> Search<'a> {
         upper > self.watch.cautious_rating(spring, negative) && may_be_first
     }
 
-    /// Keeps a step to look into it together with others; a side that stands at its rating may leave it later, so that its steps do not wait.
+    /// Keeps a step to look into it together with others. Steps of a side that stands at its rating are looked into at once, before it can
+    /// be noted that the side has left it.
     fn keep(&mut self, open: Open, window: &[[f64; WINDOW]; 2]) {
         let Open { spring, negative, step, .. } = open;
         let sign = if negative { -1.0 } else { 1.0 };

@@ -1,7 +1,8 @@
 //! Every spring's peaks after a step or pulse of force, guessed in single precision: levels from which a search along a march
 //! may start.
 //!
-//! The steps are those of [`super::propagator`], longer, without compensation, and only the largest values at their ends are kept.
+//! The march is that of [`super::propagator`] with longer steps and without compensated summation; only the largest and smallest values
+//! at the ends of steps are kept.
 //! A guess need not be proven: a search that ends below the expected levels is repeated without them.
 
 use pulp::Simd;
@@ -75,7 +76,7 @@ impl StepObserver<f32> for Guess<'_> {
             *largest = v.max(*largest, *force);
             *smallest = v.min(*smallest, *force);
         }
-        // The last is that of the horizon, where a mark may be too.
+        // A scene's last step ends at its horizon; a mark there has no level of its own yet.
         for chain in (0..self.scenes.len()).filter(|&chain| view.is_last(chain)) {
             self.levels[chain][1] = self.level(view.layout, chain);
         }

@@ -1,8 +1,8 @@
-//! Chains laid out for vectors of `LANES` numbers.
+//! Chains laid out in rows of `LANES` numbers, one in each lane.
 //!
-//! One chain is cut into pieces of equal length, one in each lane; of several chains each has a lane. Row r holds place r of every piece
-//! or chain, so that a spring's neighbours are in the rows before and after, and vectors need no shuffling. Before and behind lie `HALO`
-//! rows: copies of the ends of the neighbouring pieces, or zeros.
+//! A chain alone is cut into `LANES` pieces of equal length, one in each lane; of several chains side by side each has a lane of its own.
+//! Row r holds place r of every piece or chain: a spring's neighbours are in the same lane of the rows before and after. `HALO` more rows
+//! lie before the first row and behind the last: copies of the ends of the neighbouring pieces, and zeros beyond the ends of a chain.
 
 use std::marker::PhantomData;
 use std::ops::{Deref, DerefMut, Range};
@@ -13,7 +13,7 @@ use pulp::Simd;
 pub(super) const LANES: usize = 8;
 /// Rows before and behind the pieces.
 pub(super) const HALO: usize = 2;
-/// Rows of a block. The last block of a piece has up to twice as many; a shorter piece is one block.
+/// Rows of a block. The last block of a piece has what is left, under twice as many; a piece of fewer rows is one block.
 pub(super) const BLOCK: usize = 8;
 
 /// Where springs and masses are.
@@ -21,12 +21,12 @@ pub(super) const BLOCK: usize = 8;
 pub(super) struct Layout {
     /// Rows of a piece or chain.
     pub(super) rows: usize,
-    /// One chain in pieces.
+    /// There is one chain, cut into pieces.
     pub(super) is_cut: bool,
 }
 
 impl Layout {
-    /// That of chains with so many springs, and one mass more each.
+    /// The layout of chains with so many springs, one entry per chain; each has one mass more.
     pub(super) fn new(springs: &[usize]) -> Layout {
         let most = springs.iter().fold(0, |most, &springs| most.max(springs)) + 1;
         let is_cut = springs.len() == 1;
@@ -51,12 +51,12 @@ impl Layout {
         ((row - HALO) / BLOCK).min(self.blocks() - 1)
     }
 
-    /// Numbers that are stored.
+    /// Numbers that are stored, halos included.
     pub(super) fn len(self) -> usize {
         (self.rows + 2 * HALO) * LANES
     }
 
-    /// The place of a chain's spring or mass `number`.
+    /// The index of a chain's spring or mass `number` in the stored numbers.
     #[inline(always)]
     pub(super) fn place(self, chain: usize, number: usize) -> usize {
         if self.is_cut {
@@ -175,7 +175,7 @@ pub(super) fn lanes<T: Number>(of: &[T], row: usize) -> [T; LANES] {
 
 /// A floating-point number, and vectors of it.
 pub(super) trait Number: Copy + Default + PartialEq + std::fmt::Debug + 'static {
-    /// Long sums carry their rounding errors along.
+    /// A march in these numbers adds up the rounding errors of its running sums (compensated summation).
     const COMPENSATED: bool;
     type Vector<S: Simd>: Copy;
 
@@ -346,13 +346,13 @@ impl<S: Simd, const H: usize> Rows<S, H> {
     }
 }
 
-/// Something to do with rows of numbers T, compiled for the widest vectors at hand.
+/// A task on rows of numbers T, compiled for the widest vectors of the processor.
 pub(super) trait WithRows<T> {
     type Output;
     fn run<S: Simd, const H: usize>(self, rows: Rows<S, H, T>) -> Self::Output;
 }
 
-/// Does it.
+/// Runs a task with the widest vectors of the processor.
 pub(super) fn dispatch<T: Number, W: WithRows<T>>(task: W) -> W::Output {
     pulp::Arch::new().dispatch(Task(task, PhantomData))
 }
@@ -368,7 +368,9 @@ impl<T: Number, W: WithRows<T>> pulp::WithSimd for Task<T, W> {
             1 => self.0.run(Rows::<S, 8, T>(simd, PhantomData)),
             2 => self.0.run(Rows::<S, 4, T>(simd, PhantomData)),
             4 => self.0.run(Rows::<S, 2, T>(simd, PhantomData)),
-            _ => self.0.run(Rows::<S, 1, T>(simd, PhantomData)),
+            8 => self.0.run(Rows::<S, 1, T>(simd, PhantomData)),
+            // A vector is longer than a row: of AVX-512, where another crate of the build asks for it.
+            _ => self.0.run(Rows::<pulp::Scalar, LANES, T>(pulp::Scalar, PhantomData)),
         }
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! | method | what it does | equal chains only | work |
 //! | --- | --- | --- | --- |
-//! | [`Method::Fronts`] | sums of travelling Bessel fronts, a force on a free end | yes | springs x passing fronts; of many fronts the cube |
+//! | [`Method::Fronts`] | sums of travelling Bessel fronts, a force on a free end | yes | springs x passing fronts; the cube of many |
 //! | [`Method::Modal`] | sums over modes, by the paper's formula or found numerically | no | springs x modes x instants, and the modes |
 //! | [`Method::Propagator`] | steps that are exact in time | no | springs that waves reach x steps |
 //!
@@ -86,7 +86,7 @@ pub enum Wanted {
     Everything,
     /// The largest utilisation with its spring and time, those that differ from it by less than the error bound, whether each
     /// spring exceeds its rating, and the earliest instant at which one does. These are identical to those of
-    /// [`Wanted::Everything`], except where a spring has peaks within an eighth of the error bound of each other: then another of
+    /// [`Wanted::Everything`], except where a spring has peaks that differ by less than the error bound: then another of
     /// these peaks may be given. Other extremes are at most the true ones, and other first exceedances may be late. Ratings are
     /// finite.
     Worst,
@@ -191,7 +191,8 @@ pub fn solve(scene: &Scene, ask: &Ask) -> Result<Solution, SolveError> {
     Ok(plan::run(scene, ask, &plan, None))
 }
 
-/// [`solve`] for several scenes. Breaks of chains of similar length that are marched take less time together.
+/// [`solve`] for several scenes. Breaks of chains of similar length that are marched take less time together; their results may differ from
+/// those of [`solve`] within the error bound, as other bounds decide which steps are looked into.
 pub fn solve_all(scenes: &[(&Scene, Ask)]) -> Vec<Result<Solution, SolveError>> {
     let mut solved = Vec::with_capacity(scenes.len());
     let mut planned = Vec::with_capacity(scenes.len());
@@ -210,7 +211,7 @@ pub fn solve_all(scenes: &[(&Scene, Ask)]) -> Vec<Result<Solution, SolveError>> 
     solved.into_iter().filter_map(|solved| solved.or_else(|| solutions.next().map(Ok))).collect()
 }
 
-/// How many breaks of one train to give [`solve_all`] at once: as many as are marched together.
+/// Of how many breaks of a train with so many couplers to give [`solve_all`] the scenes at once.
 pub fn side_by_side(springs: usize) -> usize {
     if springs <= plan::MOST_ROWS { lanes::LANES } else { 1 }
 }

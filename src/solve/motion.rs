@@ -90,9 +90,11 @@ const SHELLS: usize = 10;
 /// Springs on either side of one that are taken one by one.
 pub(super) const MARGIN: usize = SHELLS + 2;
 
-/// Bounds on the norm of `h^2 G''` over blocks and two springs beside them during a step, `L` side by side, and on what comes over the next
-/// two of a block's springs from more than [`SHELLS`] springs beyond; from squared norms, the larger ones of the step's two ends: `around(n)` of the
-/// blocks from `FAR` before, n = 0, to `FAR` behind, and `whole` of all blocks together.
+/// Two bounds on norms of `h^2 G''` during a step, for `L` blocks side by side: over a block and two springs beside it on either side; and
+/// over any of its springs and the next two, as far as it comes from more than [`SHELLS`] springs beyond these.
+///
+/// They follow from squared norms, each the larger one of the step's two ends: `around(n)` of the blocks from `FAR` before, n = 0, to
+/// `FAR` behind, and `whole` of all blocks together.
 #[inline(always)]
 pub(super) fn local_norms<const L: usize>(around: impl Fn(usize) -> [f64; L], whole: [f64; L]) -> [[f64; L]; 2] {
     let (mut near, mut far) = ([0.0; L], [0.0; L]);

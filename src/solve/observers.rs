@@ -42,7 +42,8 @@ impl<'a> MarchAsk<'a> {
     }
 }
 
-/// Extremes along a march through one scene, or through several side by side.
+/// Extremes along a march through one scene, or through several side by side: at least one, at most 8. Of several none may have a pulse
+/// that ends before its horizon, and all have the same `terms`.
 pub fn peaks(of: &[MarchAsk]) -> Vec<Peaks> {
     let reached: Vec<Range<usize>> = of.iter().map(|of| reach(of.scene, of.omega)).collect();
     if of.iter().zip(&reached).all(|(of, reached)| *reached == (0..of.scene.initial.len())) {
@@ -78,7 +79,7 @@ fn part(scene: &Scene, springs: &Range<usize>) -> Scene {
     Scene { chain, source: scene.source - start, initial, rated_draft, rated_buff, ..*scene }
 }
 
-/// What was found of a part, and the other springs at rest.
+/// What was found of a part of a scene, completed by the scene's other springs, which keep their force.
 fn of_whole((found, work): Peaks, of: &MarchAsk, part: Range<usize>) -> Peaks {
     let motion = Motion::new(of.scene);
     let bound = error_bound_of_terms(of.scene, of.omega, of.terms);
@@ -101,14 +102,14 @@ fn peaks_of_reached(of: &[MarchAsk]) -> Vec<Peaks> {
     let marks: Vec<f64> = of.iter().map(|of| of.mark.unwrap_or(of.scene.horizon)).collect();
     let expected = foresee::levels(&scenes, &marks).into_iter().map(Some).collect();
     let mut found = peaks_from(of, &scenes, expected);
-    // What passed less than was expected, without that.
+    // Where forces stay below the guess: once more, without it.
     for n in (0..of.len()).filter(|&n| found[n].is_none()).collect::<Vec<_>>() {
         found[n] = peaks_from(&of[n..=n], &scenes[n..=n], vec![None]).swap_remove(0);
     }
     found.into_iter().map(Option::unwrap_or_default).collect()
 }
 
-/// The same, given what forces are expected to pass up to the mark and up to the horizon; `None` if some do not.
+/// The same, given what forces are expected to pass up to the mark and up to the horizon; `None` for a scene where some do not.
 fn peaks_from(of: &[MarchAsk], scenes: &[Marched], expected: Vec<Option<[Levels; 2]>>) -> Vec<Option<Peaks>> {
     let case = |((of, marched), expected)| CaseSearch::new(of, marched, expected);
     let mut cases: Vec<CaseSearch> = of.iter().zip(scenes).zip(expected).map(case).collect();
@@ -125,7 +126,7 @@ pub fn history(scene: &Scene, omega: f64, spring: usize, times: &[f64]) -> Vec<f
     let motion = Motion::new(scene);
     let search = Search::new(scene, &motion, [0.0; 2]);
     let values = vec![scene.initial[spring]; times.len()];
-    let mut record = HistoryObserver { search, spring, times, values, next: 0, horizon: scene.horizon };
+    let mut record = HistoryObserver { search, spring, times, values, next: 0 };
     march(&[Marched { scene, motion: &motion, omega }], StepKind::exact(KICK_TERMS), &mut record);
     record.values
 }
@@ -235,7 +236,7 @@ impl RowLevels {
         RowLevels { layout, levels: [none.clone(), none.clone()], crossings: [none.clone(), none] }
     }
 
-    /// Takes over what has changed.
+    /// Takes over the levels of a chain's springs that have changed.
     #[inline]
     fn update(&mut self, chain: usize, search: &mut Search) {
         for spring in search.changed.drain(..) {
@@ -248,7 +249,7 @@ impl RowLevels {
     }
 }
 
-/// Shows the searches what may matter.
+/// Passes to each scene's search the springs that may matter in a step.
 struct PeaksObserver<'a> {
     cases: Vec<CaseSearch<'a>>,
     levels: RowLevels,
@@ -319,7 +320,6 @@ struct HistoryObserver<'a> {
     times: &'a [f64],
     values: Vec<f64>,
     next: usize,
-    horizon: f64,
 }
 
 impl StepObserver for HistoryObserver<'_> {
@@ -327,7 +327,7 @@ impl StepObserver for HistoryObserver<'_> {
         let from = self.next;
         let step = view.step(0);
         let until = step.from + step.width;
-        let last = until + 0.5 * step.width > self.horizon;
+        let last = view.ends(0);
         self.next += self.times[from..].iter().take_while(|t| last || **t <= until).count();
         if self.next > from {
             let at = |end: usize, s: usize| view.force(end, 0, s);
@@ -349,7 +349,7 @@ impl StepObserver for FieldObserver<'_> {
     fn see<S: Simd, const H: usize>(&mut self, _: Rows<S, H>, view: &View) {
         let step = view.step(0);
         let until = step.from + step.width;
-        let last = until + 0.5 * step.width > self.scene.horizon;
+        let last = view.ends(0);
         while let Some(t) = self.times.get(self.next).filter(|t| last || **t <= until) {
             let x = ((t - step.from) / step.width).min(1.0);
             let end = |share: f64, end: usize, s: usize| {

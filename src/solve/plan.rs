@@ -34,7 +34,7 @@ const IGNORED_SHARE: f64 = 0.9;
 const MOST_SECONDS: f64 = 3600.0;
 const MOST_GIGABYTES: f64 = 4.0;
 
-/// A march in pieces has the work of so many rows more than a piece's.
+/// A march through one chain in pieces takes as much work as so many rows more than those of a piece.
 const PIECES_ROWS: usize = 5;
 /// Longer chains do not fit the fast memory side by side.
 pub const MOST_ROWS: usize = 256;
@@ -225,7 +225,7 @@ pub(super) struct Planned<'a> {
     pub plan: Plan,
 }
 
-/// Carries plans out. Breaks that are marched are marched side by side, where that is less work.
+/// Carries plans out. Breaks that are planned to be marched are marched side by side where that is less work.
 #[inline(never)]
 pub(super) fn run_all(all: &[Planned]) -> Vec<Solution> {
     let asks: Vec<MarchAsk> = all.iter().map(|of| march_ask(of.scene, &of.ask, &of.plan)).collect();

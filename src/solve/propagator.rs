@@ -34,8 +34,8 @@ const SWITCH_TERMS: usize = 14;
 const FEWEST_TERMS: usize = 4;
 /// With fewer terms than the full series the error bound is at most this share of the difference that is ignored.
 const BOUND_SHARE: f64 = 0.05;
-/// Adding and subtracting this share of the force sets to zero what is smaller than 1e-16 of it, since denormal numbers are slow, and leaves
-/// what is larger than a millionth of the force as it is.
+/// This share of the force is added to every pull and subtracted again. In double precision pulls under 1e-38 of the force become zero, as
+/// denormal numbers are slow, and those over a millionth of the force stay as they are.
 const TINY: f64 = 1e-22;
 
 /// Steps within the horizon at the largest phase.
@@ -112,7 +112,7 @@ pub(super) struct StepKind {
     pub phase: f64,
     /// Terms of the series.
     pub terms: usize,
-    /// The force is a unit one.
+    /// The force is 1 instead of the scene's.
     pub unit: bool,
 }
 
@@ -123,8 +123,8 @@ impl StepKind {
     }
 }
 
-/// Marches to the horizons in numbers T, through one scene or through as many as there are lanes, each under one force all the time, and
-/// passes every step to `see`.
+/// Marches to the horizons in numbers T and passes every step to `see`: through one scene, or through at most [`LANES`] side by side. Of
+/// several scenes none may have a pulse that ends before its horizon. Lanes whose horizon is passed are marched on with the others.
 pub(super) fn march<T: Number>(scenes: &[Marched], kind: StepKind, see: &mut impl StepObserver<T>) {
     let springs: Vec<usize> = scenes.iter().map(|of| of.scene.initial.len()).collect();
     let layout = Layout::new(&springs);
@@ -132,7 +132,8 @@ pub(super) fn march<T: Number>(scenes: &[Marched], kind: StepKind, see: &mut imp
     let mut number = 0;
     for part in 0..2 {
         let none = [0.0; LANES];
-        let mut stretch = Stretch { number, from: none, width: none, force: none, count: [0; LANES] };
+        let more = part == 0 && scenes.iter().any(|of| of.scene.duration < of.scene.horizon);
+        let mut stretch = Stretch { number, from: none, width: none, force: none, count: [0; LANES], is_last: !more };
         for lane in 0..LANES {
             let Some(Marched { scene, omega, .. }) = scenes.get(layout.chain(lane)) else { continue };
             let ends = [0.0, scene.duration.min(scene.horizon), scene.horizon];
@@ -144,9 +145,8 @@ pub(super) fn march<T: Number>(scenes: &[Marched], kind: StepKind, see: &mut imp
             stretch.force[lane] = if part == 0 { force } else { 0.0 };
             stretch.count[lane] = count as u64;
         }
-        let more = part == 0 && scenes.iter().any(|of| of.scene.duration < of.scene.horizon);
         number += stretch.count[0];
-        dispatch(March { state: &mut state, stretch, more, see });
+        dispatch(March { state: &mut state, stretch, see });
         if !more {
             return;
         }
@@ -157,8 +157,6 @@ pub(super) fn march<T: Number>(scenes: &[Marched], kind: StepKind, see: &mut imp
 struct March<'s, 'a, T: Number, F> {
     state: &'s mut State<'a, T>,
     stretch: Stretch,
-    /// Another stretch follows.
-    more: bool,
     see: &'s mut F,
 }
 
@@ -167,7 +165,7 @@ impl<T: Number, F: StepObserver<T>> WithRows<T> for March<'_, '_, T, F> {
 
     #[inline(always)]
     fn run<S: Simd, const H: usize>(self, rows: Rows<S, H, T>) {
-        self.state.march(rows, &self.stretch, self.more, self.see);
+        self.state.march(rows, &self.stretch, self.see);
     }
 }
 
@@ -176,7 +174,7 @@ struct State<'a, T: Number> {
     scenes: &'a [Marched<'a>],
     layout: Layout,
     kind: StepKind,
-    /// Adding and subtracting this sets to zero what is far smaller: denormal numbers are slow.
+    /// [`TINY`] of the force, lane by lane.
     tiny: Aligned<T>,
     /// `1 / sqrt(k)`
     root: Aligned<T>,
@@ -195,7 +193,7 @@ struct State<'a, T: Number> {
     scratch: [Aligned<T>; 2],
     /// Coefficients of P, highest power first: the leading one, and two for each pass.
     series: Vec<f64>,
-    /// Places where a force acts, and the chain.
+    /// Places of the masses on which the outside forces act, ascending, and their chains; a copy in a halo has a place of its own.
     sources: Vec<(usize, usize)>,
 }
 
@@ -267,7 +265,6 @@ impl<'a, T: Number> State<'a, T> {
         &mut self,
         rows: Rows<S, H, T>,
         stretch: &Stretch,
-        more: bool,
         see: &mut impl StepObserver<T>,
     ) {
         let layout = self.layout;
@@ -298,7 +295,7 @@ impl<'a, T: Number> State<'a, T> {
             };
             see.see(rows, &view);
         }
-        if more {
+        if !stretch.is_last {
             self.sum_series(rows, &c);
             self.half_kick(&c);
             self.convert_velocity(&c, |x| Dd::ONE / sine_over_root(x));
@@ -455,7 +452,8 @@ impl<'a, T: Number> State<'a, T> {
     }
 }
 
-/// `next = (c_2 + X c_1) q + X^2 from`, or with `IS_FIRST` `scale X^2 from`, from rows with halos; without one of `next`.
+/// `next = (second + X first) q + X^2 from`, where `IS_FIRST` with `scale X^2 from` as its last term. `q` and `from` have filled halos;
+/// those of `next` are to be filled.
 #[inline(always)]
 fn two_powers<S: Simd, const H: usize, T: Number, const IS_FIRST: bool>(
     v: Rows<S, H, T>,

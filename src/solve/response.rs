@@ -88,7 +88,7 @@ struct Passing {
 }
 
 impl UnitResponse {
-    /// Marches through the scene under a unit forward force; the scene's own forces and ratings play no part.
+    /// Marches through a scene whose force is 1, the unit forward force. Its forces before the event must be 0; its ratings play no part.
     pub fn new(scene: &Scene, omega_max: f64) -> UnitResponse {
         let springs = scene.initial.len();
         let motion = Motion::new(scene);
@@ -201,7 +201,7 @@ impl UnitResponse {
 
     /// Bound on the error of a scene's forces.
     ///
-    /// In other units of time the response is that of a horizon which is moved by six roundings of it, for each of the two steps of a pulse,
+    /// In other units of time the response is that of a horizon which is moved by six roundings of it, for each of a pulse's two steps,
     /// and of a duration moved by as much; R changes by at most 1 per unit of time: a unit impulse gives a unit mass the energy 1/2,
     /// and a spring of stiffness 1 never stores more.
     fn bound_of(&self, scene: &Scene, mapping: Mapping) -> f64 {

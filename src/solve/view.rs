@@ -6,15 +6,17 @@ use super::lanes::{Aligned, BLOCK, HALO, LANES, Layout, Number, Row, Rows, lanes
 use super::motion::{FAR, MARGIN, Motion, any_positive, excess, local_norms, norms_around};
 use super::pieces::Step;
 
-/// Equal steps under a constant force, of each lane.
+/// Equal steps under a constant force, with a width and a force for each lane.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stretch {
-    /// The number of the first.
+    /// The number of the first step, counted from 0 through the whole march.
     pub number: u64,
     pub from: [f64; LANES],
     pub width: [f64; LANES],
     pub force: [f64; LANES],
     pub count: [u64; LANES],
+    /// No other stretch follows.
+    pub is_last: bool,
 }
 
 /// What a march shows of a step. Rows are laid out by `layout`.
@@ -42,6 +44,12 @@ impl<T: Number> View<'_, T> {
         let Stretch { number, from, width, force, .. } = self.stretch;
         let (width, force) = (width[lane], force[lane]);
         Step { number: number + self.done, from: from[lane] + self.done as f64 * width, width, force }
+    }
+
+    /// The lane's march ends with this step.
+    #[inline(always)]
+    pub(super) fn ends(&self, lane: usize) -> bool {
+        self.stretch.is_last && self.is_last(lane)
     }
 
     /// The lane's step is its last of a stretch.
@@ -99,7 +107,7 @@ impl View<'_> {
         }
     }
 
-    /// Rows of a block in which a quick bound passes `levels`, per sign and spring, of G or -G.
+    /// Rows of a block in which the quick bound of some spring's G, or -G, over the step passes its level in `levels`.
     #[inline(always)]
     pub(super) fn open_rows<S: Simd, const H: usize>(
         &self,
@@ -130,9 +138,9 @@ impl View<'_> {
         (0..count).filter(move |n| open >> n & 1 == 1).map(move |n| from + n)
     }
 
-    /// By how much the quick bounds of a row's springs over the step pass their levels, and their second remainders;
-    /// `None` if no bound does. Per sign and spring, G, or -G, must pass `levels`, and `crossings` if it rises through the
-    /// whole step.
+    /// By how much the bounds of a row's springs over the step pass their levels (positive where they do), and the second remainders of
+    /// those springs; `None` if no bound does. `levels` are [levels, crossings], each per sign and spring: G, or -G, must pass its level,
+    /// and its crossing if it rises through the whole step ([`excess`]).
     pub(super) fn open_springs(
         &self,
         levels: [&[Aligned; 2]; 2],

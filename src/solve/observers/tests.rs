@@ -1,4 +1,5 @@
 use super::super::propagator::{error_bound, omega_max};
+use super::super::{modal, sums};
 use super::*;
 
 /// An unequal chain with a held head, pulled at its tail, by a step or a pulse.
@@ -67,6 +68,23 @@ fn side_by_side_is_as_one_by_one() {
             let (alone, work_alone) = peaks(&[*march_ask]).swap_remove(0);
             assert_eq!(*found, alone);
             assert_eq!(work.marched, work_alone.marched);
+        }
+    }
+}
+
+/// The force stops to act soon before the horizon, by less than half a step of its own: forces at times behind that are those of the sum
+/// over modes.
+#[test]
+fn a_pulse_may_end_just_before_the_horizon() {
+    let mut scene = unequal(149.7);
+    scene.horizon = 150.0;
+    let times = [140.0, 149.65, 149.7, 149.8, 150.0];
+    let modes = modal::modes(&scene);
+    for spring in [0, 20, 38] {
+        let marched = history(&scene, omega_max(&scene), spring, &times);
+        let summed = sums::history(&scene, &modes, spring, &times);
+        for (a, b) in marched.iter().zip(&summed) {
+            assert!((a - b).abs() < 1e-9, "{spring}: {a} {b}");
         }
     }
 }

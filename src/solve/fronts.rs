@@ -21,9 +21,11 @@
 //! 3. In those the force is a polynomial made of Bessel functions of all orders (`rows`), whose recurrence at one instant serves all
 //!    cells of all springs within four units of time. Every value and time that is reported comes from there, within [`error_bound`].
 //!
-//! What steps 1 and 2 exclude relies on two numbers that are measured with a margin, not proved: the error of the
-//! forms (twice the largest found or more) and their bound on fourth derivatives (5 % over it). Bounds on the fronts'
-//! swings are proved. Extremes of a side that the forms cannot distinguish are all looked into.
+//! What steps 1 and 2 exclude relies on numbers that are measured with a margin, not proved: the error of the forms (twice the
+//! largest found or more), the bound on fourth derivatives (5 % over the largest found), what a front can be far ahead of its top
+//! (`PRECURSOR` in `stairs`), and how far the flanks of fronts that share steps can lie beyond those of the nearest and the
+//! furthest of them (`BETWEEN` there). The bounds behind the top are proved. Where the forms cannot tell which extreme of a side
+//! is the largest, all of them are looked into.
 
 mod forms;
 mod rows;
@@ -71,7 +73,7 @@ impl Images {
         Images { list }
     }
 
-    /// Adds the fronts that a spring feels, the nearest first.
+    /// Adds the fronts that a spring feels to the end of `out`, the nearest first. `force` is that of the step.
     fn waves(&self, spring: usize, force: f64, out: &mut Vec<Wave>) {
         let first = out.len();
         // In tension behind the image, in compression before it.
@@ -86,17 +88,21 @@ impl Images {
 
 /// Bound on the error of every force up to the horizon.
 ///
-/// Rounding in the recurrence at order m reaches lower orders through solutions of the same recurrence, whose sums stay
-/// near 1 / J's own size: 16 units times `sum |J_n| < sqrt(x / 2)` over n > 0, x = 2 (t + 4) at most, for each of the images that
-/// overlap in a spring. A shift in time carries such solutions along. Three more things are added:
+/// In units of roundoff (2^-53) of the force. The factor 16 is an estimate with a margin, not proved.
 ///
-/// - what a polynomial's derivatives are off by: at most `2^q` times a single Bessel function's error for the q-th one, over 0.3 units
-///   of time each way together less than `e^0.6 - 1` of it;
-/// - the roundings of the hundred orders that a shift by up to 8 in x combines, times `sum |J_k(8)| < 5`: under 280 units, and less
-///   before t = 16, when most of these orders are zero;
-/// - those of the sums over orders, which a shift leaves as they are.
+/// - The recurrence: a rounding at order m reaches lower orders through solutions of the same recurrence, whose sums stay near
+///   1 / J's own size. 16 units times `sum |J_n| < 1.03 sqrt(x / 2)` over n > 0, x = 2 (t + 4) at most, are counted for each of the
+///   images that overlap in a spring. A shift in time carries such solutions along. A polynomial's q-th derivative is off by at
+///   most `2^q` times a single value, which over 0.3 units of time each way makes this `e^0.6` times larger: under 15 S units, with
+///   S = 4 + sqrt(4 t).
+/// - The shift: each sum s combines up to 67 orders, and its partial sums are at most `sum |J_k(8)| < 4.3` times the largest s. A
+///   front is made of two of them: 670 units with the factor of derivatives, once for all images. 33 S units for each image and the 1e-13
+///   below are more.
+/// - The sums over orders, of about t terms each. Images share these roundings, and the signs of the nearest images up to any
+///   distance add up to 2 at most, so that the number of images does not count: 2 t units.
 ///
-/// With S = 4 + sqrt(4 t) the first two are under 15 S and 33 S units; the last is the term 2 t.
+/// 1e-13 of the force is added for orders, terms and fronts that are left out and for the shift at early times, and 4 units of the
+/// largest initial force for adding it.
 pub fn error_bound(scene: &Scene) -> f64 {
     let time = scaled(scene).horizon;
     let roundoff = f64::EPSILON / 2.0;
@@ -104,7 +110,7 @@ pub fn error_bound(scene: &Scene) -> f64 {
     let pulses = if scene.duration < scene.horizon { 2.0 } else { 1.0 };
     let table = 48.0 * (4.0 + (4.0 * time).sqrt()) * overlapping + 2.0 * time;
     let initial = scene.initial.iter().fold(0.0f64, |a, f| a.max(f.abs())) * 4.0;
-    roundoff * (pulses * scene.force.abs() * table + initial) + 4e-14 * pulses * scene.force.abs()
+    roundoff * (pulses * scene.force.abs() * table + initial) + 1e-13 * pulses * scene.force.abs()
 }
 
 /// A scene of an equal chain with unit mass and stiffness; times are scaled, forces are not.
@@ -158,7 +164,7 @@ pub fn peaks(scene: &Scene) -> (Vec<SpringPeaks>, Work) {
     (peaks, work)
 }
 
-/// Looks into cells in the order of time.
+/// Looks into the cells in the order of time: makes each one's polynomial and passes it to the watch.
 fn look(scene: &Scene, watch: &mut Watch, windows: Windows) {
     let Windows { mut looks, left, reached, waves, firsts, steps, roots, .. } = windows;
     looks.sort_by(|a, b| a.from.total_cmp(&b.from));
@@ -211,7 +217,7 @@ fn look(scene: &Scene, watch: &mut Watch, windows: Windows) {
     }
 }
 
-/// Takes note that a side is well under its rating.
+/// Takes note that a side that stood at its rating has certainly left it.
 fn leave(watch: &mut Watch, spring: usize, negative: bool) {
     let low = f64::NEG_INFINITY;
     watch.note_left_rating(spring, negative, low);

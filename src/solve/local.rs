@@ -270,11 +270,11 @@ pub(crate) struct Locals<const T: usize, const L: usize> {
     pub coefficient: [[f64; L]; T],
 }
 
-/// Largest values of polynomials over -1 <= x <= end.
+/// Largest values of polynomials over -1 <= x <= end, where they are taken, and the values at `end`.
 pub(crate) struct Tops<const L: usize> {
     pub at: [f64; L],
     pub value: [f64; L],
-    /// Whether they are right to rounding, and the polynomial rises up to there; if not, [`Local::largest`] finds them.
+    /// Whether the largest value is right to rounding and the polynomial rises from -1 up to it; if not, [`Local::largest`] finds it.
     pub is_certain: [bool; L],
     pub at_end: [f64; L],
 }
@@ -429,7 +429,7 @@ pub(crate) fn hermite_top(h: f64, left: [f64; 2], right: [f64; 2]) -> Point {
     hermite_extremes(h, left, right)[0]
 }
 
-/// The same and the smallest value.
+/// The largest and the smallest value of that cubic.
 #[inline(always)]
 pub(crate) fn hermite_extremes(h: f64, left: [f64; 2], right: [f64; 2]) -> [Point; 2] {
     let (d0, d1) = (left[1] * h, right[1] * h);

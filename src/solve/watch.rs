@@ -369,8 +369,8 @@ impl Watch {
         self.note_best(spring, negative, Point { at: at.hi.max(0.0), value: sign * exact(at) }, was_departed)
     }
 
-    /// Takes note of a piece by its value at the end and its largest one, if that may matter. `over` gives the time at which the piece
-    /// passes the rating first.
+    /// Takes note of a piece by its value at the end and its largest value (at a time, not an x), if that may matter. `over` gives the
+    /// time at which the piece passes a given rating first.
     pub(crate) fn note_top(
         &mut self,
         spring: usize,

@@ -6,8 +6,8 @@ Needs mpmath, numpy and scipy. With y = (x - nu) / (x + nu), |y| <= 0.3, and phi
 
     ZETA = zeta / y,  PHI = phi nu / x,  A0 = (1 - phi^3 / 2) / zeta,  B0 = -(phi^3 / 2) B_0 - d A0 / d zeta,  J1 = B_0(zeta)
 
-as powers of y with the size of what the fit leaves out, ARCTAN = arctan(u) / u as powers of u^2 <= 1, and then the largest ratio of |d^4 P / dt^4| to
-sqrt(2 / pi) 16 nu w^(5/2) / x^4, w^2 = max(x^2 - nu^2, 0) + 4 nu^(4/3), x at least nu, on a grid of orders and instants.
+as powers of y with the size of what the fit leaves out, ARCTAN = arctan(u) / u as powers of u^2 <= 1, and then the largest ratio of
+|d^4 P / dt^4| to sqrt(2 / pi) 16 nu w^(5/2) / x^4, w^2 = max(x^2 - nu^2, 0) + 4 nu^(4/3), x at least nu, on a grid of orders and instants.
 """
 import mpmath as mp
 import numpy as np

@@ -32,7 +32,7 @@ const TABLE_ERROR: f64 = 1e-5;
 const UNIFORM_ERROR: f64 = 0.02;
 const DEBYE_ERROR: f64 = 0.4;
 const LEAST_ERROR: f64 = 5e-7;
-/// A front counts as zero while x is this many nu^(1/3) or more before nu: it is under [`UNSEEN`] there.
+/// A front counts as zero while x is this many nu^(1/3) or more under nu; it is under [`UNSEEN`] of the force there.
 pub const AHEAD: f64 = 6.5;
 pub const UNSEEN: f64 = 2e-8;
 /// The uniform form is used up to this many nu^(1/3) behind nu, and to this y.
@@ -127,7 +127,7 @@ pub struct Front {
     inverse: f64,
     /// Where the bound on its fourth derivative is largest.
     steepest: f64,
-    /// The x between which the uniform form is used.
+    /// The x up to which the front counts as zero, and from which Debye's form is used.
     ahead: f64,
     behind: f64,
 }
@@ -148,14 +148,14 @@ pub struct Sums {
     pub value: Lanes,
     /// Of dP/dt.
     pub slope: Lanes,
-    /// Bound on the fourth derivative in time from the first instant to a unit of time after the last.
+    /// Bound on the fourth derivative in time from the first instant to a unit of time after the last ([`fourth_derivative`]).
     pub fourth: f64,
     /// Assumed largest error of values and slopes.
     pub error_estimate: f64,
 }
 
 impl Sums {
-    /// Adds a front, `size` times, at ascending x. Whether it has arrived anywhere.
+    /// Adds a front, `size` times, at ascending x. Returns whether it has arrived at any of the instants.
     #[inline(always)]
     pub fn add(&mut self, front: &Front, size: f64, x: &Lanes) -> bool {
         let &Front { order, root, inverse, steepest, ahead, behind } = front;

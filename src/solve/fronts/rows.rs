@@ -13,7 +13,8 @@
 //! s_n(x + d) = sum_k J_k(d) s_{n-k}(x)
 //! ```
 //!
-//! these are known at all instants around: instants of the recurrence are [`SPACING`] apart. Twelve are worked on side by side.
+//! they are known at all instants within half a [`SPACING`], the time between two instants of the recurrence. Twelve instants are
+//! worked on side by side.
 
 use crate::solve::local::{COEFFICIENTS, Local};
 
@@ -21,18 +22,18 @@ use crate::solve::local::{COEFFICIENTS, Local};
 const LANES: usize = 12;
 /// Time between instants of the recurrence.
 const SPACING: f64 = 8.0;
-/// The longest time that a polynomial is asked for, and its terms: the rest is under 0.6^16 / 16! = 1.4e-17 of a front.
+/// The longest stretch of time of a polynomial, twice its radius, and its terms: the rest is under 0.6^16 / 16! = 1.4e-17 of a front.
 pub const LOOK: f64 = 0.6;
 const TERMS: usize = 16;
 /// Orders on either side of a front's own that its derivatives need.
 const SIDE: usize = TERMS - 1;
-/// Sums s kept of a front: those of the orders from `-SIDE` to `SIDE + 2` around its own, and one to make pairs.
+/// Sums s kept of a front: those of the orders from `-SIDE` to `SIDE + 2` around its own, and one more to make their number even.
 const BAND: usize = 2 * SIDE + 4;
 /// Orders on either side over which a shift of half a [`SPACING`] reaches: `J_34(8)` is 1e-18.
 const REACH: usize = 33;
-/// Orders that a front's band is made of.
+/// Orders at an instant of the recurrence from which a front's band is made.
 const WIDTH: usize = BAND + 2 * REACH;
-/// Orders that are kept or not together, and how many of them come before order 0.
+/// Orders in a block, which is kept whole or not at all; and how many negative orders there are.
 const BLOCK: usize = 32;
 const BEFORE: usize = 2 * BLOCK;
 
@@ -69,7 +70,7 @@ impl Default for Sums {
 }
 
 impl Sums {
-    /// The force over `center - radius <= t <= center + radius`, `initial` added.
+    /// The force over `center - radius <= t <= center + radius`, `initial` added; `radius` is at most half a [`LOOK`].
     pub fn local(&self, center: f64, radius: f64, initial: f64) -> Local {
         // The rest is under 1e-16 of a front.
         let mut rest = 1.0;
@@ -190,7 +191,7 @@ struct Rows {
 }
 
 impl Rows {
-    /// Which orders are kept, and how many blocks there are.
+    /// Finds which blocks of orders are kept; there are blocks up to `most` at least.
     #[inline(always)]
     fn plan(&mut self, most: usize, tasks: &[Task], waves: &[Wave]) {
         let distances = || tasks.iter().flat_map(|t| &waves[t.waves[0]..t.waves[1]]).map(|w| w.distance);
@@ -288,7 +289,7 @@ fn first_of(distance: usize) -> usize {
     BEFORE + 2 * distance - SIDE - REACH
 }
 
-/// `J_{REACH-k}(d)` for all k, and up to which distance from `REACH` they matter.
+/// The weights of a shift by d in x: how many orders each way matter, and `J_{REACH-k}(d)` at place k; zero at the others.
 #[inline(always)]
 fn shift(d: f64) -> (usize, [f64; 2 * REACH + 1]) {
     let mut weights = [0.0; 2 * REACH + 1];
@@ -297,7 +298,7 @@ fn shift(d: f64) -> (usize, [f64; 2 * REACH + 1]) {
         weights[REACH - 2..=REACH + 2].copy_from_slice(&[second, first, 1.0 - 2.0 * second, -first, second]);
         return (2, weights);
     }
-    // `J_{reach+1}(d)` is under 3e-18.
+    // `J_{reach+1}(d)` is under 2.6e-17, and all that is left out under 6e-17.
     let reach = REACH.min(14 + (2.5 * d.abs()) as usize);
     let inverse = 2.0 / d;
     let (mut above, mut here, mut even) = (0.0, 1e-280, 0.0);
@@ -318,12 +319,12 @@ struct Recurrence {
     inverse: Lanes,
     above: Lanes,
     here: Lanes,
-    /// The sums s of the two orders above.
+    /// The last two sums s: of the odd and of the even orders, from the lowest one reached.
     sums: [Lanes; 2],
 }
 
 impl Recurrence {
-    /// Down a block of orders from `first` on, with their sums s.
+    /// Down through the orders from `first + BLOCK - 1` to `first`; `rows[k]` becomes the s of order `first + k`.
     #[inline(always)]
     fn step(&mut self, first: usize, rows: &mut [Lanes; BLOCK]) {
         let inverse = self.inverse;

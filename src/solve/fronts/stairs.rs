@@ -1,7 +1,7 @@
 //! Lower and upper step functions of a front, and from their sums bounds on a spring's force.
 //!
 //! A front P of distance d rises to its top at the first zero of J_nu, nu = 2d, and then swings about 1 with falling extremes, at the
-//! zeros j_k of J_nu. Three facts bound it from both sides; the first two are proved:
+//! zeros j_k of J_nu. Three facts, all proved, bound it from both sides:
 //!
 //! - Up to the top it rises: J_nu is positive before its first zero.
 //! - At its extremes `|P - 1| <= sqrt(2 / pi) nu (x^2 - nu^2)^(-3/4)`. With J = M cos theta and `d theta / dx = 2 / (pi x M^2)`,
@@ -14,8 +14,9 @@
 //!   `w - nu acos(nu / x)`, w = sqrt(x^2 - nu^2), grows by less than pi. With q = 2 pi x^2 / w^3 <= 0.31 the last zero
 //!   therefore lies where w^2 has at least 1 - 1.3 q of its value at x, and the envelope is larger there by that to the power -3/4.
 //!
-//! On the flank the steps' heights are values of [`super::forms`], with a margin over the errors found, not proved. In units of d^(1/3)
-//! from the top they hardly depend on the distance: fronts of nearly the same distance share their steps.
+//! Not proved are the heights on the flank and around the top, which are values of [`super::forms`] with a margin over the errors
+//! found; those far ahead ([`PRECURSOR`]); and the allowance for shared steps ([`BETWEEN`]): in units of d^(1/3) from the top the
+//! heights hardly depend on the distance, so fronts of nearly the same distance share their steps.
 
 use std::sync::OnceLock;
 
@@ -32,8 +33,9 @@ const STEPS: usize = 28;
 const AROUND: usize = 5;
 const TOP: usize = 12;
 const BEHIND: usize = 16;
-/// Twice the integral of Ai from where the uniform variable is at least 15.6, 12.6, 9.6 and 6.4 on: those are the breakpoints of
-/// [`BEGINS`] by the tangent of zeta at the front, which zeta lies above.
+/// Twice the integral of Ai from xi = 15.6, 12.6, 9.6 and 6.4 on, where the first four steps end: there xi is at least that much by
+/// the tangent of zeta at the front, which zeta lies above. The integral alone is the uniform form's first term; that a front is
+/// under twice of it is not proved.
 const PRECURSOR: [f64; 4] = [1e-19, 1e-14, 4e-10, 4e-6];
 /// What the second and the third extreme cannot pass: the envelope at `x - nu >= 3.244 nu^(1/3)` and `4.381 nu^(1/3)`, which the
 /// zeros lie beyond (C. K. Qu and R. Wong, *Trans. Amer. Math. Soc.* 351 (1999) 2833-2859).
@@ -42,8 +44,8 @@ const AFTER: [f64; 2] = [0.80, 1.16];
 const HIGHEST: f64 = 0.3;
 /// Distances up to this have steps of their own; from there on those of an eighth of an octave share theirs.
 const SINGLE: usize = 32;
-/// Allowed for heights between the ends of such a range to be beyond both: they are nearly linear in nu^(-2/3), of which a range spans
-/// 0.004 at most, and none is found beyond (the test below holds without it).
+/// How far the heights of a distance within such a range may lie beyond those of both its ends. Not proved: the heights are nearly
+/// linear in nu^(-2/3), of which a range spans 0.004 at most, and none is found beyond (the test below holds without it).
 const BETWEEN: f64 = 1e-4;
 
 /// Bounds on the fronts of some distances: from each breakpoint to the next they are between `low` and `high`.
@@ -53,7 +55,7 @@ pub struct Stairs {
     high: [f64; STEPS],
 }
 
-/// The steps of all fronts, up to distances of 2^32.
+/// The steps of all fronts at distances under 2^32, by their [`place`].
 pub fn all() -> &'static [Stairs] {
     static ALL: OnceLock<Vec<Stairs>> = OnceLock::new();
     struct All;
@@ -91,7 +93,7 @@ fn distances(place: usize) -> [usize; 2] {
     [(8 + eighth) * scale, (9 + eighth) * scale - 1]
 }
 
-/// Time at which the front of order nu has its first top: half of the first zero of J_nu (DLMF 10.21.40), to 0.5 % of nu^(1/3).
+/// Time at which the front of order nu has its first top: half of the first zero of J_nu (DLMF 10.21.40), to 0.9 % of nu^(1/3).
 pub fn top(order: f64, root: f64) -> f64 {
     0.5 * (order + 1.855_757_1 * root + 1.033_15 / root)
 }
@@ -201,7 +203,7 @@ pub struct DelayedFront<'a> {
 }
 
 impl<'a> DelayedFront<'a> {
-    /// Long before its top.
+    /// At its first step, long before its top.
     #[inline(always)]
     pub fn new(stairs: &'a Stairs, top: f64, unit: f64, size: f64) -> DelayedFront<'a> {
         let mut delayed = DelayedFront { stairs, top, unit, size, step: 0, next: 0.0, low: 0.0, high: 0.0 };
@@ -218,8 +220,8 @@ impl<'a> DelayedFront<'a> {
     }
 }
 
-/// Bounds on a spring's force up to the horizon: sums of its fronts' steps, without those before the first breakpoint. `also` is one
-/// more breakpoint.
+/// Bounds on a spring's force up to the horizon: `initial` and the sums of its fronts' steps. A front is left out before its first
+/// breakpoint, where it is under 1e-19. `also` is an instant at which a segment ends in any case.
 #[inline(always)]
 pub fn bound_force(delayed_fronts: &mut [DelayedFront], initial: f64, also: f64, horizon: f64, out: &mut Vec<Segment>) {
     out.clear();

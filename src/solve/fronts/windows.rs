@@ -15,7 +15,7 @@ const WIDEST: f64 = 2.0;
 const PARTS: usize = 4;
 const _: () = assert!(WIDEST / PARTS as f64 <= LOOK);
 
-/// A stretch of a spring's force that has to be looked into, and what it can reach there in either sign.
+/// A stretch of time in which a spring's force has to be looked into, and the most that the force and its negative can reach there.
 #[derive(Clone, Copy, Debug)]
 pub struct Look {
     pub spring: usize,
@@ -59,7 +59,8 @@ struct Sample {
     time: f64,
     value: f64,
     slope: f64,
-    /// Bound on the fourth derivative from here to the next sample.
+    /// Bound on the fourth derivative over the instants of its group of lanes. Between groups the larger of both is taken: within
+    /// the measured margin too.
     fourth: f64,
     /// Bound on the error.
     error_estimate: f64,
@@ -306,7 +307,7 @@ impl<'a> Windows<'a> {
         }
     }
 
-    /// Lists a part of a cell for a look, together with the one before it if they touch.
+    /// Lists a part of a cell for a look; if it touches the last one listed and both fit in one look, they become one.
     #[inline(always)]
     fn list(&mut self, spring: usize, [from, to]: [f64; 2], upper: [f64; 2]) {
         let starts_anew = from == self.scene.duration;
@@ -437,11 +438,11 @@ struct Goal {
     reached: f64,
     /// A difference that does not matter.
     min_rise: f64,
-    /// To be passed for a first exceedance; infinite where there is one from the beginning.
+    /// To be passed for a first exceedance.
     rating: f64,
     /// Over this it has certainly exceeded.
     over: f64,
-    /// When it has certainly exceeded; and the time before which nothing matters.
+    /// By when it has certainly exceeded, minus infinity if before the event; and the time before which nothing matters.
     over_by: f64,
     from: f64,
 }

@@ -106,18 +106,18 @@ impl Layout {
         (0..count).map(|number| of[self.place(chain, number)].to_f64()).collect()
     }
 
-    /// Fills the halos: with the ends of the neighbouring pieces, zeros beyond the ends of a chain.
+    /// Fills the halos of a chain in pieces with the ends of the neighbouring pieces, zeros beyond the ends of the chain; halos of several
+    /// chains stay zero.
     #[inline(always)]
-    pub(super) fn fill_halos<T: Number>(self, of: &mut [T]) {
-        let rows = of.len() / LANES - 2 * HALO;
-        for row in (0..HALO).chain(HALO + rows..2 * HALO + rows) {
-            of[row * LANES..(row + 1) * LANES].fill(T::default());
+    pub(super) fn fill_halos<S: Simd, const H: usize, T: Number>(self, v: Rows<S, H, T>, of: &mut [T]) {
+        if !self.is_cut {
+            return;
         }
-        for depth in (0..HALO).filter(|_| self.is_cut) {
-            let (before, last) = ((HALO - 1 - depth) * LANES, (HALO + rows - 1 - depth) * LANES);
-            of.copy_within(last..last + LANES - 1, before + 1);
-            let (behind, first) = ((HALO + rows + depth) * LANES, (HALO + depth) * LANES);
-            of.copy_within(first + 1..first + LANES, behind);
+        let of = v.of_mut(of);
+        let rows = of.len() - 2 * HALO;
+        for depth in 0..HALO {
+            of[HALO - 1 - depth] = v.one_lane_up(of[HALO + rows - 1 - depth]);
+            of[HALO + rows + depth] = v.one_lane_down(of[HALO + depth]);
         }
     }
 }
@@ -190,10 +190,14 @@ pub(super) trait Number: Copy + Default + PartialEq + std::fmt::Debug + 'static 
     fn max<S: Simd>(simd: S, a: Self::Vector<S>, b: Self::Vector<S>) -> Self::Vector<S>;
     fn min<S: Simd>(simd: S, a: Self::Vector<S>, b: Self::Vector<S>) -> Self::Vector<S>;
     fn mul_add<S: Simd>(simd: S, a: Self::Vector<S>, b: Self::Vector<S>, c: Self::Vector<S>) -> Self::Vector<S>;
+    /// The last number of a, then b's without its last.
+    fn one_up<S: Simd>(simd: S, a: Self::Vector<S>, b: Self::Vector<S>) -> Self::Vector<S>;
+    /// a's numbers without its first, then the first of b.
+    fn one_down<S: Simd>(simd: S, a: Self::Vector<S>, b: Self::Vector<S>) -> Self::Vector<S>;
 }
 
 macro_rules! number {
-    ($number:ty, $compensated:literal, $vector:ident, $as:ident, $as_mut:ident, $splat:ident, $fma:ident, $($op:ident $name:ident),*) => {
+    ($number:ty, $compensated:literal, $vector:ident, $as:ident, $as_mut:ident, $splat:ident, $fma:ident, $up:ident, $down:ident, $select:ident, $between:ident, $lanes:ident, $($op:ident $name:ident),*) => {
         impl Number for $number {
             const COMPENSATED: bool = $compensated;
             type Vector<S: Simd> = S::$vector;
@@ -228,6 +232,17 @@ macro_rules! number {
                 simd.$fma(a, b, c)
             }
 
+            #[inline(always)]
+            fn one_up<S: Simd>(simd: S, a: S::$vector, b: S::$vector) -> S::$vector {
+                simd.$select(simd.$between(0, 1).mask(), simd.$up(a, 1), simd.$up(b, 1))
+            }
+
+            #[inline(always)]
+            fn one_down<S: Simd>(simd: S, a: S::$vector, b: S::$vector) -> S::$vector {
+                let lanes = S::$lanes as _;
+                simd.$select(simd.$between(lanes - 1, lanes).mask(), simd.$down(b, 1), simd.$down(a, 1))
+            }
+
             $(#[inline(always)]
             fn $op<S: Simd>(simd: S, a: S::$vector, b: S::$vector) -> S::$vector {
                 simd.$name(a, b)
@@ -238,10 +253,12 @@ macro_rules! number {
 
 number!(
     f64, true, f64s, as_simd_f64s, as_mut_simd_f64s, splat_f64s, mul_add_f64s,
+    rotate_right_f64s, rotate_left_f64s, select_f64s, mask_between_m64s, F64_LANES,
     add add_f64s, sub sub_f64s, mul mul_f64s, max max_f64s, min min_f64s
 );
 number!(
     f32, false, f32s, as_simd_f32s, as_mut_simd_f32s, splat_f32s, mul_add_f32s,
+    rotate_right_f32s, rotate_left_f32s, select_f32s, mask_between_m32s, F32_LANES,
     add add_f32s, sub sub_f32s, mul mul_f32s, max max_f32s, min min_f32s
 );
 
@@ -325,12 +342,31 @@ impl<S: Simd, const H: usize, T: Number> Rows<S, H, T> {
         out
     }
 
-    /// `a + b`, and its rounding error.
+    /// The numbers of a row one lane further up, with 0 in the first.
+    #[inline(always)]
+    fn one_lane_up(self, a: Row<S, H, T>) -> Row<S, H, T> {
+        let mut out = self.splat(0.0);
+        for h in 0..H {
+            out[h] = T::one_up(self.0, if h == 0 { out[0] } else { a[h - 1] }, a[h]);
+        }
+        out
+    }
+
+    /// The numbers of a row one lane further down, with 0 in the last.
+    #[inline(always)]
+    fn one_lane_down(self, a: Row<S, H, T>) -> Row<S, H, T> {
+        let mut out = self.splat(0.0);
+        for h in 0..H {
+            out[h] = T::one_down(self.0, a[h], if h + 1 == H { out[h] } else { a[h + 1] });
+        }
+        out
+    }
+
+    /// `a + b`, and its rounding error: exact where |a| >= |b|, else to a rounding of b.
     #[inline(always)]
     pub(super) fn two_sum(self, a: Row<S, H, T>, b: Row<S, H, T>) -> [Row<S, H, T>; 2] {
         let s = self.add(a, b);
-        let t = self.sub(s, a);
-        [s, self.add(self.sub(a, self.sub(s, t)), self.sub(b, t))]
+        [s, self.sub(b, self.sub(s, a))]
     }
 }
 

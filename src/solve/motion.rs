@@ -144,29 +144,34 @@ pub(super) fn norms_around<const L: usize>(
     norms
 }
 
+/// The slope of Lidstone's second polynomial lies between minus this and 7 / 360.
+const SLOPE_OF_SECOND: f64 = 8.0 / 360.0;
+/// The second remainder's second derivative is that of the shorter series for `h^2 G''`, `5 / 384` of the same maximum, and the remainder
+/// vanishes at both ends: its slope is at most half of that.
+const SLOPE_OF_REMAINDER: f64 = 0.5 * (5.0 / 384.0) / (61.0 / 46_080.0);
 /// A slope over a step under this share of the forces at its ends may be rounding.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// How far a quick bound of a spring's force over a step passes what matters in either sign; negative if it does not.
 ///
-/// `f` is G and `q` is `-h^2 G''` at both ends, `remainder` the first one. A force that certainly rises (or falls) through the
-/// step has its largest value in the next (or previous) one, unless it may pass its rating. The remainder's slope is
-/// at most half the largest second derivative of the remainder, which is an eighth of that of the force: 4.8
-/// remainders.
+/// `f` is G, `q` is `-h^2 G''` and `p` is `h^4 G''''` at both ends, `remainder` the second one. A force that certainly rises (or falls)
+/// through the step has its largest value in the next (or previous) one, unless it may pass its rating ([`slopes`]).
 #[inline(always)]
-pub fn excess(f: [f64; 2], q: [f64; 2], remainder: f64, level: [f64; 2], crossing: [f64; 2], last: bool) -> f64 {
+pub fn excess([f, q, p]: [[f64; 2]; 3], remainder: f64, level: [f64; 2], crossing: [f64; 2], last: bool) -> f64 {
     let more = |a: f64, b: f64| if a > b { a } else { b };
     let less = |a: f64, b: f64| if a < b { a } else { b };
-    let up = more(f[0], f[1]) + 0.125 * more(more(q[0], q[1]), 0.0) - level[0];
-    let down = -less(f[0], f[1]) - 0.125 * less(less(q[0], q[1]), 0.0) - level[1];
+    let most = 0.125 * more(more(q[0], q[1]), 0.0) + SECOND * (more(p[0], 0.0) + more(p[1], 0.0)) + remainder;
+    let least = 0.125 * less(less(q[0], q[1]), 0.0) + SECOND * (less(p[0], 0.0) + less(p[1], 0.0)) - remainder;
+    let up = more(f[0], f[1]) + most - level[0];
+    let down = -less(f[0], f[1]) - least - level[1];
     let rise = f[1] - f[0];
     let rounding = ROUNDING * more(f[0].abs(), f[1].abs());
-    let steep = rise.abs() - 0.5 * more(q[0].abs(), q[1].abs()) - 4.8 * remainder > rounding;
+    let slack = SLOPE_OF_SECOND * (p[0].abs() + p[1].abs()) + SLOPE_OF_REMAINDER * remainder + rounding;
+    let steep = rise.abs() - 0.5 * more(q[0].abs(), q[1].abs()) > slack;
     let (rises, falls) = (steep & (rise > 0.0), steep & (rise < 0.0));
     let no_up = falls | (rises & !last & (f[1] <= crossing[0]));
     let no_down = rises | (falls & !last & (-f[1] <= crossing[1]));
-    let (up, down) = (if no_up { -1.0 } else { up + remainder }, if no_down { -1.0 } else { down + remainder });
-    more(up, down)
+    more(if no_up { -1.0 } else { up }, if no_down { -1.0 } else { down })
 }
 
 /// Whether any of these is positive.
@@ -208,9 +213,6 @@ pub(crate) fn brackets(ends: [[f64; 3]; 2], remainder: f64) -> [[f64; 3]; 2] {
 }
 
 /// Bounds on the slope over a step, rounding included.
-///
-/// The remainder's second derivative is that of the shorter series for `h^2 G''`, `5 / 384` of the same maximum, and the
-/// remainder vanishes at both ends: its slope is at most half of that.
 #[inline(always)]
 pub(crate) fn slopes([left, right]: [[f64; 3]; 2], remainder: f64) -> [f64; 2] {
     let first = right[0] - left[0] - left[1] / 3.0 - right[1] / 6.0;
@@ -218,11 +220,9 @@ pub(crate) fn slopes([left, right]: [[f64; 3]; 2], remainder: f64) -> [f64; 2] {
     let turns = (left[1] < 0.0) != (right[1] < 0.0);
     let between = first - 0.5 * left[1] * left[1] / (right[1] - left[1]);
     let between = if turns { between } else { first };
-    let of_remainder = 0.5 * (5.0 / 384.0) / (61.0 / 46_080.0) * remainder;
     let more = |a: f64, b: f64| if a > b { a } else { b };
     let less = |a: f64, b: f64| if a < b { a } else { b };
-    // The slope of Lidstone's second polynomial lies between -8 / 360 and 7 / 360.
-    let slack = 8.0 / 360.0 * (left[2].abs() + right[2].abs()) + of_remainder;
+    let slack = SLOPE_OF_SECOND * (left[2].abs() + right[2].abs()) + SLOPE_OF_REMAINDER * remainder;
     let slack = slack + ROUNDING * more(left[0].abs(), right[0].abs());
     [less(less(first, last), between) - slack, more(more(first, last), between) + slack]
 }

@@ -227,13 +227,16 @@ struct RowLevels {
     layout: Layout,
     levels: [Aligned; 2],
     crossings: [Aligned; 2],
+    /// How far springs of each block of rows may pass their levels at the last instant seen, lane by lane ([`View::excess`]).
+    excess: Aligned,
 }
 
 impl RowLevels {
     /// Nothing matters.
     fn new(layout: Layout) -> RowLevels {
         let none = Aligned::new(layout.len(), f64::INFINITY);
-        RowLevels { layout, levels: [none.clone(), none.clone()], crossings: [none.clone(), none] }
+        let excess = Aligned::new(layout.blocks() * LANES, f64::INFINITY);
+        RowLevels { layout, levels: [none.clone(), none.clone()], crossings: [none.clone(), none], excess }
     }
 
     /// Takes over the levels of a chain's springs that have changed.
@@ -242,7 +245,12 @@ impl RowLevels {
         for spring in search.changed.drain(..) {
             let place = self.layout.place(chain, spring);
             for sign in 0..2 {
-                self.levels[sign][place] = search.levels[sign][spring];
+                let level = &mut self.levels[sign][place];
+                if search.levels[sign][spring] < *level {
+                    let block = self.layout.block_of(place / LANES);
+                    self.excess[block * LANES + place % LANES] = f64::INFINITY;
+                }
+                *level = search.levels[sign][spring];
                 self.crossings[sign][place] = search.crossings[sign][spring];
             }
         }
@@ -301,7 +309,18 @@ impl View<'_> {
         mut see: impl FnMut(usize, usize, f64, &mut RowLevels),
     ) {
         let whole = self.whole_energy();
+        let (most_norm, zero) = (rows.of(&self.most_norm(whole))[0], rows.splat(0.0));
         for block in 0..self.layout.blocks() {
+            let excess = self.excess(rows, &levels.levels, block);
+            let mut before = std::mem::replace(&mut rows.of_mut(&mut levels.excess)[block], excess);
+            if self.done == 0 {
+                // Steps of a stretch have a width and a force of their own.
+                before = rows.splat(f64::INFINITY);
+            }
+            let remainder = rows.of(self.block_remainder)[block];
+            if !rows.any_larger(rows.mul_add(most_norm, remainder, rows.max(before, excess)), zero) {
+                continue;
+            }
             for row in self.open_rows(rows, &levels.levels, block, whole) {
                 let of = [&levels.levels, &levels.crossings];
                 let Some((open, remainders)) = self.open_springs(of, row, last) else { continue };

@@ -51,9 +51,9 @@ pub fn omega_max(scene: &Scene) -> f64 {
 /// Bound on the error of every force up to the horizon.
 ///
 /// A step's rounding, in the energy norm and in units of the increments' norm, which is at most h times that of the motion's
-/// derivative: 7 from the forces on the masses, 4 from the series, 2 from the kick, 6 from the drift, 19 together. An error made at
+/// derivative: 6 from the forces on the masses, 4 from the series, 3 from the kick, 7 from the drift, 20 together. An error made at
 /// one step grows at most by `theta / sin(theta) < 1.51` on the way to another and by `1 / cos(theta / 2) < 1.37` on the way
-/// between two: 40. A pulse's end starts a second motion like the first.
+/// between two: 42. A pulse's end starts a second motion like the first.
 pub fn error_bound(scene: &Scene, omega: f64) -> f64 {
     error_bound_of_terms(scene, omega, KICK_TERMS)
 }
@@ -78,7 +78,7 @@ pub(super) fn error_bound_of_terms(scene: &Scene, omega: f64, terms: usize) -> f
     let acceleration_norm = (1.0 / scene.chain.mass[scene.source]).sqrt() * force * pulses;
     let width = (PHASE / omega).min(scene.horizon);
     // The error of the full series is within the 4 roundoffs that are counted for the series.
-    let rate = 40.0 * roundoff + if terms < KICK_TERMS { 4.0 * dropped_terms } else { 0.0 };
+    let rate = 42.0 * roundoff + if terms < KICK_TERMS { 4.0 * dropped_terms } else { 0.0 };
     let marching = rate * (scene.horizon + 20.0 * width) * acceleration_norm * stiffest;
     // Rounding of the state's and the polynomial's own numbers.
     let size = scene.initial.iter().fold(0.0f64, |a, f| a.max(f.abs())) + 4.0 * pulses * force;
@@ -244,7 +244,7 @@ impl<'a, T: Number> State<'a, T> {
         }
     }
 
-    fn coefficients(&self, stretch: &Stretch) -> Coefficients<T> {
+    fn coefficients<S: Simd, const H: usize>(&self, rows: Rows<S, H, T>, stretch: &Stretch) -> Coefficients<T> {
         let layout = self.layout;
         let zero = Aligned::new(layout.len(), T::default());
         let mut c = Coefficients { kick: zero.clone(), drift: zero, width: Aligned::new(LANES, T::default()) };
@@ -254,8 +254,8 @@ impl<'a, T: Number> State<'a, T> {
             layout.put(&mut c.kick, number, (0..chain.mass.len()).map(|v| width * inverse(v)));
             layout.put(&mut c.drift, number, chain.stiffness.iter().map(|k| width * k));
         }
-        layout.fill_halos(&mut c.kick);
-        layout.fill_halos(&mut c.drift);
+        layout.fill_halos(rows, &mut c.kick);
+        layout.fill_halos(rows, &mut c.drift);
         stretch.width.iter().zip(&mut *c.width).for_each(|(width, of)| *of = T::from_f64(*width));
         c
     }
@@ -268,13 +268,18 @@ impl<'a, T: Number> State<'a, T> {
         see: &mut impl StepObserver<T>,
     ) {
         let layout = self.layout;
-        let c = self.coefficients(stretch);
+        let c = self.coefficients(rows, stretch);
         let mut remainders = [0, 1].map(|_| Aligned::new(layout.len(), T::default()));
         for (chain, Marched { motion, .. }) in self.scenes.iter().enumerate() {
             let of_chain = motion.remainders(stretch.width[chain]);
             remainders.iter_mut().zip(of_chain).for_each(|(row, of_chain)| layout.put(row, chain, of_chain));
         }
-        self.convert_velocity(&c, sine_over_root);
+        let mut block_remainder = Aligned::new(layout.blocks() * LANES, T::default());
+        for block in 0..layout.blocks() {
+            let largest = &mut rows.of_mut(&mut block_remainder)[block];
+            rows.of(&remainders[0])[layout.block(block)].iter().for_each(|row| *largest = rows.max(*largest, *row));
+        }
+        self.convert_velocity(rows, &c, sine_over_root);
         self.find_bend(rows, &c, stretch);
         for done in 0..stretch.count.into_iter().fold(0, u64::max) {
             let share = if done == 0 { 0.5 } else { 1.0 };
@@ -289,7 +294,10 @@ impl<'a, T: Number> State<'a, T> {
                 layout,
                 force: [&self.force[0], &self.force[1]],
                 bend: [&self.bend[0], &self.bend[1]],
+                kick: &c.kick,
+                drift: &c.drift,
                 remainders: &remainders,
+                block_remainder: &block_remainder,
                 root: &self.root,
                 energy: &self.larger_energy,
             };
@@ -298,13 +306,18 @@ impl<'a, T: Number> State<'a, T> {
         if !stretch.is_last {
             self.sum_series(rows, &c);
             self.half_kick(&c);
-            self.convert_velocity(&c, |x| Dd::ONE / sine_over_root(x));
+            self.convert_velocity(rows, &c, |x| Dd::ONE / sine_over_root(x));
         }
     }
 
     /// Converts velocities at a whole step to the mean of those half a step before and after, or back: `factor` is
     /// `sin(theta) / theta`, or its inverse, as a function of X.
-    fn convert_velocity(&mut self, c: &Coefficients<T>, factor: impl Fn(Dd) -> Dd) {
+    fn convert_velocity<S: Simd, const H: usize>(
+        &mut self,
+        rows: Rows<S, H, T>,
+        c: &Coefficients<T>,
+        factor: impl Fn(Dd) -> Dd,
+    ) {
         if self.velocity.iter().all(|v| *v == T::default()) {
             return;
         }
@@ -333,8 +346,8 @@ impl<'a, T: Number> State<'a, T> {
         }
         velocity.iter_mut().zip(&sum).for_each(|(v, s)| *v += s);
         self.layout.put(&mut self.velocity, 0, velocity);
-        self.layout.fill_halos(&mut self.velocity);
-        self.layout.fill_halos(&mut self.velocity_rest);
+        self.layout.fill_halos(rows, &mut self.velocity);
+        self.layout.fill_halos(rows, &mut self.velocity_rest);
     }
 
     /// `r = P(X) q`, into the first of `scratch`, with its halo.
@@ -351,7 +364,7 @@ impl<'a, T: Number> State<'a, T> {
             } else {
                 two_powers::<S, H, T, false>(rows, c, [q, r], next, [1.0, pair[0], pair[1]]);
             }
-            self.layout.fill_halos(next);
+            self.layout.fill_halos(rows, next);
             std::mem::swap(r, next);
         }
     }
@@ -389,9 +402,9 @@ impl<'a, T: Number> State<'a, T> {
                 last[0] = speed;
             }
         }
-        self.layout.fill_halos(&mut self.force[1]);
+        self.layout.fill_halos(v, &mut self.force[1]);
         if T::COMPENSATED {
-            self.layout.fill_halos(&mut self.force_rest);
+            self.layout.fill_halos(v, &mut self.force_rest);
         }
     }
 
@@ -424,7 +437,7 @@ impl<'a, T: Number> State<'a, T> {
                 if T::COMPENSATED {
                     apart = v.add(apart, v.sub(rest[p - 1], rest[p]));
                 }
-                pull[p] = v.sub(v.add(v.mul(kick[p], apart), tiny), tiny);
+                pull[p] = v.sub(v.mul_add(kick[p], apart, tiny), tiny);
             }
             while let Some((&(place, chain), rest)) = sources.split_first().filter(|of| of.0.0 < (to + 1) * LANES) {
                 let apart = |g: &[T]| g[place - LANES].to_f64() - g[place].to_f64();
@@ -447,8 +460,8 @@ impl<'a, T: Number> State<'a, T> {
             v.of_mut(&mut self.larger_energy)[HALO + block] = v.max(*last, energy);
             *last = energy;
         }
-        self.layout.fill_halos(&mut self.larger_energy);
-        self.layout.fill_halos(&mut self.bend[1]);
+        self.layout.fill_halos(v, &mut self.larger_energy);
+        self.layout.fill_halos(v, &mut self.bend[1]);
     }
 }
 

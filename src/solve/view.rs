@@ -29,8 +29,13 @@ pub(super) struct View<'a, T: Number = f64> {
     pub force: [&'a [T]; 2],
     /// `q = -h^2 G''` at both ends, with halos.
     pub bend: [&'a [T]; 2],
+    /// `h / m` and `h k` of every mass and spring, with halos.
+    pub kick: &'a [T],
+    pub drift: &'a [T],
     /// The two remainders of every spring, per unit of the norm of `h^2 G''` around it.
     pub remainders: &'a [Aligned<T>; 2],
+    /// The largest first remainder of each block of rows, lane by lane.
+    pub block_remainder: &'a [T],
     /// `1 / sqrt(k)`
     pub root: &'a [T],
     /// Sums of `q_i^2 / k_i` over the blocks of rows, lane by lane: the larger ones of both ends, with halos.
@@ -107,6 +112,36 @@ impl View<'_> {
         }
     }
 
+    /// A bound on the first norm of [`Self::norms`] for every block of rows.
+    #[inline(always)]
+    pub(super) fn most_norm(&self, whole: [f64; LANES]) -> [f64; LANES] {
+        local_norms(|n| if n == FAR { whole } else { [0.0; LANES] }, whole)[0]
+    }
+
+    /// How far G, or -G, in a block of rows may pass its level in `levels` between the instants before and after the step's end, as far as
+    /// that follows from the values at its end: the largest of `G + max(q, 0) / 6 - level`.
+    ///
+    /// Between two instants G is at most its linear interpolation and `s (1 - s) ((2 - s) q_0 + (1 + s) q_1) / 6`, 0 <= s <= 1, but for the
+    /// remainder ([`super::motion`]): at most the larger of these sums at both ends.
+    #[inline(always)]
+    pub(super) fn excess<S: Simd, const H: usize>(
+        &self,
+        v: Rows<S, H>,
+        levels: &[Aligned; 2],
+        block: usize,
+    ) -> Row<S, H> {
+        let inner = self.layout.block(block);
+        let (force, bend) = (&v.of(self.force[1])[inner.clone()], &v.of(self.bend[1])[inner.clone()]);
+        let (high, low) = (&v.of(&levels[0])[inner.clone()], &v.of(&levels[1])[inner]);
+        let (zero, sixth) = (v.splat(0.0), v.splat(1.0 / 6.0));
+        let (mut most, mut least) = (v.splat(f64::NEG_INFINITY), v.splat(f64::INFINITY));
+        for n in 0..force.len() {
+            most = v.max(most, v.sub(v.mul_add(sixth, v.max(bend[n], zero), force[n]), high[n]));
+            least = v.min(least, v.add(v.mul_add(sixth, v.min(bend[n], zero), force[n]), low[n]));
+        }
+        v.max(most, v.sub(zero, least))
+    }
+
     /// Rows of a block in which the quick bound of some spring's G, or -G, over the step passes its level in `levels`.
     #[inline(always)]
     pub(super) fn open_rows<S: Simd, const H: usize>(
@@ -125,15 +160,9 @@ impl View<'_> {
             remainder: &v.of(&self.remainders[0])[inner.clone()],
             levels: [&v.of(&levels[0])[inner.clone()], &v.of(&levels[1])[inner]],
         };
-        let mut most = v.splat(0.0);
-        for n in 0..count {
-            most = v.max(most, bounds.passed(v, n, norm));
-        }
         let mut open = 0u16;
-        if v.any_larger(most, v.splat(0.0)) {
-            for n in 0..count {
-                open |= u16::from(v.any_larger(bounds.passed(v, n, norm), v.splat(0.0))) << n;
-            }
+        for n in 0..count {
+            open |= u16::from(v.any_larger(bounds.passed(v, n, norm), v.splat(0.0))) << n;
         }
         (0..count).filter(move |n| open >> n & 1 == 1).map(move |n| from + n)
     }
@@ -150,26 +179,39 @@ impl View<'_> {
         pulp::Arch::new().dispatch(Closer { view: self, levels, row, last })
     }
 
-    /// How far the quick bounds of a row's springs pass what matters, given bounds on the norms around them.
+    /// How far the bounds of a row's springs pass what matters, given their second remainders.
     #[inline(always)]
     fn passing(
         &self,
         [levels, crossings]: [&[Aligned; 2]; 2],
         row: usize,
-        norms: [f64; LANES],
+        remainders: [f64; LANES],
         last: [bool; LANES],
     ) -> [f64; LANES] {
-        let (f0, f1) = (lanes(self.force[0], row), lanes(self.force[1], row));
-        let (q0, q1) = (lanes(self.bend[0], row), lanes(self.bend[1], row));
-        let remainder = lanes(&self.remainders[0], row);
+        let ends = |of: [&[f64]; 2]| of.map(|of| lanes(of, row));
+        let (f, q) = (ends(self.force), ends(self.bend));
+        let p = self.bend.map(|q| self.times_x(q, row));
         let (high, low) = (lanes(&levels[0], row), lanes(&levels[1], row));
         let (over, under) = (lanes(&crossings[0], row), lanes(&crossings[1], row));
         let mut open = [0.0; LANES];
         for l in 0..LANES {
             let (level, crossing) = ([high[l], low[l]], [over[l], under[l]]);
-            open[l] = excess([f0[l], f1[l]], [q0[l], q1[l]], norms[l] * remainder[l], level, crossing, last[l]);
+            let ends = [[f[0][l], f[1][l]], [q[0][l], q[1][l]], [p[0][l], p[1][l]]];
+            open[l] = excess(ends, remainders[l], level, crossing, last[l]);
         }
         open
+    }
+
+    /// `X q` in the springs of a row.
+    #[inline(always)]
+    fn times_x(&self, q: &[f64], row: usize) -> [f64; LANES] {
+        let [before, here, after] = [lanes(q, row - 1), lanes(q, row), lanes(q, row + 1)];
+        let [kick, next_kick, drift] = [lanes(self.kick, row), lanes(self.kick, row + 1), lanes(self.drift, row)];
+        let mut out = [0.0; LANES];
+        for l in 0..LANES {
+            out[l] = drift[l] * (next_kick[l] * (here[l] - after[l]) - kick[l] * (before[l] - here[l]));
+        }
+        out
     }
 
     /// `|q| / sqrt(k)` at both ends in the springs `offset` places behind those of a row.
@@ -222,13 +264,18 @@ impl pulp::WithSimd for Closer<'_> {
     fn with_simd<S: Simd>(self, _: S) -> Self::Output {
         let Closer { view, levels, row, last } = self;
         let bounds = view.norms(view.layout.block_of(row), view.whole_energy());
-        if !any_positive(view.passing(levels, row, bounds[0], last)) {
+        let remainder = lanes(&view.remainders[1], row);
+        let of_norms = |norms: [f64; LANES]| {
+            let mut remainders = remainder;
+            (0..LANES).for_each(|l| remainders[l] *= norms[l]);
+            remainders
+        };
+        if !any_positive(view.passing(levels, row, of_norms(bounds[0]), last)) {
             return None;
         }
         let norms = norms_around(|place| view.sizes(row, place as isize - MARGIN as isize), bounds);
-        let open = view.passing(levels, row, norms, last);
-        let mut remainders = lanes(&view.remainders[1], row);
-        (0..LANES).for_each(|l| remainders[l] *= norms[l]);
+        let remainders = of_norms(norms);
+        let open = view.passing(levels, row, remainders, last);
         any_positive(open).then_some((open, remainders))
     }
 }

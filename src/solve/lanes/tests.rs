@@ -1,5 +1,16 @@
 use super::*;
 
+/// Fills the halos of a row.
+struct FillHalos<'a, T>(Layout, &'a mut [T]);
+
+impl<T: Number> WithRows<T> for FillHalos<'_, T> {
+    type Output = ();
+
+    fn run<S: Simd, const H: usize>(self, rows: Rows<S, H, T>) {
+        self.0.fill_halos(rows, self.1);
+    }
+}
+
 /// Neighbours of every spring are in the rows before and after, of one chain in pieces and of several chains.
 #[test]
 fn neighbours_are_in_the_next_rows() {
@@ -9,7 +20,13 @@ fn neighbours_are_in_the_next_rows() {
         for (chain, &springs) in springs.iter().enumerate() {
             layout.put(&mut row, chain, (0..=springs).map(|n| 1.0 + n as f64));
         }
-        layout.fill_halos(&mut row);
+        let mut single: Vec<f32> = row.iter().map(|x| *x as f32).collect();
+        let mut by_scalars = row.clone();
+        dispatch(FillHalos(layout, &mut row));
+        dispatch(FillHalos(layout, &mut single));
+        FillHalos(layout, &mut by_scalars).run(Rows::<_, LANES>(pulp::Scalar, PhantomData));
+        assert_eq!(row, by_scalars);
+        assert!(row.iter().zip(&single).all(|(a, b)| *a == f64::from(*b)));
         for (chain, &springs) in springs.iter().enumerate() {
             assert_eq!(layout.gather(&row, chain, springs + 1).last(), Some(&(1.0 + springs as f64)));
             for number in 0..=springs {

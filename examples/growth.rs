@@ -1,6 +1,7 @@
 //! How do the time and the work of a scene grow with the number of couplers? Four transits behind a held head, one break; chains of equal
-//! and of unequal vehicles. Of each: the time, the time per coupler and step that was marched, how many pieces of time were looked
-//! into for each coupler and sense, and the exponent of the power of n that fits the times best.
+//! and of unequal vehicles; without vectors up to n = 210, and with the vectors that the program uses here. Of each: the time, the time per
+//! coupler and step that was marched, how many steps were considered, kept and looked into for each coupler and sense, and the exponent
+//! of the power of n that fits the times best.
 //!
 //! ```text
 //! cargo run --release --example growth            n = 25 to 3,000
@@ -10,7 +11,7 @@
 use std::time::Instant;
 
 use trainsafe::chain::{Chain, Scene};
-use trainsafe::solve::{Ask, Method, SolveError, Work, solve};
+use trainsafe::solve::{Ask, Method, SolveError, Work, solve, vectors};
 
 const RUNS: usize = 3;
 
@@ -18,8 +19,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let most: usize = std::env::var("GROWTH_TO").map_or(Ok(3000), |text| text.parse())?;
     let sizes = [25, 50, 100, 210, 500, 1000, 2000, 3000, 5000, 10_000];
     let cases = [("equal", Method::Fronts), ("equal", Method::Propagator), ("unequal", Method::Propagator)];
-    for (chain, method) in cases {
-        println!("{chain} chain, {}", method.name());
+    for ((chain, method), scalars) in cases.into_iter().flat_map(|case| [(case, true), (case, false)]) {
+        vectors::use_scalars(scalars);
+        println!("{chain} chain, {}, {}", method.name(), vectors::name());
+        let most = if scalars { most.min(210) } else { most };
         let mut points = Vec::new();
         for n in sizes.into_iter().filter(|n| *n <= most) {
             let (seconds, work) = median_seconds(&scene(n, chain == "unequal"), method)?;
@@ -27,8 +30,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 0 => String::new(),
                 marched => format!("{:8.2} ns per coupler and step", 1e9 * seconds / marched as f64),
             };
-            let looks = work.refinements as f64 / (2 * n) as f64;
-            println!("  n = {n:6}  {:10.3} ms  {looks:6.2} looks per coupler and sense {step}", 1e3 * seconds);
+            let [considered, kept, looked] =
+                [work.considered, work.kept, work.refinements].map(|count| count as f64 / (2 * n) as f64);
+            println!(
+                "  n = {n:6}  {:10.3} ms  per coupler and sense {considered:6.2} considered {kept:6.2} kept {looked:6.2} looked into {step}",
+                1e3 * seconds
+            );
             points.push(((n as f64).ln(), seconds.ln()));
         }
         println!("  time grows as n^{:.2}", slope(&points));

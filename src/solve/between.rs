@@ -3,11 +3,11 @@
 //! Between their ends forces are known as well ([`super::pieces`]). They are found only where an extreme may be: in steps whose upper bound
 //! ([`super::motion`]) passes what is certainly reached elsewhere, or expected to be. Several such steps are looked into side by side.
 
-use super::Wanted;
 use super::local::{Local, Locals, Point, Tops};
 use super::motion::{Motion, brackets, slopes};
 use super::pieces::{Step, TERMS, WINDOW, Windows, local, piece};
 use super::watch::{SpringPeaks, Watch};
+use super::{Wanted, Work};
 use crate::chain::Scene;
 
 /// Steps looked into side by side.
@@ -60,8 +60,8 @@ pub struct Search<'a> {
     pub crossings: [Vec<f64>; 2],
     /// Springs of which one of these has changed.
     pub changed: Vec<usize>,
-    /// Steps looked into.
-    pub looked: u64,
+    /// What was done.
+    pub work: Work,
     /// Sides that stood at their rating and have not left it, and the lowest they were seen at.
     at_rating: Vec<(usize, bool, f64)>,
 }
@@ -100,7 +100,7 @@ impl<'a> Search<'a> {
             levels,
             crossings,
             changed: Vec::new(),
-            looked: 0,
+            work: Work::default(),
             at_rating,
         };
         search.set_levels();
@@ -196,6 +196,7 @@ impl<'a> Search<'a> {
         ends: [[f64; 3]; 2],
         window: impl FnOnce() -> [[f64; WINDOW]; 2],
     ) {
+        self.work.considered += 1;
         let window = std::cell::LazyCell::new(window);
         let brackets = brackets(ends, remainder);
         let [least, greatest] = slopes(ends, remainder);
@@ -315,6 +316,7 @@ impl<'a> Search<'a> {
         let sign = if negative { -1.0 } else { 1.0 };
         self.windows.set(self.open.len(), self.motion, &step, spring, window, sign);
         self.open.push(open);
+        self.work.kept += 1;
         if self.open.len() == LANES || self.sides[spring][usize::from(negative)].at_rating {
             self.look();
         }
@@ -369,7 +371,7 @@ impl<'a> Search<'a> {
             for (lane, open) in look.lanes.iter_mut().zip(&open) {
                 *lane = lane_of(self.scene, &self.watch, open);
             }
-            let found = pulp::Arch::new().dispatch(&mut look);
+            let found = super::vectors::widest().dispatch(&mut look);
             open.iter().enumerate().for_each(|(lane, open)| self.note(open, lane, &found));
         }
         open.clear();
@@ -389,7 +391,7 @@ impl<'a> Search<'a> {
         if !self.is_open(open) {
             return;
         }
-        self.looked += 1;
+        self.work.refinements += 1;
         let local = || found.local(lane, &step);
         let horizon = self.watch.horizon();
         let end = end_of(&step, horizon);
@@ -425,9 +427,8 @@ impl<'a> Search<'a> {
         self.set_levels();
     }
 
-    /// Looks into all that is still open. Returns the peaks, or `None` if forces did not pass what was expected, and
-    /// the number of looks.
-    pub fn finish(mut self) -> (Option<Vec<SpringPeaks>>, u64) {
+    /// Looks into all that is still open. Returns the peaks, or `None` if forces did not pass what was expected, and the work.
+    pub fn finish(mut self) -> (Option<Vec<SpringPeaks>>, Work) {
         self.look_into_all();
         let short = self.falls_short();
         for (spring, negative) in self.watch.sides() {
@@ -438,7 +439,7 @@ impl<'a> Search<'a> {
         for (spring, negative, lowest) in std::mem::take(&mut self.at_rating) {
             self.watch.decide_at_rating(spring, negative, lowest);
         }
-        ((!short).then_some(self.watch.peaks), self.looked)
+        ((!short).then_some(self.watch.peaks), self.work)
     }
 
     /// Values of one spring's force since the event at times within a step; `at` as for [`piece`].

@@ -390,7 +390,7 @@ pub(super) trait WithRows<T> {
 
 /// Runs a task with the widest vectors of the processor.
 pub(super) fn dispatch<T: Number, W: WithRows<T>>(task: W) -> W::Output {
-    pulp::Arch::new().dispatch(Task(task, PhantomData))
+    super::vectors::widest().dispatch(Task(task, PhantomData))
 }
 
 struct Task<T, W>(W, PhantomData<T>);

@@ -31,6 +31,7 @@ pub mod search;
 pub mod series;
 pub mod statics;
 pub mod sums;
+pub mod vectors;
 mod view;
 pub mod watch;
 
@@ -74,6 +75,10 @@ pub struct Work {
     pub mode_sums: u64,
     /// Spring values computed while marching through time.
     pub marched: u64,
+    /// Steps of a spring in which a march's quick bounds leave open whether its force matters there.
+    pub considered: u64,
+    /// Those that were kept to be looked into, of each sense.
+    pub kept: u64,
     /// Pieces of time examined closely.
     pub refinements: u64,
 }

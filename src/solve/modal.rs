@@ -120,7 +120,7 @@ fn defect(chain: &Chain, source: usize, path: &Path, modes: &[Mode], drive: &[Dd
     let masses: Vec<usize> = (0..chain.mass.len()).filter(live).collect();
     let squares = |masses: &[usize]| {
         let nodes = masses.iter().map(|&v| path.mass_node(v)).collect::<Vec<_>>();
-        let sum = pulp::Arch::new().dispatch(Sum { nodes: &nodes, modes, drive });
+        let sum = super::vectors::widest().dispatch(Sum { nodes: &nodes, modes, drive });
         let missed = |(lane, &v): (usize, &usize)| {
             let root = Dd::from(chain.mass[v]).sqrt();
             // The path's own sign convention: masses alternate.

@@ -149,7 +149,6 @@ struct CaseSearch<'a> {
     to_mark: Option<Vec<SpringPeaks>>,
     /// What forces are expected to pass up to the horizon; used after the mark.
     later: Option<Levels>,
-    work: Work,
 }
 
 impl<'a> CaseSearch<'a> {
@@ -160,8 +159,7 @@ impl<'a> CaseSearch<'a> {
             search.expect(&first, of.wanted);
             later
         });
-        let (wanted, mark, to_mark, work) = (of.wanted, of.mark, Some(Vec::new()), Work::default());
-        CaseSearch { search, wanted, mark, later, to_mark, work }
+        CaseSearch { search, wanted: of.wanted, mark: of.mark, later, to_mark: Some(Vec::new()) }
     }
 
     /// Extremes up to the mark, which lies within the step: looks into all that is open, and the step up to the mark.
@@ -170,9 +168,7 @@ impl<'a> CaseSearch<'a> {
         let Some(mark) = self.mark.take() else { return };
         self.search.look_into_all();
         let search = self.search.until(mark);
-        let (peaks, looked) = dispatch(LastStep { view, chain, search }).finish();
-        self.work.refinements += looked - self.search.looked;
-        self.to_mark = peaks;
+        (self.to_mark, self.search.work) = dispatch(LastStep { view, chain, search }).finish();
         if let Some(later) = &self.later {
             self.search.expect(later, self.wanted);
         }
@@ -180,9 +176,8 @@ impl<'a> CaseSearch<'a> {
 
     /// What was found; `None` if forces did not pass what was expected.
     fn finish(self) -> Option<Peaks> {
-        let CaseSearch { search, mark, to_mark, mut work, .. } = self;
-        let (peaks, looked) = search.finish();
-        work.refinements += looked;
+        let CaseSearch { search, mark, to_mark, .. } = self;
+        let (peaks, work) = search.finish();
         // The last step may round to end just before a mark.
         let to_mark = if mark.is_some() { peaks.clone() } else { to_mark };
         Some(([peaks?, to_mark?], work))
@@ -286,7 +281,7 @@ impl StepObserver for PeaksObserver<'_> {
         });
         for (chain, case) in cases.iter_mut().enumerate().filter(|(chain, _)| !view.is_over(*chain)) {
             let springs = case.search.levels[0].len();
-            case.work.marched += springs as u64;
+            case.search.work.marched += springs as u64;
             case.search.note_all_left_rating(&view.step(chain), |end, spring| view.force(end, chain, spring));
             levels.update(chain, &mut case.search);
             if view.is_last(chain) && !view.layout.is_cut {

@@ -107,7 +107,7 @@ impl Path {
     pub fn modes(&self) -> Vec<Mode> {
         let brackets = self.bisect();
         let first: Vec<usize> = (0..brackets.len()).step_by(LANES).collect();
-        let group = |first: usize| pulp::Arch::new().dispatch(Group { path: self, brackets: &brackets, first });
+        let group = |first: usize| super::vectors::widest().dispatch(Group { path: self, brackets: &brackets, first });
         first.into_par_iter().flat_map_iter(group).collect()
     }
 
@@ -318,7 +318,7 @@ fn choose_twist(gamma: &[Lanes], lane: usize, copy: usize) -> usize {
 
 /// How many eigenvalues of the path lie below each shift.
 fn below(weight: &[f64], shift: &[f64; LANES]) -> [usize; LANES] {
-    pulp::Arch::new().dispatch(Below { weight, shift })
+    super::vectors::widest().dispatch(Below { weight, shift })
 }
 
 struct Below<'a> {

@@ -58,7 +58,7 @@ pub fn piece(motion: &Motion, step: &Step, spring: usize, at: impl Fn(usize, usi
     let window = windows(motion.ahead.len(), spring, at);
     let mut one = Windows::<1>::NONE;
     one.set(0, motion, step, spring, &window, 1.0);
-    local(&pulp::Arch::new().dispatch(&mut one), 0, step)
+    local(&super::vectors::widest().dispatch(&mut one), 0, step)
 }
 
 /// One lane's polynomial over a step.

@@ -200,7 +200,7 @@ impl<'a> Field<'a> {
     /// While the force acts, `1 - cos` is computed as `2 sin^2` of half the phase: short pulses lose no digits.
     pub(super) fn coordinates(&self, stretch: &Stretch, t: Dd) -> Vec<Coordinates> {
         let tau = t - Dd::from(stretch.reference);
-        let phases = pulp::Arch::new().dispatch(Phases { omega: &self.modes.omega, time: tau });
+        let phases = super::vectors::widest().dispatch(Phases { omega: &self.modes.omega, time: tau });
         let at = |(phase, &a): (f64, &f64)| {
             let (sin, cos) = phase.sin_cos();
             if stretch.sine {
@@ -236,7 +236,7 @@ impl<'a> Field<'a> {
             (0..5).for_each(|n| modes[j / LANES][n][j % LANES] = of[n]);
         }
         let terms = terms(resolved.checked_sub(1).map_or(0.0, |last| self.omega[last] * radius));
-        let mut coefficient = pulp::Arch::new().dispatch(Series { modes: &modes, terms });
+        let mut coefficient = super::vectors::widest().dispatch(Series { modes: &modes, terms });
         // Unresolved modes count with their average.
         let fast = resolved..self.omega.len();
         let average = |j: usize| if stretch.sine { 0.0 } else { -stretch.amplitude[j] * share[j] };

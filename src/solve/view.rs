@@ -176,7 +176,7 @@ impl View<'_> {
         row: usize,
         last: [bool; LANES],
     ) -> Option<([f64; LANES], [f64; LANES])> {
-        pulp::Arch::new().dispatch(Closer { view: self, levels, row, last })
+        super::vectors::widest().dispatch(Closer { view: self, levels, row, last })
     }
 
     /// How far the bounds of a row's springs pass what matters, given their second remainders.

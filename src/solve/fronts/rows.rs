@@ -106,7 +106,7 @@ pub fn pairs(t: f64) -> usize {
 
 /// Adds what the tasks, which are in the order of time, ask for to their sums.
 pub fn collect(tasks: &[Task], waves: &[Wave], sums: &mut [Sums]) {
-    pulp::Arch::new().dispatch(Collection { tasks, waves, sums });
+    crate::solve::vectors::widest().dispatch(Collection { tasks, waves, sums });
 }
 
 /// Value and rate of change of the front at every distance, from 0 on, by the recurrence at one instant.

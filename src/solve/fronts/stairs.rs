@@ -71,7 +71,7 @@ pub fn all() -> &'static [Stairs] {
             all
         }
     }
-    ALL.get_or_init(|| pulp::Arch::new().dispatch(All))
+    ALL.get_or_init(|| crate::solve::vectors::widest().dispatch(All))
 }
 
 /// Place of a distance's steps among those of all.

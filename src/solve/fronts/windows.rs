@@ -105,7 +105,7 @@ impl<'a> Windows<'a> {
 
     /// Finds the cells of all springs that are worth a look.
     pub fn find(&mut self, watch: &Watch) {
-        pulp::Arch::new().dispatch(Search { windows: self, watch });
+        crate::solve::vectors::widest().dispatch(Search { windows: self, watch });
     }
 
     /// Finds those of one spring.

@@ -88,3 +88,19 @@ fn a_pulse_may_end_just_before_the_horizon() {
         }
     }
 }
+
+/// Without vectors all is the same to the last bit, of one chain and of several side by side, and so is the work.
+#[test]
+fn vectors_change_nothing() {
+    let scenes = [unequal(f64::INFINITY), Scene { horizon: 110.0, ..unequal(f64::INFINITY) }];
+    let pulse = unequal(20.0);
+    let find = || {
+        let together = peaks(&scenes.each_ref().map(march_ask));
+        format!("{together:?} {:?}", peaks(&[march_ask(&pulse)]))
+    };
+    let with = find();
+    super::super::vectors::use_scalars(true);
+    let without = find();
+    super::super::vectors::use_scalars(false);
+    assert_eq!(with, without);
+}

@@ -316,9 +316,10 @@ impl View<'_> {
             if !rows.any_larger(rows.mul_add(most_norm, remainder, rows.max(before, excess)), zero) {
                 continue;
             }
-            for row in self.open_rows(rows, &levels.levels, block, whole) {
+            let bounds = self.norms(block, whole);
+            for row in self.open_rows(rows, &levels.levels, block, bounds[0]) {
                 let of = [&levels.levels, &levels.crossings];
-                let Some((open, remainders)) = self.open_springs(of, row, last) else { continue };
+                let Some((open, remainders)) = self.open_springs(of, row, bounds, last) else { continue };
                 for lane in (0..LANES).filter(|&lane| open[lane] > 0.0) {
                     see(self.layout.chain(lane), self.layout.number(row, lane), remainders[lane], levels);
                 }

@@ -308,8 +308,9 @@ impl StepObserver for Recorder<'_> {
     fn see<S: Simd, const H: usize>(&mut self, rows: Rows<S, H>, view: &View) {
         let (mut any, whole) = (false, view.whole_energy());
         for block in 0..view.layout.blocks() {
-            for row in view.open_rows(rows, &self.levels, block, whole) {
-                let Some((open, remainders)) = view.open_springs([&self.levels; 2], row, [false; LANES]) else {
+            let bounds = view.norms(block, whole);
+            for row in view.open_rows(rows, &self.levels, block, bounds[0]) {
+                let Some((open, remainders)) = view.open_springs([&self.levels; 2], row, bounds, [false; LANES]) else {
                     continue;
                 };
                 for lane in (0..LANES).filter(|&lane| open[lane] > 0.0) {

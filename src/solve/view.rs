@@ -142,18 +142,19 @@ impl View<'_> {
         v.max(most, v.sub(zero, least))
     }
 
-    /// Rows of a block in which the quick bound of some spring's G, or -G, over the step passes its level in `levels`.
+    /// Rows of a block in which the quick bound of some spring's G, or -G, over the step passes its level in `levels`; `norms` are the
+    /// first of [`Self::norms`].
     #[inline(always)]
     pub(super) fn open_rows<S: Simd, const H: usize>(
         &self,
         v: Rows<S, H>,
         levels: &[Aligned; 2],
         block: usize,
-        whole: [f64; LANES],
+        norms: [f64; LANES],
     ) -> impl Iterator<Item = usize> + use<S, H> {
         let inner = self.layout.block(block);
         let (from, count) = (inner.start, inner.len());
-        let norm = v.of(&self.norms(block, whole)[0])[0];
+        let norm = v.of(&norms)[0];
         let bounds = QuickBounds {
             force: [&v.of(self.force[0])[inner.clone()], &v.of(self.force[1])[inner.clone()]],
             bend: [&v.of(self.bend[0])[inner.clone()], &v.of(self.bend[1])[inner.clone()]],
@@ -168,15 +169,16 @@ impl View<'_> {
     }
 
     /// By how much the bounds of a row's springs over the step pass their levels (positive where they do), and the second remainders of
-    /// those springs; `None` if no bound does. `levels` are [levels, crossings], each per sign and spring: G, or -G, must pass its level,
+    /// those springs; `None` if no bound does. `bounds` are the [`Self::norms`] of the row's block; `levels` are [levels, crossings], each per sign and spring: G, or -G, must pass its level,
     /// and its crossing if it rises through the whole step ([`excess`]).
     pub(super) fn open_springs(
         &self,
         levels: [&[Aligned; 2]; 2],
         row: usize,
+        bounds: [[f64; LANES]; 2],
         last: [bool; LANES],
     ) -> Option<([f64; LANES], [f64; LANES])> {
-        super::vectors::widest().dispatch(Closer { view: self, levels, row, last })
+        super::vectors::widest().dispatch(Closer { view: self, levels, row, bounds, last })
     }
 
     /// How far the bounds of a row's springs pass what matters, given their second remainders.
@@ -254,6 +256,7 @@ struct Closer<'a> {
     view: &'a View<'a>,
     levels: [&'a [Aligned; 2]; 2],
     row: usize,
+    bounds: [[f64; LANES]; 2],
     last: [bool; LANES],
 }
 
@@ -262,8 +265,7 @@ impl pulp::WithSimd for Closer<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Self::Output {
-        let Closer { view, levels, row, last } = self;
-        let bounds = view.norms(view.layout.block_of(row), view.whole_energy());
+        let Closer { view, levels, row, bounds, last } = self;
         let remainder = lanes(&view.remainders[1], row);
         let of_norms = |norms: [f64; LANES]| {
             let mut remainders = remainder;

@@ -23,7 +23,7 @@ const MOST_CASES: u64 = 500;
 /// With so many variations of loads and ratings of one chain, or more, its response is computed once and shared.
 const LEAST_REPEATS: usize = 10;
 /// Memory of a chain's response, roughly, bytes per square of its springs, and the limit for those of a train.
-const SPRING_BYTES: usize = 64;
+const SPRING_BYTES: usize = 26;
 const MOST_BYTES: usize = REMEMBERED / 2;
 
 /// Cases of all variations of all trains, in order, cut into chunks.

@@ -33,6 +33,13 @@ pub struct Step {
     pub force: f64,
 }
 
+impl Step {
+    /// Its end.
+    pub fn end(&self) -> f64 {
+        self.from + self.width
+    }
+}
+
 /// Forces of the springs around at both ends of a step; `at` as for [`piece`].
 #[inline(always)]
 pub(crate) fn windows(springs: usize, spring: usize, at: impl Fn(usize, usize) -> f64) -> [[f64; WINDOW]; 2] {
@@ -46,7 +53,7 @@ pub(crate) fn windows(springs: usize, spring: usize, at: impl Fn(usize, usize) -
 
 /// Places of a window round a spring that lie in the chain, and the springs there.
 #[inline(always)]
-fn around(springs: usize, spring: usize) -> (Range<usize>, Range<usize>) {
+pub(super) fn around(springs: usize, spring: usize) -> (Range<usize>, Range<usize>) {
     let from = CENTRE.saturating_sub(spring);
     let until = WINDOW.min(springs + CENTRE - spring);
     (from..until, from + spring - CENTRE..until + spring - CENTRE)

@@ -5,8 +5,12 @@
 //! last record; it first passes its rating in the first record over the level `(rating - F_i(0)) / |f|`, and the
 //! instant follows from the forces at both ends of that step, as along a march ([`super::pieces`]).
 //!
+//! A front that passes brings a record in each of many steps, at the ends of all but the last of these. Of such a run the last record
+//! is kept; the others are among the forces at the steps' ends, which are kept around the springs with a record.
+//!
 //! Bound: |f| times that of R, and the rounding of the product and of the sum.
 
+use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use pulp::Simd;
@@ -14,7 +18,7 @@ use pulp::Simd;
 use super::lanes::{Aligned, LANES, Layout, Rows};
 use super::local::{Local, Point};
 use super::motion::{Motion, bracket, slopes};
-use super::pieces::{Step, piece};
+use super::pieces::{Step, around, piece};
 use super::propagator::{self, Marched, StepKind, StepObserver, march};
 use super::view::View;
 use super::watch::{Side, SpringPeaks, bound_of_extremes};
@@ -37,25 +41,26 @@ pub struct UnitResponse {
     largest: f64,
     /// Steps with a record.
     steps: Vec<Kept>,
-    rows: Vec<Row>,
+    forces: Forces,
     /// Records of R and of -R, spring by spring.
-    records: Vec<[Vec<Record>; 2]>,
+    runs: Vec<[Vec<Run>; 2]>,
     /// The horizon and the mark that were asked for last, and the largest R and -R up to them.
     latest: Mutex<Option<([f64; 2], Tops)>>,
 }
 
-/// A step, and the places of the forces at its ends.
+/// A step, and the number of the instant at its beginning; the next one is at its end.
 #[derive(Debug)]
 struct Kept {
     step: Step,
-    rows: [usize; 2],
+    instant: u32,
 }
 
-/// Forces of all springs at an instant; those before and behind these are zero.
-#[derive(Debug)]
-struct Row {
-    first: usize,
-    forces: Box<[f64]>,
+/// Forces at instants, of the springs from the first to the last that are needed, one behind the other.
+#[derive(Debug, Default)]
+struct Forces {
+    values: Vec<f64>,
+    /// The first spring of each instant, and the place of its force.
+    first: Vec<[u32; 2]>,
 }
 
 /// The largest value of a side up to the horizon, and up to the mark: 0 at t = 0 before the first record.
@@ -64,10 +69,12 @@ type Top = [Point; 2];
 /// Those of R and of -R, spring by spring.
 type Tops = Arc<[[Top; 2]]>;
 
-/// A new largest value, and the number of its step among those that are kept.
+/// Records in steps that follow each other, by their numbers among those that are kept: new largest values, each at the end of its step but
+/// for the last one, `top`.
 #[derive(Clone, Copy, Debug)]
-struct Record {
-    step: u32,
+struct Run {
+    first: u32,
+    last: u32,
     top: Point,
 }
 
@@ -80,11 +87,11 @@ pub struct Mapping {
     pub time: Option<f64>,
 }
 
-/// A side that certainly passes its rating after t = 0: which, and in which record.
+/// A side that certainly passes its rating after t = 0: which, and in which of the steps that are kept.
 struct Passing {
     spring: usize,
     negative: bool,
-    record: Record,
+    step: u32,
 }
 
 impl UnitResponse {
@@ -98,26 +105,29 @@ impl UnitResponse {
         let layout = Layout::new(&[springs]);
         let mut levels = [0, 1].map(|_| Aligned::new(layout.len(), f64::INFINITY));
         levels.iter_mut().for_each(|row| layout.put(row, 0, rise.clone()));
-        let (steps, rows, records) = (Vec::new(), Vec::new(), vec![Default::default(); springs]);
-        let horizon = scene.horizon;
+        let (steps, forces, runs) = (Vec::new(), Forces::default(), vec![Default::default(); springs]);
+        let (horizon, found, kept) = (scene.horizon, NO_SPRINGS, NO_SPRINGS);
         let mut recorder =
-            Recorder { horizon, motion: &motion, levels, min_rise, last: u64::MAX, steps, rows, records };
+            Recorder { horizon, motion: &motion, levels, min_rise, last: u64::MAX, found, kept, steps, forces, runs };
         let marched = Marched { scene, motion: &motion, omega: omega_max };
         march(&[marched], StepKind::exact(propagator::KICK_TERMS), &mut recorder);
-        let Recorder { steps, rows, mut records, .. } = recorder;
-        records.iter_mut().flatten().for_each(Vec::shrink_to_fit);
-        let tops = records.iter().flatten().filter_map(|of_side| Some(of_side.last()?.top.value));
+        let Recorder { mut steps, mut forces, mut runs, .. } = recorder;
+        steps.shrink_to_fit();
+        forces.values.shrink_to_fit();
+        forces.first.shrink_to_fit();
+        runs.iter_mut().flatten().for_each(Vec::shrink_to_fit);
+        let tops = runs.iter().flatten().filter_map(|of_side| Some(of_side.last()?.top.value));
         let largest = tops.fold(0.0, f64::max);
         let latest = Mutex::default();
-        UnitResponse { horizon, bound: bound_of_extremes(bound), largest, steps, rows, records, latest, motion }
+        UnitResponse { horizon, bound: bound_of_extremes(bound), largest, steps, forces, runs, latest, motion }
     }
 
     /// Approximate memory, bytes.
     pub fn bytes(&self) -> usize {
-        let records: usize = self.records.iter().flatten().map(|of_side| size_of_val(of_side.as_slice())).sum();
-        let rows: usize = self.rows.iter().map(|row| size_of::<Row>() + size_of_val(&*row.forces)).sum();
-        let of_spring = size_of::<[Vec<Record>; 2]>() + size_of::<[Top; 2]>() + size_of::<[f64; 6]>();
-        records + rows + size_of_val(self.steps.as_slice()) + self.records.len() * of_spring
+        let runs: usize = self.runs.iter().flatten().map(|of_side| size_of_val(of_side.as_slice())).sum();
+        let forces = size_of_val(&*self.forces.values) + size_of_val(&*self.forces.first);
+        let of_spring = size_of::<[Vec<Run>; 2]>() + size_of::<[Top; 2]>() + size_of::<[f64; 6]>();
+        size_of::<UnitResponse>() + runs + forces + size_of_val(&*self.steps) + self.runs.len() * of_spring
     }
 
     /// Extremes of every spring of a scene whose response this is; `None` where its bound is over the tolerance, or a spring's force
@@ -137,7 +147,7 @@ impl UnitResponse {
         let mut to_mark = Vec::with_capacity(if ask.mark.is_some() { springs } else { 0 });
         let mut passing: Vec<Passing> = Vec::new();
         for i in 0..springs {
-            let (of_spring, records) = (&tops[place(i)], &self.records[place(i)]);
+            let of_spring = &tops[place(i)];
             let mut side = |negative: bool| {
                 let top = &of_spring[usize::from(negative != turned)];
                 let (before, rating) = before(scene, i, negative);
@@ -150,10 +160,9 @@ impl UnitResponse {
                 };
                 let (best, first) = (largest(top[0], scene.horizon), (before > rating).then_some(0.0));
                 if first.is_none() && best.value > rating + bound {
-                    let over = |record: &Record| before + size * record.top.value > rating + bound;
-                    let records = &records[usize::from(negative != turned)];
-                    let record = records[records.partition_point(|record| !over(record))];
-                    passing.push(Passing { spring: i, negative, record });
+                    let over = |value: f64| before + size * value > rating + bound;
+                    let step = self.first_over(place(i), negative != turned, over);
+                    passing.push(Passing { spring: i, negative, step });
                 }
                 let up_to = |best: Point| Side::known(best, first, best.value > rating - bound);
                 Some([up_to(best), up_to(largest(top[1], mark))])
@@ -167,15 +176,14 @@ impl UnitResponse {
         // For the worst only the earliest exceedance of all must be exact.
         let over_at_once =
             peaks.iter().any(|p: &SpringPeaks| p.draft.first_over.is_some() || p.buff.first_over.is_some());
-        let earliest = if over_at_once { None } else { passing.iter().map(|p| p.record.step).min() };
-        for Passing { spring, negative, record } in passing {
-            let step = &self.steps[record.step as usize].step;
-            let is_exact = ask.wanted == Wanted::Everything || Some(record.step) == earliest;
+        let earliest = if over_at_once { None } else { passing.iter().map(|p| p.step).min() };
+        for Passing { spring, negative, step } in passing {
+            let is_exact = ask.wanted == Wanted::Everything || Some(step) == earliest;
             let at = if is_exact {
                 let (before, rating) = before(scene, spring, negative);
-                self.passes(record, place(spring), negative != turned, (rating - before) / size)
+                self.passes(step, place(spring), negative != turned, (rating - before) / size)
             } else {
-                step.from + step.width
+                self.steps[step as usize].step.end()
             };
             let over = |peaks: &mut SpringPeaks, until: f64| {
                 let side = if negative { &mut peaks.buff } else { &mut peaks.draft };
@@ -217,12 +225,12 @@ impl UnitResponse {
         if let Some((_, tops)) = latest.as_ref().filter(|(known, _)| *known == until) {
             return tops.clone();
         }
-        let springs = 0..self.records.len();
+        let springs = 0..self.runs.len();
         let [horizon, mark] = until.map(|until| {
             // Steps that end by then; the last one may round to end just before or behind the horizon.
             let is_all = until >= self.horizon * (1.0 - 8.0 * f64::EPSILON);
-            let ended = self.steps.partition_point(|kept| is_all || kept.step.from + kept.step.width <= until);
-            let top = |s: usize, negative: bool| self.top(s, negative, ended, until);
+            let ended = self.steps.partition_point(|kept| is_all || kept.step.end() <= until);
+            let top = |s: usize, negative: bool| self.top(s, negative, ended as u32, until);
             springs.clone().map(|s| [top(s, false), top(s, true)]).collect::<Vec<_>>()
         });
         let tops: Tops = springs.map(|s| [0, 1].map(|side| [horizon[s][side], mark[s][side]])).collect();
@@ -231,13 +239,19 @@ impl UnitResponse {
     }
 
     /// The largest value of a side up to an instant by which `ended` kept steps have ended.
-    fn top(&self, spring: usize, negative: bool, ended: usize, until: f64) -> Point {
-        let records = &self.records[spring][usize::from(negative)];
-        let before = records.partition_point(|record| (record.step as usize) < ended);
-        let best = before.checked_sub(1).map_or(Point { at: 0.0, value: 0.0 }, |last| records[last].top);
-        let next = records.get(before).filter(|next| next.step as usize == ended);
-        let cut = next.and_then(|next| {
-            let local = self.force(*next, spring, negative);
+    fn top(&self, spring: usize, negative: bool, ended: u32, until: f64) -> Point {
+        let runs = &self.runs[spring][usize::from(negative)];
+        let (begun, later) = runs.split_at(runs.partition_point(|run| run.first < ended));
+        let best = begun.last().map_or(Point { at: 0.0, value: 0.0 }, |run| {
+            if run.last < ended {
+                run.top
+            } else {
+                self.forces.at_end(&self.steps[ended as usize - 1], spring, negative)
+            }
+        });
+        let is_cut =
+            begun.last().is_some_and(|run| run.last >= ended) || later.first().is_some_and(|run| run.first == ended);
+        let cut = is_cut.then(|| self.force(ended, spring, negative)).and_then(|local| {
             let end = ((until - local.center) / local.radius).min(1.0);
             let top = if end > -1.0 { local.largest(-1.0, end, best.value) } else { None }?;
             Some(Point { at: local.time(top.at), value: top.value })
@@ -245,16 +259,25 @@ impl UnitResponse {
         cut.unwrap_or(best)
     }
 
-    /// A side's response over the step of a record.
-    fn force(&self, record: Record, spring: usize, negative: bool) -> Local {
-        let Kept { step, rows } = &self.steps[record.step as usize];
-        let local = piece(&self.motion, step, spring, |end, s| self.rows[rows[end]].at(s));
+    /// The first step with a record of a side for whose value `over` holds; the last record is one.
+    fn first_over(&self, spring: usize, negative: bool, over: impl Fn(f64) -> bool) -> u32 {
+        let runs = &self.runs[spring][usize::from(negative)];
+        let run = runs.partition_point(|run| !over(run.top.value)).min(runs.len() - 1);
+        let Run { first, last, .. } = runs[run];
+        let is_under = |kept: &Kept| !over(self.forces.at_end(kept, spring, negative).value);
+        first + self.steps[first as usize..last as usize].partition_point(is_under) as u32
+    }
+
+    /// A side's response over a step in which it has a record.
+    fn force(&self, step: u32, spring: usize, negative: bool) -> Local {
+        let Kept { step, instant } = &self.steps[step as usize];
+        let local = piece(&self.motion, step, spring, |end, s| self.forces.at(*instant as usize + end, s));
         if negative { local.negated() } else { local }
     }
 
-    /// When a side passes a level, which it does in a record's step.
-    fn passes(&self, record: Record, spring: usize, negative: bool, level: f64) -> f64 {
-        let local = self.force(record, spring, negative);
+    /// When a side passes a level, which it does in a step with a record.
+    fn passes(&self, step: u32, spring: usize, negative: bool, level: f64) -> f64 {
+        let local = self.force(step, spring, negative);
         local.time(local.first_over(-1.0, 1.0, level).unwrap_or(1.0))
     }
 }
@@ -277,17 +300,30 @@ fn before(scene: &Scene, spring: usize, negative: bool) -> (f64, f64) {
     }
 }
 
-impl Row {
-    fn new(forces: &[f64]) -> Row {
-        let first = forces.iter().position(|f| *f != 0.0).unwrap_or(0);
-        let end = forces.iter().rposition(|f| *f != 0.0).map_or(first, |last| last + 1);
-        Row { first, forces: forces[first..end].into() }
+impl Forces {
+    fn at(&self, instant: usize, spring: usize) -> f64 {
+        let [first, place] = self.first[instant];
+        self.values[place as usize + spring - first as usize]
     }
 
-    fn at(&self, spring: usize) -> f64 {
-        self.forces.get(spring.wrapping_sub(self.first)).copied().unwrap_or(0.0)
+    /// A side's response at the end of a step.
+    fn at_end(&self, Kept { step, instant }: &Kept, spring: usize, negative: bool) -> Point {
+        let value = self.at(*instant as usize + 1, spring);
+        Point { at: step.end(), value: if negative { -value } else { value } }
+    }
+
+    fn add(&mut self, springs: &Range<usize>, force: impl Fn(usize) -> f64) {
+        self.first.push([springs.start as u32, self.values.len() as u32]);
+        self.values.extend(springs.clone().map(force));
     }
 }
+
+/// The springs from the first to the last of two ranges.
+fn hull(a: &Range<usize>, b: &Range<usize>) -> Range<usize> {
+    a.start.min(b.start)..a.end.max(b.end)
+}
+
+const NO_SPRINGS: Range<usize> = Range { start: usize::MAX, end: 0 };
 
 /// Takes the records out of a march.
 struct Recorder<'a> {
@@ -296,17 +332,20 @@ struct Recorder<'a> {
     /// Per sign and spring: what R, or -R, has to pass for a record; laid out in lanes.
     levels: [Aligned; 2],
     min_rise: f64,
-    /// The step whose end is the last row.
+    /// The step whose end is the last instant of the forces.
     last: u64,
+    /// The springs that records of this step need, and those of the last step that is kept.
+    found: Range<usize>,
+    kept: Range<usize>,
     steps: Vec<Kept>,
-    rows: Vec<Row>,
-    records: Vec<[Vec<Record>; 2]>,
+    forces: Forces,
+    runs: Vec<[Vec<Run>; 2]>,
 }
 
 impl StepObserver for Recorder<'_> {
     #[inline(always)]
     fn see<S: Simd, const H: usize>(&mut self, rows: Rows<S, H>, view: &View) {
-        let (mut any, whole) = (false, view.whole_energy());
+        let whole = view.whole_energy();
         for block in 0..view.layout.blocks() {
             let bounds = view.norms(block, whole);
             for row in view.open_rows(rows, &self.levels, block, bounds[0]) {
@@ -314,33 +353,33 @@ impl StepObserver for Recorder<'_> {
                     continue;
                 };
                 for lane in (0..LANES).filter(|&lane| open[lane] > 0.0) {
-                    any |= self.record(view, view.layout.number(row, lane), remainders[lane]);
+                    self.record(view, view.layout.number(row, lane), remainders[lane]);
                 }
             }
         }
-        if any {
+        if !self.found.is_empty() {
             self.keep(view);
         }
     }
 }
 
 impl Recorder<'_> {
-    /// Whether a spring has a record in a step; it is noted.
+    /// Notes a spring's records in a step.
     #[inline]
-    fn record(&mut self, view: &View, spring: usize, remainder: f64) -> bool {
+    fn record(&mut self, view: &View, spring: usize, remainder: f64) {
         let step = &view.step(0);
         let at = |end: usize, s: usize| view.force(end, 0, s);
+        let place = view.layout.place(0, spring);
         let ends = view.even_derivatives(self.motion, [0, spring]);
-        let mut any = false;
         for negative in [false, true] {
             let sign = if negative { -1.0 } else { 1.0 };
             let ends = ends.map(|even_derivatives| even_derivatives.map(|x| sign * x));
-            let level = self.levels[usize::from(negative)][view.layout.place(0, spring)];
+            let level = self.levels[usize::from(negative)][place];
             if bracket(ends, remainder)[1] <= level {
                 continue;
             }
             let top = if slopes(ends, remainder)[0] > 0.0 {
-                Some(Point { at: step.from + step.width, value: ends[1][0] }).filter(|end| end.value > level)
+                Some(Point { at: step.end(), value: ends[1][0] }).filter(|end| end.value > level)
             } else {
                 let local = piece(self.motion, step, spring, at);
                 let local = if negative { local.negated() } else { local };
@@ -348,24 +387,38 @@ impl Recorder<'_> {
                 local.largest(-1.0, end, level).map(|top| Point { at: local.time(top.at), value: top.value })
             };
             let Some(top) = top else { continue };
-            let record = Record { step: self.steps.len() as u32, top };
-            self.records[spring][usize::from(negative)].push(record);
-            self.levels[usize::from(negative)][view.layout.place(0, spring)] = top.value + self.min_rise;
-            any = true;
+            self.levels[usize::from(negative)][place] = top.value + self.min_rise;
+            self.found = hull(&self.found, &around(self.runs.len(), spring).1);
+            let this = self.steps.len() as u32;
+            let runs = &mut self.runs[spring][usize::from(negative)];
+            match (runs.last_mut(), self.steps.last()) {
+                // The record in the step before is at its end.
+                (Some(run), Some(before))
+                    if run.last + 1 == this && run.top == self.forces.at_end(before, spring, negative) =>
+                {
+                    (run.last, run.top) = (this, top);
+                }
+                _ => runs.push(Run { first: this, last: this, top }),
+            }
         }
-        any
     }
 
-    /// Keeps the forces at both ends of a step.
+    /// Keeps the forces at both ends of a step, around springs with a record in it.
     fn keep(&mut self, view: &View) {
-        let row = |end: usize| Row::new(&view.layout.gather(view.force[end], 0, self.records.len()));
-        // The end of the step before is the beginning of this one.
         let step = view.step(0);
-        if step.number == 0 || self.last != step.number - 1 {
-            self.rows.push(row(0));
+        let mut before = self.found.clone();
+        // The end of the step before is the beginning of this one.
+        if step.number > 0 && self.last == step.number - 1 {
+            before = hull(&before, &self.kept);
+            let place = self.forces.first.pop().map_or(0, |[_, place]| place);
+            self.forces.values.truncate(place as usize);
         }
-        self.rows.push(row(1));
-        self.last = step.number;
-        self.steps.push(Kept { step, rows: [self.rows.len() - 2, self.rows.len() - 1] });
+        self.steps.push(Kept { step, instant: self.forces.first.len() as u32 });
+        self.forces.add(&before, |s| view.force(0, 0, s));
+        self.forces.add(&self.found, |s| view.force(1, 0, s));
+        (self.last, self.kept) = (step.number, std::mem::replace(&mut self.found, NO_SPRINGS));
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -70,19 +70,23 @@ impl Shared<'_> {
 /// Responses by their keys, of bounded size; shared by threads.
 #[derive(Debug)]
 pub struct Responses {
-    /// Bytes that the younger half may have.
-    half: usize,
-    generations: Mutex<Generations>,
+    /// Bytes that they may have.
+    most: usize,
+    kept: Mutex<KeptEntries>,
     hits: AtomicU64,
     solved: AtomicU64,
 }
 
-/// Two generations: when the young one is full it becomes the old one, and the old one is forgotten.
+/// Entries by the hashes of their keys. Where there is no room for a new one, others leave at random: a fleet asks for the parts of one
+/// train after another, and where these do not fit together, the oldest of them are those that are needed next.
 #[derive(Debug, Default)]
-struct Generations {
-    young: HashMap<u64, Arc<Entry>>,
-    old: HashMap<u64, Arc<Entry>>,
+struct KeptEntries {
+    entries: HashMap<u64, Arc<Entry>>,
+    /// Those whose size is known, and their bytes.
+    hashes: Vec<u64>,
     bytes: usize,
+    /// The last random number.
+    random: u64,
 }
 
 /// A key, and the response once it is found; `None` where a march takes too long.
@@ -105,7 +109,7 @@ impl Responses {
     /// Responses of at most about this many bytes; with 0 none is kept, and every result is the same.
     pub fn new(bytes: usize) -> Responses {
         let (hits, solved) = (AtomicU64::new(0), AtomicU64::new(0));
-        Responses { half: bytes / 2, generations: Mutex::default(), hits, solved }
+        Responses { most: bytes, kept: Mutex::default(), hits, solved }
     }
 
     /// Scenes whose response was known, and responses and scenes that were marched or solved.
@@ -135,46 +139,43 @@ impl Responses {
 
     /// The entry of a key, made if needed, and whether it is kept.
     fn find_or_insert(&self, hash: u64, key: &ResponseKey) -> (Arc<Entry>, bool) {
-        let mut generations = self.generations.lock().unwrap_or_else(PoisonError::into_inner);
-        let generations = &mut *generations;
-        let known = generations.young.get(&hash).or_else(|| generations.old.get(&hash)).cloned();
-        let is_other = |entry: &Arc<Entry>| entry.key != *key;
-        if let Some(entry) = known.filter(|entry| !is_other(entry)) {
-            if generations.old.remove(&hash).is_some() {
-                generations.put(hash, entry.clone(), self.half);
-            }
-            return (entry, true);
+        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = kept.entries.get(&hash);
+        if let Some(entry) = known.filter(|entry| entry.key == *key) {
+            return (entry.clone(), true);
         }
-        let entry = Arc::new(Entry { key: key.own(), response: OnceLock::new() });
         // Two keys hardly ever have one hash: then the first stays.
-        let is_kept = self.half > 0 && !generations.young.contains_key(&hash) && !generations.old.contains_key(&hash);
+        let is_kept = self.most > 0 && known.is_none();
+        let entry = Arc::new(Entry { key: key.own(), response: OnceLock::new() });
         if is_kept {
-            generations.young.insert(hash, entry.clone());
+            kept.entries.insert(hash, entry.clone());
         }
         (entry, is_kept)
     }
 
     /// Takes account of the size of an entry whose response was just found.
-    fn count_size(&self, hash: u64, entry: &Arc<Entry>) {
-        let mut generations = self.generations.lock().unwrap_or_else(PoisonError::into_inner);
-        generations.young.remove(&hash);
-        generations.old.remove(&hash);
-        generations.put(hash, entry.clone(), self.half);
+    fn count_size(&self, hash: u64, entry: &Entry) {
+        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        let bytes = entry.bytes();
+        if bytes > self.most {
+            kept.entries.remove(&hash);
+            return;
+        }
+        kept.make_room(self.most - bytes);
+        kept.hashes.push(hash);
+        kept.bytes += bytes;
     }
 }
 
-impl Generations {
-    fn put(&mut self, hash: u64, entry: Arc<Entry>, half: usize) {
-        let bytes = entry.bytes();
-        if bytes > half {
-            return;
+impl KeptEntries {
+    /// Forgets entries until the others have at most so many bytes.
+    fn make_room(&mut self, most: usize) {
+        while self.bytes > most && !self.hashes.is_empty() {
+            // D. E. Knuth's generator for MMIX.
+            self.random = self.random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            let hash = self.hashes.swap_remove((self.random >> 33) as usize % self.hashes.len());
+            self.bytes -= self.entries.remove(&hash).map_or(0, |entry| entry.bytes());
         }
-        if self.bytes + bytes > half {
-            self.old = std::mem::take(&mut self.young);
-            self.bytes = 0;
-        }
-        self.young.insert(hash, entry);
-        self.bytes += bytes;
     }
 }
 
@@ -266,3 +267,6 @@ fn shared_horizon(springs: f64, horizon: f64) -> f64 {
     let longer = 4.0 * springs * doublings.exp2();
     if longer >= horizon { longer } else { 2.0 * longer }
 }
+
+#[cfg(test)]
+mod tests;

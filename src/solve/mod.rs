@@ -184,11 +184,8 @@ pub enum SolveError {
 /// # Ok::<(), trainsafe::solve::SolveError>(())
 /// ```
 pub fn solve(scene: &Scene, ask: &Ask) -> Result<Solution, SolveError> {
-    if scene.force == 0.0 {
-        return Ok(at_rest(scene, ask));
-    }
-    let plan = plan::choose(scene, ask)?;
-    Ok(plan::run(scene, ask, &plan, None))
+    // One scene has one result.
+    solve_all(&[(scene, *ask)]).pop().unwrap_or_else(|| Ok(at_rest(scene, ask)))
 }
 
 /// [`solve`] for several scenes. Breaks of chains of similar length that are marched take less time together; their results may differ from

@@ -132,7 +132,7 @@ pub(crate) fn cases_findings(
     if Motion::of(train, scenario) != Motion::Steps {
         let findings = |case: &Case| {
             let start = Instant::now();
-            let solved = case.solve();
+            let solved = case.solve()?;
             case_findings(case, solved, None, start.elapsed().as_secs_f64())
         };
         return cases.iter().map(findings).collect();
@@ -144,7 +144,7 @@ pub(crate) fn cases_findings(
     let seconds = start.elapsed().as_secs_f64() / cases.len().max(1) as f64;
     let findings = |(case, asked_parts): (&Case, &AskedParts)| {
         let solutions = solutions.by_ref().take(asked_parts.parts.len()).collect();
-        let solved = solved_by_parts(train, asked_parts, solutions, &case.options);
+        let solved = solved_by_parts(train, asked_parts, solutions, &case.options)?;
         case_findings(case, solved, rod_findings(&asked_parts.parts), seconds)
     };
     cases.iter().zip(&asked).map(findings).collect()
@@ -153,15 +153,15 @@ pub(crate) fn cases_findings(
 /// The findings of one case, from its solution, the rod's result where there is one, and the time that solving took, s.
 fn case_findings(
     case: &Case,
-    solved: Result<Solved, SolveError>,
+    solved: Solved,
     rod: Option<RodFindings>,
     solved_s: f64,
 ) -> Result<CaseFindings, SolveError> {
     let start = Instant::now();
     let Case { train, scenario, broken, horizon_s, passage_s, ref options, .. } = *case;
-    let safe_load_factor = solved.as_ref().ok().and_then(|solved| case.safe_load_factor(solved));
+    let safe_load_factor = case.safe_load_factor(&solved);
     let Solved { method, reason, error_bound_n, error_estimate_n, mut couplers, worst, left_out, to_mark, marched } =
-        solved?;
+        solved;
     let ending = marched.as_ref().and_then(|m| m.ending);
     let horizon_s = ending.map_or(horizon_s, |end| end.at_s);
     let cascade = cascade::find(train, scenario, broken, horizon_s, options)?.map(|found| found.note(&mut couplers));

@@ -13,7 +13,7 @@ use crate::doubts::doubts;
 use crate::findings::{self, Options, cases, require_case};
 use crate::solve::Wanted;
 use crate::solve::responses::{Responses, Shared};
-use crate::train::{Doubt, Train};
+use crate::train::{Doubt, Scenario, Train};
 
 /// Chunks of a run, if their size is within the limits that follow.
 const CHUNKS: u64 = 1000;
@@ -203,18 +203,18 @@ impl<'a> Plan<'a> {
         let cell = file_cell(&self.inputs.files[file]);
         self.keep(&cell, variation, &place.doubts);
         let shared = self.shared(&train);
-        let mut left = range.len();
-        for (scenario, first) in first_cases(&train, range.start) {
-            let of_scenario: Vec<Option<usize>> = cases(&scenario.event).into_iter().skip(first).take(left).collect();
-            left -= of_scenario.len();
+        let all: Vec<(&Scenario, Option<usize>)> = all_cases(&train).skip(range.start).take(range.len()).collect();
+        for of_scenario in all.chunk_by(|a, b| std::ptr::eq(a.0, b.0)) {
+            let scenario = of_scenario[0].0;
             for some in of_scenario.chunks(findings::cases_at_once(&train, scenario)) {
                 self.options.stop.check()?;
-                let found = findings::cases_findings(&train, scenario, some, &self.options, shared);
-                for (case, broken) in found.into_iter().zip(some) {
+                let broken: Vec<Option<usize>> = some.iter().map(|(_, broken)| *broken).collect();
+                let found = findings::cases_findings(&train, scenario, &broken, &self.options, shared);
+                for (case, broken) in found.into_iter().zip(broken) {
                     let case = match case {
                         Ok(case) => case,
                         Err(error) => {
-                            done.rows.fail(&place, Some((scenario, *broken)), &error.to_string());
+                            done.rows.fail(&place, Some((scenario, broken)), &error.to_string());
                             continue;
                         }
                     };
@@ -232,17 +232,7 @@ impl<'a> Plan<'a> {
     }
 }
 
-/// The scenarios of a train from its case `first` on, each with the first of its cases.
-fn first_cases(train: &Train, first: usize) -> impl Iterator<Item = (&crate::train::Scenario, usize)> {
-    let mut before = 0;
-    train.scenarios().iter().filter_map(move |scenario| {
-        let count = cases(&scenario.event).len();
-        before += count;
-        (before > first).then(|| (scenario, first.saturating_sub(before - count)))
-    })
-}
-
 /// The cases of a train: each scenario with each coupler that breaks in it.
-fn all_cases(train: &Train) -> impl Iterator<Item = (&crate::train::Scenario, Option<usize>)> {
+fn all_cases(train: &Train) -> impl Iterator<Item = (&Scenario, Option<usize>)> {
     train.scenarios().iter().flat_map(|s| cases(&s.event).into_iter().map(move |broken| (s, broken)))
 }

@@ -473,8 +473,7 @@ fn largest_rating_n(train: &Train) -> f64 {
 }
 
 /// The options of the solvers, in their units; results up to a mark, s, as well.
-fn ask(train: &Train, options: &Options, mark_s: Option<f64>) -> Ask {
-    let scales = Scales::of(train);
+fn ask(train: &Train, scales: &Scales, options: &Options, mark_s: Option<f64>) -> Ask {
     Ask {
         tolerance: options.tolerance * largest_rating_n(train) / scales.force_n,
         mark: mark_s.map(|mark_s| mark_s / scales.time_s),

@@ -1,6 +1,7 @@
 //! The work as numbered chunks of cases, the same for every thread, worker and attempt.
 
 use std::ops::Range;
+use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
 #[cfg(feature = "parquet")]
@@ -144,10 +145,14 @@ impl<'a> Plan<'a> {
     }
 
     /// Keeps the texts of doubts: of each kind that of a train's first variation with it.
-    fn keep(&self, file: &str, variation: usize, doubts: &[Doubt]) {
+    fn keep(&self, file: &Path, variation: usize, doubts: &[Doubt]) {
+        if doubts.is_empty() {
+            return;
+        }
+        let file = file_cell(file);
         let mut kept = self.doubts.lock().unwrap_or_else(PoisonError::into_inner);
         for doubt in doubts {
-            let first = kept.entry((file.to_owned(), doubt.code.to_owned())).or_insert((variation, doubt.clone()));
+            let first = kept.entry((file.clone(), doubt.code.to_owned())).or_insert((variation, doubt.clone()));
             // Chunks of one variation end in any order.
             if (variation, &doubt.text) < (first.0, &first.1.text) {
                 *first = (variation, doubt.clone());
@@ -179,12 +184,8 @@ impl<'a> Plan<'a> {
         let (file, variation) = (unit / variations, unit % variations);
         let varied = self.load(unit)?;
         let is_varied = self.inputs.study.is_some() && !self.inputs.fails_as_a_whole(file);
-        let mut place = Place {
-            file: self.inputs.files[file].display().to_string(),
-            variation: is_varied.then_some(variation + 1),
-            inputs: varied.cells,
-            doubts: vec![],
-        };
+        let path = &self.inputs.files[file];
+        let mut place = Place::new(path, is_varied.then_some(variation + 1), &varied.cells);
         let train = match varied.train {
             Ok(train) => train,
             Err(error) => {
@@ -200,8 +201,7 @@ impl<'a> Plan<'a> {
             return Ok(());
         }
         place.doubts = doubts(&train);
-        let cell = file_cell(&self.inputs.files[file]);
-        self.keep(&cell, variation, &place.doubts);
+        self.keep(path, variation, &place.doubts);
         let shared = self.shared(&train);
         let all: Vec<(&Scenario, Option<usize>)> = all_cases(&train).skip(range.start).take(range.len()).collect();
         for of_scenario in all.chunk_by(|a, b| std::ptr::eq(a.0, b.0)) {
@@ -219,7 +219,7 @@ impl<'a> Plan<'a> {
                         }
                     };
                     let found = findings::found(&train, scenario, std::slice::from_ref(&case));
-                    self.keep(&cell, variation, &found);
+                    self.keep(path, variation, &found);
                     #[cfg(feature = "parquet")]
                     if let Some(couplers) = &mut done.couplers {
                         couplers.add(&place, &train, &scenario.name, &case);

@@ -96,7 +96,7 @@ pub static COLUMNS: [Column; 33] = [
 impl Column {
     fn cell(&self, row: &CouplerRow) -> String {
         match self.cells {
-            Cells::Text(of) => of(row).map_or_else(String::new, |cell| text(&cell)),
+            Cells::Text(of) => of(row).map_or_else(String::new, |cell| text(&cell).into_owned()),
             Cells::Whole(of) => of(row).map_or_else(String::new, |cell| cell.to_string()),
             Cells::Number(of) => optional(of(row)),
             Cells::Flag(of) => of(row).map_or_else(String::new, |cell| cell.to_string()),

@@ -254,13 +254,13 @@ fn solved_by_parts(
         for ((couplers, worst_of_parts), springs) in within.iter_mut().zip([&solution.springs, &solution.to_mark]) {
             let first = couplers.len();
             let matters = ReportedCouplers::new(&part.scene, &solution, springs, ask.wanted);
-            for (i, spring) in springs.iter().enumerate() {
+            let all = springs.iter().enumerate().filter_map(|(i, peaks)| Some((i, peaks.as_ref()?)));
+            let reported = all.filter(|(i, peaks)| matters.has(*i, peaks));
+            couplers.reserve_exact(reported.clone().count());
+            couplers.extend(reported.map(|(i, peaks)| {
                 let bound = bound(i).filter(|_| options.all_time_bound);
-                let findings = |peaks| {
-                    coupler_findings(train, part.first_coupler + i, &CouplerPeaks::new(peaks, scales, error_n), bound)
-                };
-                couplers.extend(spring.as_ref().filter(|peaks| matters.has(i, peaks)).map(findings));
-            }
+                coupler_findings(train, part.first_coupler + i, &CouplerPeaks::new(peaks, scales, error_n), bound)
+            }));
             worst_of_parts.extend(worst(couplers, first..couplers.len(), error_n));
         }
     }

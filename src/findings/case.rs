@@ -251,9 +251,11 @@ fn solved_by_parts(
         let bound = |i: usize| solution.all_time_bounds.as_ref().map(|b| b[i] * scales.force_n);
         let left = solution.springs.iter().enumerate().filter(|(_, spring)| spring.is_none());
         left_out.extend(left.filter_map(|(i, _)| Some((part.first_coupler + i, bound(i)?))));
+        let ratings = part.scene.rated_draft.iter().chain(&part.scene.rated_buff);
+        let least_rating = ratings.fold(f64::INFINITY, |least, rating| least.min(*rating));
         for ((couplers, worst_of_parts), springs) in within.iter_mut().zip([&solution.springs, &solution.to_mark]) {
             let first = couplers.len();
-            let matters = ReportedCouplers::new(&part.scene, &solution, springs, ask.wanted);
+            let matters = ReportedCouplers::new(&part.scene, springs, ask.wanted, solution.error_bound / least_rating);
             let all = springs.iter().enumerate().filter_map(|(i, peaks)| Some((i, peaks.as_ref()?)));
             let reported = all.filter(|(i, peaks)| matters.has(*i, peaks));
             couplers.reserve_exact(reported.clone().count());
@@ -296,19 +298,13 @@ struct ReportedCouplers<'a> {
 }
 
 impl ReportedCouplers<'_> {
-    fn new<'a>(
-        scene: &'a Scene,
-        found: &Solution,
-        springs: &[Option<SpringPeaks>],
-        wanted: Wanted,
-    ) -> ReportedCouplers<'a> {
+    /// `error` is the most that a utilisation may be off.
+    fn new<'a>(scene: &'a Scene, springs: &[Option<SpringPeaks>], wanted: Wanted, error: f64) -> ReportedCouplers<'a> {
         let mut matters = ReportedCouplers { scene, least: f64::NEG_INFINITY };
         if wanted == Wanted::Worst {
             let uses =
                 springs.iter().enumerate().filter_map(|(i, peaks)| Some(matters.utilisation(i, peaks.as_ref()?)));
-            let ratings = scene.rated_draft.iter().chain(&scene.rated_buff);
-            let rating = ratings.fold(f64::INFINITY, |least, rating| least.min(*rating));
-            matters.least = uses.fold(0.0, f64::max) - 2.0 * found.error_bound / rating;
+            matters.least = uses.fold(0.0, f64::max) - 2.0 * error;
         }
         matters
     }

@@ -135,14 +135,16 @@ impl UnitResponse {
         let tops = self.tops([scene.horizon, mark].map(|until| mapping.in_its_unit(until)));
         // Up to the horizon and to the mark: the largest utilisation.
         let (mut most, mut least_rating) = ([0.0f64; 2], f64::INFINITY);
-        for (i, negative) in (0..springs).flat_map(|i| [(i, false), (i, true)]) {
-            let (before, rating) = before(scene, i, negative);
-            if before <= rating && before > rating - AT_RATING * bound {
-                return None;
+        for i in 0..springs {
+            for negative in [false, true] {
+                let (before, rating) = before(scene, i, negative);
+                if before <= rating && before > rating - AT_RATING * bound {
+                    return None;
+                }
+                let top = &tops[place(i)][usize::from(negative != turned)];
+                most = [0, 1].map(|until| most[until].max((before + size * top[until].value) / rating));
+                least_rating = least_rating.min(rating);
             }
-            let top = &tops[place(i)][usize::from(negative != turned)];
-            most = [0, 1].map(|until| most[until].max((before + size * top[until].value) / rating));
-            least_rating = least_rating.min(rating);
         }
         // Of the worst alone: a spring below these, and below its rating, is certainly not wanted.
         let least = most.map(|most| most - 4.0 * bound / least_rating);

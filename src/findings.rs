@@ -35,7 +35,7 @@ pub use idle_options::idle_options;
 pub use limits::{LimitFindings, LimitInSense};
 pub use load_search::LoadSearch;
 pub use map::{MapFindings, MapPoint};
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -246,7 +246,7 @@ pub struct CouplerFindings {
     /// Counted from 1 at the head.
     pub coupler: usize,
     /// Labels of the vehicles it joins.
-    pub between: [String; 2],
+    pub between: [Arc<str>; 2],
     /// Capacity in tension, N.
     pub rated_draft_n: f64,
     /// Capacity in compression, N, positive.
@@ -473,8 +473,7 @@ fn largest_rating_n(train: &Train) -> f64 {
 }
 
 /// The options of the solvers, in their units; results up to a mark, s, as well.
-fn ask(train: &Train, options: &Options, mark_s: Option<f64>) -> Ask {
-    let scales = Scales::of(train);
+fn ask(train: &Train, scales: &Scales, options: &Options, mark_s: Option<f64>) -> Ask {
     Ask {
         tolerance: options.tolerance * largest_rating_n(train) / scales.force_n,
         mark: mark_s.map(|mark_s| mark_s / scales.time_s),

@@ -123,8 +123,15 @@ pub(crate) fn longest_transit_s(train: &Train, broken: Option<usize>) -> f64 {
 /// The horizon of a scenario's case, s: the file's, or the last change of the forces from outside and four one-way wave transits
 /// of the longest part.
 pub fn horizon_s(train: &Train, scenario: &Scenario, broken: Option<usize>) -> f64 {
-    let by_itself = || last_change_s(train, scenario, broken) + 4.0 * longest_transit_s(train, broken);
-    scenario.horizon_s.unwrap_or_else(by_itself)
+    scenario.horizon_s.unwrap_or_else(|| ends_s(train, scenario, broken)[0])
+}
+
+/// The horizon of a scenario's case, and the end of its first passage, s: the last change of the forces from outside and two one-way
+/// transits of the longest part, if that is before the horizon.
+pub(crate) fn ends_s(train: &Train, scenario: &Scenario, broken: Option<usize>) -> [f64; 2] {
+    let (changed_s, transit_s) = (last_change_s(train, scenario, broken), longest_transit_s(train, broken));
+    let horizon_s = scenario.horizon_s.unwrap_or(changed_s + 4.0 * transit_s);
+    [horizon_s, horizon_s.min(changed_s + 2.0 * transit_s)]
 }
 
 /// Shortest horizon of a scenario's cases, s.

@@ -1,6 +1,7 @@
 //! What breaks next: couplers that pass the load that breaks them break, and the computation goes on with the pieces.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use serde::Serialize;
 
@@ -125,7 +126,7 @@ pub struct CascadeBreak {
     /// Counted from 1.
     pub coupler: usize,
     /// Labels of the vehicles it joins.
-    pub between: [String; 2],
+    pub between: [Arc<str>; 2],
     /// Its force when it breaks, N, draft positive.
     pub force_n: f64,
     /// The key that gives the load at which it breaks: `ultimate`, `rated_load` or `rated_buff`.

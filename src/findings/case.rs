@@ -1,5 +1,6 @@
 //! One case of a train: what an event, or the break of one coupler, does to every coupler.
 
+use std::borrow::Cow;
 use std::time::Instant;
 
 use super::damped;
@@ -28,7 +29,7 @@ pub(super) struct Case<'a> {
     pub horizon_s: f64,
     /// End of the first passage, s.
     passage_s: f64,
-    pub options: Options,
+    pub options: Cow<'a, Options>,
     shared: Shared<'a>,
 }
 
@@ -37,16 +38,17 @@ impl<'a> Case<'a> {
         train: &'a Train,
         scenario: &'a Scenario,
         broken: Option<usize>,
-        options: &Options,
+        options: &'a Options,
         shared: Shared<'a>,
     ) -> Case<'a> {
         // After a break the coupler of the largest utilisation bounds the load; under a pulse another one may, and
         // another one may pass a limit.
         let only_worst = broken.is_some() && train.extras().limits.is_empty();
         let wanted = if only_worst { options.wanted } else { Wanted::Everything };
-        let horizon_s = scenario::horizon_s(train, scenario, broken);
-        let passage_s = first_passage::end_s(train, scenario, broken, horizon_s);
-        Case { train, scenario, broken, horizon_s, passage_s, options: Options { wanted, ..options.clone() }, shared }
+        let [horizon_s, passage_s] = scenario::ends_s(train, scenario, broken);
+        let own = || Cow::Owned(Options { wanted, ..options.clone() });
+        let options = if wanted == options.wanted { Cow::Borrowed(options) } else { own() };
+        Case { train, scenario, broken, horizon_s, passage_s, options, shared }
     }
 
     fn motion(&self) -> Motion {
@@ -64,7 +66,8 @@ impl<'a> Case<'a> {
     /// What the solver is asked up to a time, and up to a mark if that is before it; the train may have other ratings than the case's.
     fn asked_parts(&self, train: &Train, [until_s, mark_s]: [f64; 2], options: &Options) -> AskedParts {
         let parts = scenario::parts(train, &self.scenario.event, self.broken, until_s);
-        AskedParts { parts, ask: ask(train, options, (mark_s < until_s).then_some(mark_s)) }
+        let scales = Scales::of(train);
+        AskedParts { scales, parts, ask: ask(train, &scales, options, (mark_s < until_s).then_some(mark_s)) }
     }
 
     /// Extremes of every coupler of a train up to a time, and up to a mark if that is before it; the train may have other ratings
@@ -103,6 +106,7 @@ impl<'a> Case<'a> {
 
 /// The parts that a break or a rectangular pulse leaves, and what is asked of each.
 struct AskedParts {
+    scales: Scales,
     parts: Vec<Part>,
     ask: Ask,
 }
@@ -132,7 +136,7 @@ pub(crate) fn cases_findings(
     if Motion::of(train, scenario) != Motion::Steps {
         let findings = |case: &Case| {
             let start = Instant::now();
-            let solved = case.solve();
+            let solved = case.solve()?;
             case_findings(case, solved, None, start.elapsed().as_secs_f64())
         };
         return cases.iter().map(findings).collect();
@@ -144,7 +148,7 @@ pub(crate) fn cases_findings(
     let seconds = start.elapsed().as_secs_f64() / cases.len().max(1) as f64;
     let findings = |(case, asked_parts): (&Case, &AskedParts)| {
         let solutions = solutions.by_ref().take(asked_parts.parts.len()).collect();
-        let solved = solved_by_parts(train, asked_parts, solutions, &case.options);
+        let solved = solved_by_parts(train, asked_parts, solutions, &case.options)?;
         case_findings(case, solved, rod_findings(&asked_parts.parts), seconds)
     };
     cases.iter().zip(&asked).map(findings).collect()
@@ -153,15 +157,25 @@ pub(crate) fn cases_findings(
 /// The findings of one case, from its solution, the rod's result where there is one, and the time that solving took, s.
 fn case_findings(
     case: &Case,
-    solved: Result<Solved, SolveError>,
+    solved: Solved,
     rod: Option<RodFindings>,
     solved_s: f64,
 ) -> Result<CaseFindings, SolveError> {
     let start = Instant::now();
     let Case { train, scenario, broken, horizon_s, passage_s, ref options, .. } = *case;
-    let safe_load_factor = solved.as_ref().ok().and_then(|solved| case.safe_load_factor(solved));
-    let Solved { method, reason, error_bound_n, error_estimate_n, mut couplers, worst, left_out, to_mark, marched } =
-        solved?;
+    let safe_load_factor = case.safe_load_factor(&solved);
+    let Solved {
+        method,
+        reason,
+        tolerance_n,
+        error_bound_n,
+        error_estimate_n,
+        mut couplers,
+        worst,
+        left_out,
+        to_mark,
+        marched,
+    } = solved;
     let ending = marched.as_ref().and_then(|m| m.ending);
     let horizon_s = ending.map_or(horizon_s, |end| end.at_s);
     let cascade = cascade::find(train, scenario, broken, horizon_s, options)?.map(|found| found.note(&mut couplers));
@@ -172,7 +186,7 @@ fn case_findings(
         // The tolerance, a share of the largest rating, stays the same in N.
         let tolerance = options.tolerance * largest_rating_n(train) / largest_rating_n(rated);
         let wanted = Wanted::Everything;
-        let options = Options { tolerance, wanted, verdict_only: false, ..options.clone() };
+        let options = Options { tolerance, wanted, verdict_only: false, ..Options::clone(options) };
         Ok(case.solve_on(rated, [horizon_s; 2], &options)?.couplers)
     })?;
     let error_n = march::error_n(error_bound_n, error_estimate_n);
@@ -193,10 +207,7 @@ fn case_findings(
         stopped_vehicle: ending.and_then(|end| end.stopped_vehicle),
         stopped_at_s: ending.filter(|end| end.stopped_vehicle.is_some()).map(|end| end.at_s),
         gap_closures: closures(marched.as_ref()),
-        tolerance_n: match &marched {
-            Some(_) => march::tolerance_n(train, options),
-            None => ask(train, options, None).tolerance * Scales::of(train).force_n,
-        },
+        tolerance_n,
         run_time_s: solved_s + start.elapsed().as_secs_f64(),
         exceeding: couplers.iter().filter(|c| c.exceeds == Some(true)).count(),
         undecided: couplers.iter().filter(|c| c.exceeds.is_none()).count(),
@@ -219,11 +230,10 @@ fn closures(marched: Option<&Marched>) -> Vec<GapClosure> {
 /// Extremes of every coupler in the parts that a break or a rectangular pulse leaves.
 fn solved_by_parts(
     train: &Train,
-    AskedParts { parts, ask }: &AskedParts,
+    AskedParts { scales, parts, ask }: &AskedParts,
     solutions: Vec<Result<Solution, SolveError>>,
     options: &Options,
 ) -> Result<Solved, SolveError> {
-    let scales = Scales::of(train);
     let mut within = [(); 2].map(|()| (Vec::new(), Vec::new()));
     let (mut method, mut reason, mut telling) = ("none", "no coupler is left to watch".to_owned(), (false, 0));
     let (mut error_bound_n, mut left_out, mut only_worst) = (0.0f64, Vec::new(), false);
@@ -241,16 +251,18 @@ fn solved_by_parts(
         let bound = |i: usize| solution.all_time_bounds.as_ref().map(|b| b[i] * scales.force_n);
         let left = solution.springs.iter().enumerate().filter(|(_, spring)| spring.is_none());
         left_out.extend(left.filter_map(|(i, _)| Some((part.first_coupler + i, bound(i)?))));
+        let ratings = part.scene.rated_draft.iter().chain(&part.scene.rated_buff);
+        let least_rating = ratings.fold(f64::INFINITY, |least, rating| least.min(*rating));
         for ((couplers, worst_of_parts), springs) in within.iter_mut().zip([&solution.springs, &solution.to_mark]) {
             let first = couplers.len();
-            let matters = ReportedCouplers::new(&part.scene, &solution, springs, ask.wanted);
-            for (i, spring) in springs.iter().enumerate() {
+            let matters = ReportedCouplers::new(&part.scene, springs, ask.wanted, solution.error_bound / least_rating);
+            let all = springs.iter().enumerate().filter_map(|(i, peaks)| Some((i, peaks.as_ref()?)));
+            let reported = all.filter(|(i, peaks)| matters.has(*i, peaks));
+            couplers.reserve_exact(reported.clone().count());
+            couplers.extend(reported.map(|(i, peaks)| {
                 let bound = bound(i).filter(|_| options.all_time_bound);
-                let findings = |peaks| {
-                    coupler_findings(train, part.first_coupler + i, &CouplerPeaks::new(peaks, &scales, error_n), bound)
-                };
-                couplers.extend(spring.as_ref().filter(|peaks| matters.has(i, peaks)).map(findings));
-            }
+                coupler_findings(train, part.first_coupler + i, &CouplerPeaks::new(peaks, scales, error_n), bound)
+            }));
             worst_of_parts.extend(worst(couplers, first..couplers.len(), error_n));
         }
     }
@@ -263,8 +275,19 @@ fn solved_by_parts(
     if let Some(within) = to_mark.as_mut().filter(|_| only_worst) {
         within.couplers.iter_mut().for_each(CouplerFindings::keep_one_sense);
     }
-    let (error_estimate_n, marched) = (None, None);
-    Ok(Solved { method, reason, error_bound_n, error_estimate_n, couplers, worst, left_out, to_mark, marched })
+    let (tolerance_n, error_estimate_n, marched) = (ask.tolerance * scales.force_n, None, None);
+    Ok(Solved {
+        method,
+        reason,
+        tolerance_n,
+        error_bound_n,
+        error_estimate_n,
+        couplers,
+        worst,
+        left_out,
+        to_mark,
+        marched,
+    })
 }
 
 /// Which of a part's couplers are in the result.
@@ -275,19 +298,13 @@ struct ReportedCouplers<'a> {
 }
 
 impl ReportedCouplers<'_> {
-    fn new<'a>(
-        scene: &'a Scene,
-        found: &Solution,
-        springs: &[Option<SpringPeaks>],
-        wanted: Wanted,
-    ) -> ReportedCouplers<'a> {
+    /// `error` is the most that a utilisation may be off.
+    fn new<'a>(scene: &'a Scene, springs: &[Option<SpringPeaks>], wanted: Wanted, error: f64) -> ReportedCouplers<'a> {
         let mut matters = ReportedCouplers { scene, least: f64::NEG_INFINITY };
         if wanted == Wanted::Worst {
             let uses =
                 springs.iter().enumerate().filter_map(|(i, peaks)| Some(matters.utilisation(i, peaks.as_ref()?)));
-            let ratings = scene.rated_draft.iter().chain(&scene.rated_buff);
-            let rating = ratings.fold(f64::INFINITY, |least, rating| least.min(*rating));
-            matters.least = uses.fold(0.0, f64::max) - 2.0 * found.error_bound / rating;
+            matters.least = uses.fold(0.0, f64::max) - 2.0 * error;
         }
         matters
     }

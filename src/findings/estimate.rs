@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::{AnalyzeError, Options, ask, cases, chosen, first_passage, load_search, map, march, safe_speed};
-use crate::scenario::{self, Motion};
+use super::{AnalyzeError, Options, ask, cases, chosen, load_search, map, march, safe_speed};
+use crate::scenario::{self, Motion, Scales};
 use crate::solve::{self, SolveError, damped_modes};
 use crate::train::{Rule, Scenario, Train};
 
@@ -68,15 +68,14 @@ pub(crate) fn case_estimate_s(
     broken: Option<usize>,
     options: &Options,
 ) -> Result<f64, SolveError> {
-    let horizon_s = scenario::horizon_s(train, scenario, broken);
-    let passage_s = first_passage::end_s(train, scenario, broken, horizon_s);
-    let once = solved_s(train, scenario, broken, [horizon_s, passage_s], options)?;
+    let ends_s = scenario::ends_s(train, scenario, broken);
+    let once = solved_s(train, scenario, broken, ends_s, options)?;
     if !scenario::is_proportional(train, scenario) {
         return Ok(once);
     }
     let mut seconds = once;
     if scenario.cascade != Rule::Keep {
-        seconds += march::estimate_s(train, scenario, broken, horizon_s, scenario.cascade, options);
+        seconds += march::estimate_s(train, scenario, broken, ends_s[0], scenario.cascade, options);
     }
     if scenario::unbalanced_n(train, &scenario.event).iter().any(|f| *f != 0.0) {
         seconds += once * safe_speed::USUAL_FACTORS;
@@ -105,7 +104,7 @@ pub(super) fn solved_s(
         }
         Motion::DampedModes(_) => Ok(parts().iter().map(|p| damped_modes::estimate_s(&p.scene)).sum()),
         Motion::Steps => {
-            let ask = ask(train, options, (mark_s < until_s).then_some(mark_s));
+            let ask = ask(train, &Scales::of(train), options, (mark_s < until_s).then_some(mark_s));
             parts().iter().map(|p| solve::estimate_s(&p.scene, &ask)).sum()
         }
     }

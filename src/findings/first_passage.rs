@@ -11,8 +11,6 @@ use serde::Serialize;
 
 use super::solved::PeriodFindings;
 use super::{CouplerFindings, of_number};
-use crate::scenario;
-use crate::train::{Scenario, Train};
 
 /// One coupler's largest forces over the first passage, or in a cascade up to its own break; t = 0 included.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -60,12 +58,6 @@ pub(super) struct Passage {
     pub exceeding: usize,
     /// The coupler with the largest utilisation in it, with its forces there.
     pub worst: Option<CouplerFindings>,
-}
-
-/// When the first passage ends, s.
-pub(super) fn end_s(train: &Train, scenario: &Scenario, broken: Option<usize>, horizon_s: f64) -> f64 {
-    let transit_s = scenario::longest_transit_s(train, broken);
-    horizon_s.min(scenario::last_change_s(train, scenario, broken) + 2.0 * transit_s)
 }
 
 /// Adds the first passage to the findings of each coupler up to the horizon; `worst` is an index into them, `within`

@@ -64,6 +64,11 @@ pub(super) fn solved(
     Ok(Solved {
         method,
         reason: if proportional { reason_of(&scenario.event).to_owned() } else { reason(train, options) },
+        tolerance_n: if proportional {
+            options.tolerance * largest_rating_n(train)
+        } else {
+            tolerance_n(train, options)
+        },
         error_bound_n,
         error_estimate_n,
         worst,

@@ -6,6 +6,8 @@ use super::{CouplerFindings, Ending};
 pub(super) struct Solved {
     pub method: &'static str,
     pub reason: String,
+    /// The error that was asked for, N.
+    pub tolerance_n: f64,
     /// Infinite where nothing is proven.
     pub error_bound_n: f64,
     /// Where nothing is proven.

@@ -9,7 +9,6 @@ use super::rows::{FRONT, Place};
 use super::study::Study;
 use super::variation;
 use crate::findings::CaseFindings;
-use crate::report::cells::text;
 use crate::report::couplers_csv::{COLUMNS, CouplerRow};
 use crate::report::files::{self, WriteError};
 use crate::train::Train;
@@ -37,9 +36,7 @@ impl Couplers {
 
     /// Adds those of a case.
     pub fn add(&mut self, place: &Place, train: &Train, scenario: &str, case: &CaseFindings) {
-        let variation = place.variation.map(|v| v.to_string()).unwrap_or_default();
-        let front = [text(&place.file), text(train.name()), train.vehicles().len().to_string(), variation];
-        let before: Vec<&str> = front.iter().chain(&place.inputs).map(String::as_str).collect();
+        let before: Vec<_> = place.cells(train).collect();
         for coupler in &case.couplers {
             let row = CouplerRow { scenario, case, coupler };
             let (front, rest) = self.columns.split_at_mut(before.len());

@@ -219,5 +219,5 @@ impl Inputs {
 
 /// A train file as the rows name it.
 pub fn file_cell(file: &Path) -> String {
-    text(&file.display().to_string())
+    text(&file.display().to_string()).into_owned()
 }

@@ -1,10 +1,11 @@
 //! Joins the parts of a run to its tables, `fleet.csv` and `errors.csv`, from which everything else is made.
 
+use std::borrow::Cow;
 use std::fs;
 use std::path::Path;
 
 use super::parts::{self, Run};
-use super::rows::{self, ERRORS};
+use super::rows::{self, ERRORS, Lines};
 use super::summary::Summary;
 use super::{FleetError, begin, claims};
 use crate::report::files::{self, Unnamed};
@@ -24,8 +25,7 @@ pub fn join(dir: &Path, run: &Run) -> Result<Summary, FleetError> {
     let mut all = begin(dir, ROWS, rows::headings(&run.inputs))?;
     let mut bad = begin(dir, BAD, ERRORS.map(str::to_owned).to_vec())?;
     for chunk in 0..run.chunks() {
-        let [rows, errors] = parts::paths(dir, chunk);
-        let (rows, errors) = (read(&rows)?, read(&errors)?);
+        let [rows, errors] = parts::content(dir, chunk)?;
         summary.add(&rows, &errors);
         all.append(&rows)?;
         bad.append(&errors)?;
@@ -82,12 +82,8 @@ pub fn summarise(dir: &Path, run: &Run) -> Result<Summary, FleetError> {
 
 fn begin(dir: &Path, name: &str, headings: Vec<String>) -> Result<Unnamed, FleetError> {
     let mut file = Unnamed::new(dir.join(name))?;
-    let mut line = Vec::new();
-    rows::line(&mut line, headings.into_iter());
-    file.append(&line)?;
+    let mut line = Lines::default();
+    line.add(headings.into_iter().map(Cow::from));
+    file.append(&line.into_bytes())?;
     Ok(file)
-}
-
-fn read(path: &Path) -> Result<Vec<u8>, FleetError> {
-    fs::read(path).map_err(|e| FleetError::unreadable(path, &e))
 }

@@ -168,7 +168,9 @@ impl Column {
     /// Adds the cell of a row in the column of `couplers.csv` that this one is made after.
     pub fn take(&mut self, column: &couplers_csv::Column, row: &couplers_csv::CouplerRow) {
         let there = match (&mut self.cells, &column.cells) {
-            (Cells::Text(to), Of::Text(of)) => push(to, of(row).map(|cell| text(&cell).into_bytes().into())),
+            (Cells::Text(to), Of::Text(of)) => {
+                push(to, of(row).map(|cell| text(&cell).into_owned().into_bytes().into()))
+            }
             (Cells::Whole(to), Of::Whole(of)) => push(to, of(row).and_then(|cell| i64::try_from(cell).ok())),
             (Cells::Real(to), Of::Number(of)) => push(to, of(row).filter(|cell| cell.is_finite())),
             (Cells::Flag(to), Of::Flag(of)) => push(to, of(row)),

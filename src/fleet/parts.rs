@@ -1,7 +1,8 @@
-//! What a run has written so far: its description, and in a folder its plan, the claims of its workers, and a pair of part files for each
+//! What a run has written so far: its description, and in a folder its plan, the claims of its workers, and a part file for each
 //! chunk that is done.
 //!
-//! Part files appear whole or not at all; that of the rows appears last and says that the chunk is done.
+//! A part file appears whole or not at all, and says that the chunk is done: a line with the number of bytes of its rows, the rows, and
+//! the rows of errors.
 
 use std::fs;
 use std::io;
@@ -108,18 +109,30 @@ pub fn folder(dir: &Path) -> PathBuf {
     dir.join(PARTS)
 }
 
-/// The part files of a chunk: rows, errors.
-pub fn paths(dir: &Path, chunk: usize) -> [PathBuf; 2] {
-    names(chunk).map(|name| folder(dir).join(name))
-}
-
-fn names(chunk: usize) -> [String; 2] {
-    ["", "-errors"].map(|kind| format!("{chunk:08}{kind}.csv"))
+fn name(chunk: usize) -> String {
+    format!("{chunk:08}.csv")
 }
 
 /// Whether a chunk is done.
 pub fn is_done(dir: &Path, chunk: usize) -> bool {
-    paths(dir, chunk)[0].exists()
+    folder(dir).join(name(chunk)).exists()
+}
+
+/// The rows and errors of a chunk that is done.
+///
+/// # Errors
+/// A part file that cannot be read, or is not whole.
+pub fn content(dir: &Path, chunk: usize) -> Result<[Vec<u8>; 2], FleetError> {
+    let path = folder(dir).join(name(chunk));
+    let mut rest = fs::read(&path).map_err(|e| FleetError::unreadable(&path, &e))?;
+    let head = rest.iter().position(|byte| *byte == b'\n').and_then(|end| {
+        let bytes: usize = std::str::from_utf8(&rest[..end]).ok()?.parse().ok()?;
+        let [begin, end] = [end + 1, (end + 1).checked_add(bytes)?];
+        (end <= rest.len()).then_some([begin, end])
+    });
+    let [begin, end] = head.ok_or_else(|| FleetError::unreadable(&path, &"it is not whole"))?;
+    let errors = rest.split_off(end);
+    Ok([rest.split_off(begin), errors])
 }
 
 /// Makes the folder of the parts.
@@ -136,8 +149,8 @@ pub fn prepare(dir: &Path) -> Result<(), FleetError> {
 /// # Errors
 /// [`WriteError`] with the path.
 pub fn keep(dir: &Path, chunk: usize, [rows, errors]: [Vec<u8>; 2]) -> Result<(), FleetError> {
-    let [rows_name, errors_name] = names(chunk);
-    files::write_into(&dir.join(PARTS), &[(errors_name, errors), (rows_name, rows)])?;
+    let head = format!("{}\n", rows.len()).into_bytes();
+    files::write_into(&folder(dir), &[(name(chunk), [head, rows, errors].concat())])?;
     Ok(())
 }
 

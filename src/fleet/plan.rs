@@ -1,6 +1,7 @@
 //! The work as numbered chunks of cases, the same for every thread, worker and attempt.
 
 use std::ops::Range;
+use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
 #[cfg(feature = "parquet")]
@@ -13,7 +14,7 @@ use crate::doubts::doubts;
 use crate::findings::{self, Options, cases, require_case};
 use crate::solve::Wanted;
 use crate::solve::responses::{Responses, Shared};
-use crate::train::{Doubt, Train};
+use crate::train::{Doubt, Scenario, Train};
 
 /// Chunks of a run, if their size is within the limits that follow.
 const CHUNKS: u64 = 1000;
@@ -144,10 +145,14 @@ impl<'a> Plan<'a> {
     }
 
     /// Keeps the texts of doubts: of each kind that of a train's first variation with it.
-    fn keep(&self, file: &str, variation: usize, doubts: &[Doubt]) {
+    fn keep(&self, file: &Path, variation: usize, doubts: &[Doubt]) {
+        if doubts.is_empty() {
+            return;
+        }
+        let file = file_cell(file);
         let mut kept = self.doubts.lock().unwrap_or_else(PoisonError::into_inner);
         for doubt in doubts {
-            let first = kept.entry((file.to_owned(), doubt.code.to_owned())).or_insert((variation, doubt.clone()));
+            let first = kept.entry((file.clone(), doubt.code.to_owned())).or_insert((variation, doubt.clone()));
             // Chunks of one variation end in any order.
             if (variation, &doubt.text) < (first.0, &first.1.text) {
                 *first = (variation, doubt.clone());
@@ -179,12 +184,8 @@ impl<'a> Plan<'a> {
         let (file, variation) = (unit / variations, unit % variations);
         let varied = self.load(unit)?;
         let is_varied = self.inputs.study.is_some() && !self.inputs.fails_as_a_whole(file);
-        let mut place = Place {
-            file: self.inputs.files[file].display().to_string(),
-            variation: is_varied.then_some(variation + 1),
-            inputs: varied.cells,
-            doubts: vec![],
-        };
+        let path = &self.inputs.files[file];
+        let mut place = Place::new(path, is_varied.then_some(variation + 1), &varied.cells);
         let train = match varied.train {
             Ok(train) => train,
             Err(error) => {
@@ -200,26 +201,25 @@ impl<'a> Plan<'a> {
             return Ok(());
         }
         place.doubts = doubts(&train);
-        let cell = file_cell(&self.inputs.files[file]);
-        self.keep(&cell, variation, &place.doubts);
+        self.keep(path, variation, &place.doubts);
         let shared = self.shared(&train);
-        let mut left = range.len();
-        for (scenario, first) in first_cases(&train, range.start) {
-            let of_scenario: Vec<Option<usize>> = cases(&scenario.event).into_iter().skip(first).take(left).collect();
-            left -= of_scenario.len();
+        let all: Vec<(&Scenario, Option<usize>)> = all_cases(&train).skip(range.start).take(range.len()).collect();
+        for of_scenario in all.chunk_by(|a, b| std::ptr::eq(a.0, b.0)) {
+            let scenario = of_scenario[0].0;
             for some in of_scenario.chunks(findings::cases_at_once(&train, scenario)) {
                 self.options.stop.check()?;
-                let found = findings::cases_findings(&train, scenario, some, &self.options, shared);
-                for (case, broken) in found.into_iter().zip(some) {
+                let broken: Vec<Option<usize>> = some.iter().map(|(_, broken)| *broken).collect();
+                let found = findings::cases_findings(&train, scenario, &broken, &self.options, shared);
+                for (case, broken) in found.into_iter().zip(broken) {
                     let case = match case {
                         Ok(case) => case,
                         Err(error) => {
-                            done.rows.fail(&place, Some((scenario, *broken)), &error.to_string());
+                            done.rows.fail(&place, Some((scenario, broken)), &error.to_string());
                             continue;
                         }
                     };
                     let found = findings::found(&train, scenario, std::slice::from_ref(&case));
-                    self.keep(&cell, variation, &found);
+                    self.keep(path, variation, &found);
                     #[cfg(feature = "parquet")]
                     if let Some(couplers) = &mut done.couplers {
                         couplers.add(&place, &train, &scenario.name, &case);
@@ -232,17 +232,7 @@ impl<'a> Plan<'a> {
     }
 }
 
-/// The scenarios of a train from its case `first` on, each with the first of its cases.
-fn first_cases(train: &Train, first: usize) -> impl Iterator<Item = (&crate::train::Scenario, usize)> {
-    let mut before = 0;
-    train.scenarios().iter().filter_map(move |scenario| {
-        let count = cases(&scenario.event).len();
-        before += count;
-        (before > first).then(|| (scenario, first.saturating_sub(before - count)))
-    })
-}
-
 /// The cases of a train: each scenario with each coupler that breaks in it.
-fn all_cases(train: &Train) -> impl Iterator<Item = (&crate::train::Scenario, Option<usize>)> {
+fn all_cases(train: &Train) -> impl Iterator<Item = (&Scenario, Option<usize>)> {
     train.scenarios().iter().flat_map(|s| cases(&s.event).into_iter().map(move |broken| (s, broken)))
 }

@@ -1,5 +1,9 @@
 //! Rows of `fleet.csv` and `errors.csv`.
 
+use std::borrow::Cow;
+use std::path::Path;
+
+use super::inputs::file_cell;
 use crate::findings::CaseFindings;
 use crate::report::cells::{number, optional, text};
 use crate::train::{Doubt, LIMITS, Scenario, Train};
@@ -99,22 +103,37 @@ pub struct Chunk {
     pub failed: usize,
 }
 
-/// CSV in memory.
-type Lines = Vec<u8>;
+/// CSV in memory; rows may differ in length.
+pub struct Lines(csv::Writer<Vec<u8>>);
 
 /// Which variation of which train rows belong to.
 pub struct Place {
     /// The train file, as it was given.
-    pub file: String,
-    /// Counted from 1; `None` without a study.
-    pub variation: Option<usize>,
-    /// Cells of the study's inputs.
-    pub inputs: Vec<String>,
+    file: String,
+    /// Counted from 1; empty without a study.
+    variation: String,
+    /// The study's inputs.
+    inputs: Vec<String>,
     /// What is doubtful about the train and its scenarios.
     pub doubts: Vec<Doubt>,
 }
 
 impl Place {
+    /// Of a train file; its variation, counted from 1, where there is a study, and the study's inputs. No doubts are known yet.
+    pub fn new(file: &Path, variation: Option<usize>, inputs: &[String]) -> Place {
+        // A number is no formula.
+        let input = |cell: &String| if cell.parse::<f64>().is_ok() { cell.clone() } else { text(cell).into_owned() };
+        let inputs = inputs.iter().map(input).collect();
+        Place { file: file_cell(file), variation: whole(variation), inputs, doubts: vec![] }
+    }
+
+    /// The cells that begin every row of its train.
+    pub fn cells<'a>(&'a self, train: &'a Train) -> impl Iterator<Item = Cow<'a, str>> {
+        let vehicles = train.vehicles().len().to_string();
+        let front = [self.file.as_str().into(), text(train.name()), vehicles.into(), self.variation.as_str().into()];
+        front.into_iter().chain(self.inputs.iter().map(|cell| cell.as_str().into()))
+    }
+
     /// The codes of the doubts about the train and one of its scenarios, and of those that a case has, each once.
     fn codes(&self, scenario: &Scenario, found: &[Doubt]) -> String {
         let about = |d: &&Doubt| d.scenario.as_ref().is_none_or(|name| *name == scenario.name);
@@ -125,26 +144,47 @@ impl Place {
     }
 }
 
+impl Default for Lines {
+    fn default() -> Lines {
+        Lines(csv::WriterBuilder::new().flexible(true).from_writer(Vec::new()))
+    }
+}
+
+impl Lines {
+    /// Appends a line.
+    pub fn add<'a>(&mut self, cells: impl Iterator<Item = Cow<'a, str>>) {
+        // Nothing can fail in memory: the writer has no limit.
+        for cell in cells {
+            let _ = self.0.write_field(cell.as_bytes());
+        }
+        let _ = self.0.write_record(None::<&[u8]>);
+    }
+
+    /// All lines.
+    pub fn into_bytes(self) -> Vec<u8> {
+        self.0.into_inner().unwrap_or_default()
+    }
+}
+
 impl Chunk {
     /// The rows of cases and those of errors.
     pub fn into_bytes(self) -> [Vec<u8>; 2] {
-        [self.rows, self.errors]
+        [self.rows, self.errors].map(Lines::into_bytes)
     }
 
     /// A case that was computed, and the doubts that it has.
     pub fn add(&mut self, place: &Place, train: &Train, scenario: &Scenario, case: &CaseFindings, found: &[Doubt]) {
-        let front = [text(&place.file), text(train.name()), train.vehicles().len().to_string(), whole(place.variation)];
-        let inputs = place.inputs.iter().map(|cell| text_or_number(cell));
         let codes = place.codes(scenario, found);
-        line(&mut self.rows, front.into_iter().chain(inputs).chain(back(scenario, case, codes)));
+        self.rows.add(place.cells(train).chain(back(scenario, case, codes).into_iter().map(Cow::from)));
     }
 
     /// A train or a case that could not be computed.
     pub fn fail(&mut self, place: &Place, case: Option<(&Scenario, Option<usize>)>, error: &str) {
         self.failed += 1;
-        let scenario = case.map_or(String::new(), |(scenario, _)| text(&scenario.name));
+        let scenario = case.map_or("".into(), |(scenario, _)| text(&scenario.name));
         let broken = whole(case.and_then(|(_, broken)| broken).map(|b| b + 1));
-        line(&mut self.errors, [text(&place.file), whole(place.variation), scenario, broken, text(error)].into_iter());
+        let place = [&place.file, &place.variation].map(|cell| cell.as_str().into());
+        self.errors.add(place.into_iter().chain([scenario, broken.into(), text(error)]));
     }
 }
 
@@ -170,13 +210,14 @@ fn back(scenario: &Scenario, case: &CaseFindings, doubts: String) -> [String; BA
     let [fatigue, proof, ultimate] = LIMITS.map(|limit| whole(passing(limit)));
     let undecided_limits = limits().next().map(|_| limits().filter(|l| !l.undecided.is_empty()).count());
     let cascade = case.cascade.as_ref();
+    let between = |end: usize| worst.map_or(String::new(), |w| text(&w.between[end]).into_owned());
     [
-        text(&scenario.name),
+        text(&scenario.name).into_owned(),
         scenario.event.kind().to_owned(),
         whole(case.broken_coupler),
         whole(worst.map(|w| w.coupler)),
-        worst.map_or(String::new(), |w| text(&w.between[0])),
-        worst.map_or(String::new(), |w| text(&w.between[1])),
+        between(0),
+        between(1),
         value(|w| w.rated_draft_n),
         value(|w| w.rated_buff_n),
         value(|w| w.initial_force_n),
@@ -217,18 +258,6 @@ fn back(scenario: &Scenario, case: &CaseFindings, doubts: String) -> [String; BA
 
 fn whole(number: Option<usize>) -> String {
     number.map(|n| n.to_string()).unwrap_or_default()
-}
-
-/// An input's cell; a number is no formula.
-fn text_or_number(cell: &str) -> String {
-    if cell.parse::<f64>().is_ok() { cell.to_owned() } else { text(cell) }
-}
-
-/// Appends a line of CSV.
-pub fn line(to: &mut Vec<u8>, cells: impl Iterator<Item = String>) {
-    let mut writer = csv::WriterBuilder::new().flexible(true).from_writer(to);
-    // Nothing can fail in memory: the writer has no limit and rows may differ in length.
-    let _ = writer.write_record(cells.map(String::into_bytes));
 }
 
 /// Lines of CSV as lines of JSON; an empty cell is `null`, a number is a number.

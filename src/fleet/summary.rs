@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use super::rows::{BACK, FRONT};
-use crate::train::LIMITS;
 
 /// Examples of errors that a report shows.
 const SHOWN: usize = 20;
@@ -22,7 +21,7 @@ pub struct Summary {
     pub harmful: usize,
     /// Those of them in which none does in the first passage.
     pub harmful_later: usize,
-    /// Cases in which some coupler passes a limit, in the order of [`LIMITS`].
+    /// Cases in which some coupler passes a limit, in the order of [`LIMITS`](crate::train::LIMITS).
     pub passing: [usize; 3],
     /// Cases in which more couplers break after the event, and the most of one case.
     pub cascades: [usize; 2],
@@ -127,10 +126,10 @@ pub struct Case {
 }
 
 /// Keeps a case if it is among the worst; of equal ones, the first.
-fn keep(worst: &mut Vec<Case>, case: Case) {
-    let at = worst.partition_point(|other| other.utilisation >= case.utilisation);
+fn keep(worst: &mut Vec<Case>, utilisation: f64, case: impl FnOnce() -> Case) {
+    let at = worst.partition_point(|other| other.utilisation >= utilisation);
     if at < KEPT {
-        worst.insert(at, case);
+        worst.insert(at, case());
         worst.truncate(KEPT);
     }
 }
@@ -158,12 +157,8 @@ impl Summary {
 
     /// Takes in rows of `fleet.csv` and `errors.csv`.
     pub fn add(&mut self, rows: &[u8], errors: &[u8]) {
-        for row in records(rows) {
-            self.row(&row);
-        }
-        for row in records(errors) {
-            self.error(&row);
-        }
+        each_record(rows, |row| self.row(row));
+        each_record(errors, |row| self.error(row));
     }
 
     /// Takes in a row of `errors.csv`.
@@ -186,9 +181,10 @@ impl Summary {
     /// Takes in a row of `fleet.csv`.
     pub fn row(&mut self, row: &csv::StringRecord) {
         let cell = |i: usize| row.get(i).unwrap_or_default();
+        let front = FRONT.len() + self.inputs;
         let back = |name: &str| {
             let at = BACK.iter().position(|column| *column == name);
-            at.map_or("", |at| cell(FRONT.len() + self.inputs + at))
+            at.map_or("", |at| cell(front + at))
         };
         let is_new = self.unit.as_ref().is_none_or(|u| u.file != cell(0) || u.variation != cell(3));
         let exceeds = back("exceeding") != "0";
@@ -203,31 +199,30 @@ impl Summary {
             Err(_) => (back("method") != "march").then_some(f64::INFINITY),
         };
         let safe = CAUSES.map(|(kind, _)| factor.filter(|_| kind == back("kind")));
-        let (broken, worst) = (back("broken_coupler").to_owned(), back("worst_coupler").to_owned());
-        let case = Case {
+        let case = || Case {
             utilisation,
             variation: cell(3).to_owned(),
             scenario: back("scenario").to_owned(),
-            broken,
-            coupler: worst,
+            broken: back("broken_coupler").to_owned(),
+            coupler: back("worst_coupler").to_owned(),
             force_n: back("peak_force_n").parse().unwrap_or(0.0),
             time_s: back("peak_time_s").parse().unwrap_or(0.0),
             exceeding: back("exceeding").to_owned(),
             safe,
         };
         self.cases += 1;
-        for (cases, limit) in self.passing.iter_mut().zip(LIMITS) {
-            *cases += usize::from(back(&format!("passing_{limit}")).parse().is_ok_and(|couplers: usize| couplers > 0));
+        for (cases, passing) in self.passing.iter_mut().zip(["passing_fatigue", "passing_proof", "passing_ultimate"]) {
+            *cases += usize::from(back(passing).parse().is_ok_and(|couplers: usize| couplers > 0));
         }
         let breaks: usize = back("further_breaks").parse().unwrap_or(0);
         self.cascades = [self.cascades[0] + usize::from(breaks > 0), self.cascades[1].max(breaks)];
         self.harmful += usize::from(exceeds);
         self.harmful_later += usize::from(later);
         let couplers = cell(2).parse::<usize>().map_or(1, |vehicles| vehicles.saturating_sub(1));
-        if let Ok(broken) = case.broken.parse() {
+        if let Ok(broken) = back("broken_coupler").parse() {
             self.breaks.add(broken, couplers, exceeds);
         }
-        if let Some(worst) = case.coupler.parse().ok().filter(|_| exceeds) {
+        if let Some(worst) = back("worst_coupler").parse().ok().filter(|_| exceeds) {
             self.overloaded.add(worst, couplers, true);
         }
         if is_new {
@@ -246,7 +241,7 @@ impl Summary {
             for code in doubts.split_whitespace() {
                 *unit.doubts.entry(code.to_owned()).or_default() += 1;
             }
-            keep(&mut unit.worst, case);
+            keep(&mut unit.worst, utilisation, case);
         }
     }
 
@@ -313,7 +308,7 @@ impl TrainSummary {
         for (code, cases) in other.doubts {
             *self.doubts.entry(code).or_default() += cases;
         }
-        other.worst.into_iter().for_each(|case| keep(&mut self.worst, case));
+        other.worst.into_iter().for_each(|case| keep(&mut self.worst, case.utilisation, || case));
     }
 }
 
@@ -321,7 +316,11 @@ fn plus(a: [usize; 3], b: [usize; 3]) -> [usize; 3] {
     std::array::from_fn(|i| a[i] + b[i])
 }
 
-/// The rows of a part, which this program has written.
-fn records(bytes: &[u8]) -> impl Iterator<Item = csv::StringRecord> + '_ {
-    csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(bytes).into_records().flatten()
+/// Gives the rows of a part, which this program has written, one after the other.
+fn each_record(bytes: &[u8], mut take: impl FnMut(&csv::StringRecord)) {
+    let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(bytes);
+    let mut row = csv::StringRecord::new();
+    while reader.read_record(&mut row).is_ok_and(|is_there| is_there) {
+        take(&row);
+    }
 }

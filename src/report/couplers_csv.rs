@@ -40,8 +40,8 @@ pub static COLUMNS: [Column; 33] = [
     Column { name: "scenario", cells: Cells::Text(|r| Some(r.scenario.to_owned())) },
     Column { name: "broken_coupler", cells: Cells::Whole(|r| r.case.broken_coupler) },
     Column { name: "coupler", cells: Cells::Whole(|r| Some(r.coupler.coupler)) },
-    Column { name: "between_front", cells: Cells::Text(|r| Some(r.coupler.between[0].clone())) },
-    Column { name: "between_rear", cells: Cells::Text(|r| Some(r.coupler.between[1].clone())) },
+    Column { name: "between_front", cells: Cells::Text(|r| Some(r.coupler.between[0].to_string())) },
+    Column { name: "between_rear", cells: Cells::Text(|r| Some(r.coupler.between[1].to_string())) },
     Column { name: "rated_draft_n", cells: Cells::Number(|r| Some(r.coupler.rated_draft_n)) },
     Column { name: "rated_buff_n", cells: Cells::Number(|r| Some(r.coupler.rated_buff_n)) },
     Column { name: "initial_force_n", cells: Cells::Number(|r| Some(r.coupler.initial_force_n)) },
@@ -96,7 +96,7 @@ pub static COLUMNS: [Column; 33] = [
 impl Column {
     fn cell(&self, row: &CouplerRow) -> String {
         match self.cells {
-            Cells::Text(of) => of(row).map_or_else(String::new, |cell| text(&cell)),
+            Cells::Text(of) => of(row).map_or_else(String::new, |cell| text(&cell).into_owned()),
             Cells::Whole(of) => of(row).map_or_else(String::new, |cell| cell.to_string()),
             Cells::Number(of) => optional(of(row)),
             Cells::Flag(of) => of(row).map_or_else(String::new, |cell| cell.to_string()),

@@ -92,8 +92,8 @@ pub enum Wanted {
     /// The largest utilisation with its spring and time, those that differ from it by less than the error bound, whether each
     /// spring exceeds its rating, and the earliest instant at which one does. These are identical to those of
     /// [`Wanted::Everything`], except where a spring has peaks that differ by less than the error bound: then another of
-    /// these peaks may be given. Other extremes are at most the true ones, and other first exceedances may be late. Ratings are
-    /// finite.
+    /// these peaks may be given. Other extremes are at most the true ones or left out, and other first exceedances may be late.
+    /// Ratings are finite.
     Worst,
 }
 
@@ -189,11 +189,8 @@ pub enum SolveError {
 /// # Ok::<(), trainsafe::solve::SolveError>(())
 /// ```
 pub fn solve(scene: &Scene, ask: &Ask) -> Result<Solution, SolveError> {
-    if scene.force == 0.0 {
-        return Ok(at_rest(scene, ask));
-    }
-    let plan = plan::choose(scene, ask)?;
-    Ok(plan::run(scene, ask, &plan, None))
+    // One scene has one result.
+    solve_all(&[(scene, *ask)]).pop().unwrap_or_else(|| Ok(at_rest(scene, ask)))
 }
 
 /// [`solve`] for several scenes. Breaks of chains of similar length that are marched take less time together; their results may differ from

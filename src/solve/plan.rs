@@ -228,7 +228,7 @@ pub(super) struct Planned<'a> {
 /// Carries plans out. Breaks that are planned to be marched are marched side by side where that is less work.
 #[inline(never)]
 pub(super) fn run_all(all: &[Planned]) -> Vec<Solution> {
-    let asks: Vec<MarchAsk> = all.iter().map(|of| march_ask(of.scene, &of.ask, &of.plan)).collect();
+    let asks: Vec<MarchAsk> = all.iter().map(march_ask).collect();
     let can_join = |of: &Planned| {
         let is_free = !of.ask.verdict_only && !of.ask.all_time_bound;
         is_free && of.plan.method == Method::Propagator && of.scene.duration >= of.scene.horizon
@@ -242,7 +242,7 @@ pub(super) fn run_all(all: &[Planned]) -> Vec<Solution> {
             some.iter().zip(observers::peaks(&of)).for_each(|(&n, peaks)| found[n] = Some(peaks));
         }
     }
-    all.iter().zip(found).map(|(of, found)| run(of.scene, &of.ask, &of.plan, found)).collect()
+    all.iter().zip(asks).zip(found).map(|((of, march_ask), found)| run(of, march_ask, found)).collect()
 }
 
 /// Whether a march through chains side by side is less work than one through each of them in pieces.
@@ -254,7 +254,7 @@ fn are_less_work_together(of: &[MarchAsk]) -> bool {
 }
 
 /// What a march has to find.
-fn march_ask<'a>(scene: &'a Scene, ask: &Ask, plan: &Plan) -> MarchAsk<'a> {
+fn march_ask<'a>(Planned { scene, ask, plan }: &Planned<'a>) -> MarchAsk<'a> {
     let coarse = coarse_min_rise(scene, ask);
     let terms = propagator::terms(scene, plan.omega_max, coarse);
     let min_rise = coarse.min(ask.tolerance - propagator::error_bound_of_terms(scene, plan.omega_max, terms));
@@ -262,7 +262,7 @@ fn march_ask<'a>(scene: &'a Scene, ask: &Ask, plan: &Plan) -> MarchAsk<'a> {
 }
 
 /// Carries a plan out, as far as it is not yet: `found` along a march.
-pub(super) fn run(scene: &Scene, ask: &Ask, plan: &Plan, found: Option<Peaks>) -> Solution {
+fn run(Planned { scene, ask, plan }: &Planned, march_ask: MarchAsk, found: Option<Peaks>) -> Solution {
     let by_modes = plan.method == Method::Modal;
     let bounds_pay = ask.verdict_only && 1e9 * plan.seconds > price_of_modes(scene);
     let mut modes = (by_modes || ask.all_time_bound || bounds_pay).then(|| modes(scene));
@@ -298,7 +298,6 @@ pub(super) fn run(scene: &Scene, ask: &Ask, plan: &Plan, found: Option<Peaks>) -
             (peaks, work, bound_of_extremes(fronts::error_bound(scene)))
         }
         _ => {
-            let march_ask = march_ask(scene, ask, plan);
             let bound = propagator::error_bound_of_terms(scene, plan.omega_max, march_ask.terms);
             let found = found.or_else(|| observers::peaks(&[march_ask]).pop());
             let (peaks, work) = found.unwrap_or_default();

@@ -130,8 +130,8 @@ impl UnitResponse {
         size_of::<UnitResponse>() + runs + forces + size_of_val(&*self.steps) + self.runs.len() * of_spring
     }
 
-    /// Extremes of every spring of a scene whose response this is; `None` where its bound is over the tolerance, or a spring's force
-    /// before the event is its rating, or less by no more than a few bounds.
+    /// Extremes of the springs of a scene whose response this is, of those alone that matter where the worst is wanted; `None` where its
+    /// bound is over the tolerance, or a spring's force before the event is its rating, or less by no more than a few bounds.
     pub fn solution(&self, scene: &Scene, ask: &Ask, mapping: Mapping) -> Option<Solution> {
         let size = scene.force.abs();
         let bound = self.bound_of(scene, mapping);
@@ -143,40 +143,60 @@ impl UnitResponse {
         let place = |i: usize| if mapping.mirrored { springs - 1 - i } else { i };
         let (unit, mark) = (mapping.time.unwrap_or(1.0), ask.mark.unwrap_or(scene.horizon));
         let tops = self.tops([scene.horizon, mark].map(|until| mapping.in_its_unit(until)));
-        let mut peaks = Vec::with_capacity(springs);
-        let mut to_mark = Vec::with_capacity(if ask.mark.is_some() { springs } else { 0 });
-        let mut passing: Vec<Passing> = Vec::new();
+        // Up to the horizon and to the mark: the largest utilisation.
+        let (mut most, mut least_rating) = ([0.0f64; 2], f64::INFINITY);
         for i in 0..springs {
-            let of_spring = &tops[place(i)];
-            let mut side = |negative: bool| {
-                let top = &of_spring[usize::from(negative != turned)];
+            for negative in [false, true] {
                 let (before, rating) = before(scene, i, negative);
                 if before <= rating && before > rating - AT_RATING * bound {
                     return None;
                 }
+                let top = &tops[place(i)][usize::from(negative != turned)];
+                most = [0, 1].map(|until| most[until].max((before + size * top[until].value) / rating));
+                least_rating = least_rating.min(rating);
+            }
+        }
+        // Of the worst alone: a spring below these, and below its rating, is certainly not wanted.
+        let least = most.map(|most| most - 4.0 * bound / least_rating);
+        let is_wanted = |i: usize| {
+            [false, true].into_iter().any(|negative| {
+                let (before, rating) = before(scene, i, negative);
+                let top = &tops[place(i)][usize::from(negative != turned)];
+                let reaches =
+                    |until: usize| before + size * top[until].value >= (least[until] * rating).min(rating - bound);
+                before > rating || reaches(0) || reaches(1)
+            })
+        };
+        let mut peaks = vec![None; springs];
+        let mut to_mark = vec![None; if ask.mark.is_some() { springs } else { 0 }];
+        let (mut passing, mut over_at_once) = (Vec::new(), false);
+        for i in (0..springs).filter(|&i| ask.wanted == Wanted::Everything || is_wanted(i)) {
+            let of_spring = &tops[place(i)];
+            let mut side = |negative: bool| {
+                let top = &of_spring[usize::from(negative != turned)];
+                let (before, rating) = before(scene, i, negative);
                 let largest = |top: Point, until: f64| {
                     let value = before + size * top.value;
                     Point { at: if value > before { (unit * top.at).min(until) } else { 0.0 }, value }
                 };
                 let (best, first) = (largest(top[0], scene.horizon), (before > rating).then_some(0.0));
+                over_at_once |= first.is_some();
                 if first.is_none() && best.value > rating + bound {
                     let over = |value: f64| before + size * value > rating + bound;
                     let step = self.first_over(place(i), negative != turned, over);
                     passing.push(Passing { spring: i, negative, step });
                 }
                 let up_to = |best: Point| Side::known(best, first, best.value > rating - bound);
-                Some([up_to(best), up_to(largest(top[1], mark))])
+                [up_to(best), up_to(largest(top[1], mark))]
             };
-            let [draft, buff] = [side(false)?, side(true)?];
-            peaks.push(SpringPeaks { draft: draft[0], buff: buff[0] });
-            if ask.mark.is_some() {
-                to_mark.push(SpringPeaks { draft: draft[1], buff: buff[1] });
+            let [draft, buff] = [side(false), side(true)];
+            peaks[i] = Some(SpringPeaks { draft: draft[0], buff: buff[0] });
+            if let Some(to_mark) = to_mark.get_mut(i) {
+                *to_mark = Some(SpringPeaks { draft: draft[1], buff: buff[1] });
             }
         }
         // For the worst only the earliest exceedance of all must be exact.
-        let over_at_once =
-            peaks.iter().any(|p: &SpringPeaks| p.draft.first_over.is_some() || p.buff.first_over.is_some());
-        let earliest = if over_at_once { None } else { passing.iter().map(|p| p.step).min() };
+        let earliest = if over_at_once { None } else { passing.iter().map(|p: &Passing| p.step).min() };
         for Passing { spring, negative, step } in passing {
             let is_exact = ask.wanted == Wanted::Everything || Some(step) == earliest;
             let at = if is_exact {
@@ -189,18 +209,17 @@ impl UnitResponse {
                 let side = if negative { &mut peaks.buff } else { &mut peaks.draft };
                 side.first_over = Some((unit * at).min(until));
             };
-            over(&mut peaks[spring], scene.horizon);
+            peaks[spring].iter_mut().for_each(|peaks| over(peaks, scene.horizon));
             let rating = before(scene, spring, negative).1;
-            if let Some(peaks) = to_mark.get_mut(spring).filter(|p| p.side(negative).best.value > rating + bound) {
-                over(peaks, mark);
-            }
+            let by_mark = |peaks: &&mut SpringPeaks| peaks.side(negative).best.value > rating + bound;
+            to_mark.get_mut(spring).into_iter().flatten().filter(by_mark).for_each(|peaks| over(peaks, mark));
         }
         Some(Solution {
             method: Method::Propagator,
             reason: "from the response to a unit force, which other loads and ratings share".to_owned(),
             error_bound: bound,
-            springs: peaks.into_iter().map(Some).collect(),
-            to_mark: to_mark.into_iter().map(Some).collect(),
+            springs: peaks,
+            to_mark,
             only_worst: false,
             all_time_bounds: None,
             work: Work::default(),

@@ -63,14 +63,19 @@ pub(super) fn number(within: impl fmt::Display, key: &str, value: f64, sign: Sig
 }
 
 /// What is wrong with a text that reports show.
-pub(super) fn text(key: String, text: &str) -> Option<SpecProblem> {
-    let leaf = key.rsplit('.').next().unwrap_or(&key).to_owned();
-    if text.chars().any(controls_display) {
+pub(super) fn text(key: impl fmt::Display, text: &str) -> Option<SpecProblem> {
+    let has_controls = text.chars().any(controls_display);
+    if !has_controls && !text.trim().is_empty() {
+        return None;
+    }
+    let key = key.to_string();
+    let leaf = key.rsplit('.').next().unwrap_or(&key);
+    if has_controls {
         let message = format!("{leaf} has a control character: {}", quoted(&printable(text)));
         return Some(SpecProblem::new(key, message, "expected plain text"));
     }
-    let empty = leaf == "label" && text.trim().is_empty();
-    empty.then(|| SpecProblem::new(key, "label is empty", "expected what reports call the vehicle, or no label"))
+    (leaf == "label")
+        .then(|| SpecProblem::new(key, "label is empty", "expected what reports call the vehicle, or no label"))
 }
 
 /// Problems with the numbers of vehicles, couplers and forces.
@@ -144,10 +149,10 @@ pub(crate) fn held(groups: &[VehicleSpec]) -> Vec<SpecProblem> {
 
 /// Every number and text by itself.
 pub(super) fn numbers(spec: &TrainSpec) -> Vec<SpecProblem> {
-    let mut all: Vec<SpecProblem> = text("name".to_owned(), &spec.name).into_iter().collect();
+    let mut all: Vec<SpecProblem> = text("name", &spec.name).into_iter().collect();
     for (i, v) in spec.vehicles.iter().enumerate() {
         let within = format_args!("vehicle[{i}]");
-        all.extend(v.label.as_ref().and_then(|label| text(format!("{within}.label"), label)));
+        all.extend(v.label.as_ref().and_then(|label| text(format_args!("{within}.label"), label)));
         all.extend(number(within, "mass", v.mass_kg, Sign::Positive));
         all.extend(v.length_m.and_then(|m| number(within, "length", m, Sign::Positive)));
         all.extend(number(within, "emergency_brake", v.emergency_brake_n, Sign::NotNegative));

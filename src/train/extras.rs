@@ -66,7 +66,7 @@ impl Limits {
     pub(crate) fn named(&self) -> impl Iterator<Item = (String, f64)> {
         let all = SENSES.into_iter().zip(self.in_senses());
         let of_sense = |(sense, capacities): (&'static str, [Option<f64>; 3])| {
-            LIMITS.into_iter().zip(capacities).filter_map(move |(name, n)| Some((format!("{sense}.{name}"), n?)))
+            LIMITS.into_iter().zip(capacities).filter_map(move |(name, n)| n.map(|n| (format!("{sense}.{name}"), n)))
         };
         all.flat_map(of_sense)
     }

@@ -21,7 +21,7 @@ of_a_part=$(sed -n 's/.*"chunk_cases": \([0-9]*\).*/\1/p' whole/fleet-run.json)
 all=$((cases / of_a_part))
 
 # Parts of the run in parts/ that are done.
-parts() { find parts/fleet-parts -name '0*.csv' ! -name '*-errors.csv' 2>/dev/null | wc -l; }
+parts() { find parts/fleet-parts -name '0*.csv' 2>/dev/null | wc -l; }
 
 # Waits until so many parts are done.
 await() {

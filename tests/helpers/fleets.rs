@@ -71,12 +71,12 @@ pub fn rows(path: &Path) -> Vec<std::collections::BTreeMap<String, String>> {
     reader.deserialize().map(|row| row.expect("a row")).collect()
 }
 
-/// Part files of rows, whole ones, in the order of their names.
+/// Part files, whole ones, in the order of their names.
 pub fn parts(out: &Path) -> Vec<PathBuf> {
     let Ok(entries) = fs::read_dir(out.join("fleet-parts")) else { return vec![] };
     let mut all: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
     // A killed run may leave files under their temporary names.
-    all.retain(|path| path.extension().is_some_and(|e| e == "csv") && !path.to_string_lossy().ends_with("-errors.csv"));
+    all.retain(|path| path.extension().is_some_and(|e| e == "csv"));
     all.sort();
     all
 }

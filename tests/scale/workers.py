@@ -29,7 +29,7 @@ def files(folder):
 
 
 def done():
-    return len(list(Path("out").glob("fleet-parts/*-errors.csv")))
+    return len(list(Path("out").glob("fleet-parts/0*.csv")))
 
 
 with tempfile.TemporaryDirectory() as work:

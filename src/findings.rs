@@ -35,7 +35,7 @@ pub use idle_options::idle_options;
 pub use limits::{LimitFindings, LimitInSense};
 pub use load_search::LoadSearch;
 pub use map::{MapFindings, MapPoint};
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -246,7 +246,7 @@ pub struct CouplerFindings {
     /// Counted from 1 at the head.
     pub coupler: usize,
     /// Labels of the vehicles it joins.
-    pub between: [Arc<str>; 2],
+    pub between: [String; 2],
     /// Capacity in tension, N.
     pub rated_draft_n: f64,
     /// Capacity in compression, N, positive.

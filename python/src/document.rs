@@ -106,7 +106,7 @@ impl Document {
         let behind = |of: fn(&Coupler) -> f64| -> ArrayRef {
             Arc::new((0..count).map(|i| train.couplers().get(i).map(of)).collect::<Float64Array>())
         };
-        let labels = train.vehicles().iter().map(|v| Some(v.label.as_ref()));
+        let labels = train.vehicles().iter().map(|v| Some(v.label.as_str()));
         let columns: [(&str, ArrayRef); 9] = [
             ("vehicle", Arc::new(whole((1..=count).map(Some)))),
             ("label", Arc::new(labels.collect::<StringArray>())),

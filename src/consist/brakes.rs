@@ -244,7 +244,7 @@ fn row(
         None => (0..traction_n.len()).filter(|&v| traction_n[v] != 0.0).collect(),
         Some((text, _)) => {
             let number = text.parse().ok().filter(|n: &usize| (1..=vehicles.len()).contains(n)).map(|n| n - 1);
-            let vehicle = vehicles.iter().position(|v| *v.label == *text).or(number);
+            let vehicle = vehicles.iter().position(|v| v.label == *text).or(number);
             let known = one_of(
                 (0..traction_n.len()).filter(|&v| traction_n[v] != 0.0).take(6).map(|v| quoted(&vehicles[v].label)),
             );

@@ -2,7 +2,6 @@
 
 use std::cell::{OnceCell, RefCell};
 use std::collections::HashMap;
-use std::sync::Arc;
 
 use super::tree::{Read, Value};
 use crate::error::quoted;
@@ -17,7 +16,7 @@ pub(super) struct Labels<'v> {
     pub(super) count: usize,
     names: Box<dyn Fn() -> Vec<Vehicle> + 'v>,
     vehicles: OnceCell<Vec<Vehicle>>,
-    by_label: OnceCell<HashMap<Arc<str>, usize>>,
+    by_label: OnceCell<HashMap<String, usize>>,
     /// What has been named so far, in words.
     pub(super) named: RefCell<Vec<String>>,
 }

@@ -286,7 +286,7 @@ fn place<'s>(table: &Table<'s>, context: &Context, more: &str) -> Read<(Value<'s
     let vehicle = match value.as_text() {
         Some(end @ ("head" | "tail")) => {
             let vehicle = if end == "head" { 0 } else { vehicles.len() - 1 };
-            if let Some(other) = vehicles.iter().position(|v| *v.label == *end).filter(|other| *other != vehicle) {
+            if let Some(other) = vehicles.iter().position(|v| v.label == end).filter(|other| *other != vehicle) {
                 let text = format!(
                     "at = \"{end}\" is the {end} of the train, not vehicle {}, which has that label",
                     other + 1

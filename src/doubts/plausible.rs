@@ -184,8 +184,7 @@ fn outside(
 ) -> Option<Doubt> {
     let mut odd = all.filter(|(_, value)| !(least..=most).contains(value));
     let ((first, value), units) = (odd.next()?, train.origin().units);
-    let name =
-        if of == "vehicle" { train.vehicles()[first].label.to_string() } else { format!("coupler {}", first + 1) };
+    let name = if of == "vehicle" { train.vehicles()[first].label.clone() } else { format!("coupler {}", first + 1) };
     let [low, high] = [least, most].map(|limit| rounded(units, limit, dimension));
     let usual = if least == 0.0 { format!("over {high}") } else { format!("outside the usual {low} to {high}") };
     let (others, value) = (more(odd.count(), of), shown(units, value, dimension));
@@ -245,7 +244,7 @@ fn counted_in_label(train: &Train) -> Option<Doubt> {
         let rest = rest.trim_start().strip_prefix(['x', '×'])?;
         if rest.starts_with(char::is_whitespace) { number.parse::<usize>().ok().filter(|n| *n > 1) } else { None }
     };
-    let labels = || train.vehicles().iter().map(|v| v.label.as_ref());
+    let labels = || train.vehicles().iter().map(|v| v.label.as_str());
     let said = |label: &&str| number(label).is_some_and(|n| labels().filter(|l| number(l) == Some(n)).count() < n);
     let first = labels().find(said)?;
     let text =

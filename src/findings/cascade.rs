@@ -1,7 +1,6 @@
 //! What breaks next: couplers that pass the load that breaks them break, and the computation goes on with the pieces.
 
 use std::collections::BTreeSet;
-use std::sync::Arc;
 
 use serde::Serialize;
 
@@ -126,7 +125,7 @@ pub struct CascadeBreak {
     /// Counted from 1.
     pub coupler: usize,
     /// Labels of the vehicles it joins.
-    pub between: [Arc<str>; 2],
+    pub between: [String; 2],
     /// Its force when it breaks, N, draft positive.
     pub force_n: f64,
     /// The key that gives the load at which it breaks: `ultimate`, `rated_load` or `rated_buff`.

@@ -16,7 +16,7 @@ fn happens(train: &Train, scenario: &Scenario) -> String {
         Event::Break { couplers } => match couplers[..] {
             [b] => {
                 let load = train.initial_force_n()[b];
-                let names = [b, b + 1].map(|v| train.vehicles()[v].label.as_ref());
+                let names = [b, b + 1].map(|v| train.vehicles()[v].label.as_str());
                 let carried = match load {
                     0.0 => "which carries no force".to_owned(),
                     _ => format!("which carries {} in {}", given_force(train.origin().units, load), sense(load)),

@@ -1,7 +1,5 @@
 //! What the script of `report.html` draws from, as JSON: numbers in SI, as in `result.json`, and the units of the axes.
 
-use std::sync::Arc;
-
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
@@ -56,7 +54,7 @@ struct Scene<'a> {
 #[derive(Serialize)]
 struct Peaks<'a> {
     coupler: usize,
-    between: &'a [Arc<str>; 2],
+    between: &'a [String; 2],
     rated_draft_n: f64,
     rated_buff_n: f64,
     peak_draft_n: Option<f64>,

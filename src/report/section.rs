@@ -360,7 +360,7 @@ fn every(train: &Train, cases: &[CaseFindings]) -> Vec<Block> {
     let unit = column_unit(cases.iter().filter_map(|case| case.worst.as_ref()), train.origin().units);
     let of: Vec<_> = cases.iter().filter_map(|c| Some((c, c.broken_coupler?, c.worst.as_ref()?))).collect();
     table(caption, head, of, BREAKS, JSON, |(case, broken, worst)| {
-        let [ahead, behind] = [broken - 1, broken].map(|v| train.vehicles()[v].label.as_ref());
+        let [ahead, behind] = [broken - 1, broken].map(|v| train.vehicles()[v].label.as_str());
         let early = case.worst_first_passage.as_ref();
         vec![
             broken.to_string(),

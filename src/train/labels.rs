@@ -45,12 +45,7 @@ pub(crate) fn numbered(groups: &[VehicleSpec]) -> (Vec<Vehicle>, Option<Doubt>) 
                     }
                 }
             };
-            vehicles.push(Vehicle {
-                label: label.into(),
-                mass_kg: group.mass_kg,
-                held: group.held,
-                length_m: group.length_m,
-            });
+            vehicles.push(Vehicle { label, mass_kg: group.mass_kg, held: group.held, length_m: group.length_m });
         }
     }
     let text = |(label, number)| {

@@ -40,7 +40,7 @@ pub(crate) const MOST_VEHICLES: usize = 1_000_000;
 pub struct Vehicle {
     /// What a report calls it: its own label, numbered where the train has it more than once (`"ore car 7"`), or
     /// `"vehicle 12"` by its place.
-    pub label: Arc<str>,
+    pub label: String,
     /// Mass, kg; finite and > 0.
     pub mass_kg: f64,
     /// Keeps its speed whatever the couplers do; only ever the first or the last vehicle. Its mass plays no part.
@@ -116,7 +116,7 @@ impl Train {
     /// A vehicle by its number, from 1, with its label where that says more: `vehicle 9 (car 8)`.
     pub(crate) fn place_of(&self, number: usize) -> String {
         let (place, label) = (format!("vehicle {number}"), &self.vehicles[number - 1].label);
-        if **label == *place { place } else { format!("{place} ({label})") }
+        if *label == place { place } else { format!("{place} ({label})") }
     }
 
     /// Length over couplers, m, and whether held vehicles without a length are left out of it; `None` where one that is not held has none.
@@ -170,7 +170,7 @@ impl Train {
         let Train { name, vehicles, couplers, initial_force_n, scenarios, extras, origin } = self;
         let brake_n = |v: usize| extras.emergency_brake_n.get(v).copied().unwrap_or(0.0);
         let vehicle = |(v, vehicle): (usize, Vehicle)| VehicleSpec {
-            label: Some(vehicle.label.to_string()),
+            label: Some(vehicle.label),
             count: 1,
             mass_kg: vehicle.mass_kg,
             held: vehicle.held,

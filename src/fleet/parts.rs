@@ -130,7 +130,9 @@ pub fn content(dir: &Path, chunk: usize) -> Result<[Vec<u8>; 2], FleetError> {
         let [begin, end] = [end + 1, (end + 1).checked_add(bytes)?];
         (end <= rest.len()).then_some([begin, end])
     });
-    let [begin, end] = head.ok_or_else(|| FleetError::unreadable(&path, &"it is not whole"))?;
+    let [begin, end] = head.ok_or_else(|| {
+        FleetError::unreadable(&path, &"it is no whole part; remove it, and its cases are computed again")
+    })?;
     let errors = rest.split_off(end);
     Ok([rest.split_off(begin), errors])
 }

@@ -92,8 +92,8 @@ pub enum Wanted {
     /// The largest utilisation with its spring and time, those that differ from it by less than the error bound, whether each
     /// spring exceeds its rating, and the earliest instant at which one does. These are identical to those of
     /// [`Wanted::Everything`], except where a spring has peaks that differ by less than the error bound: then another of
-    /// these peaks may be given. Other extremes are at most the true ones or left out, and other first exceedances may be late.
-    /// Ratings are finite.
+    /// these peaks may be given. Other extremes are at most the true ones, or left out where they are under the rating, and other
+    /// first exceedances may be late. Ratings are finite.
     Worst,
 }
 

@@ -132,7 +132,7 @@ pub fn run_way(scene: &Scene, by: By) -> Option<(Vec<SpringPeaks>, f64)> {
 /// What a row of a fleet says of a scene, if that is not what comes of asking for everything.
 pub fn wrong_row(scene: &Scene, by: By) -> Option<String> {
     let [everything, worst] = [Wanted::Everything, Wanted::Worst]
-        .map(|wanted| solved(scene, by, wanted).and_then(|solution| row::WorstRow::of(scene, &solution)));
+        .map(|wanted| solved(scene, by, wanted).map(|solution| row::WorstRow::of(scene, &solution)));
     let (everything, worst) = (everything?, worst?);
     (!worst.agrees(&everything, scene)).then(|| format!("{worst:?} instead of {everything:?}"))
 }

@@ -34,28 +34,31 @@ impl WorstRow {
         self == other || is_hazy && near == *other && apart <= other.error_bound / least
     }
 
-    /// What a row says of a solution; `None` where springs were left out of it.
-    pub fn of(scene: &Scene, solution: &Solution) -> Option<WorstRow> {
-        let springs: Vec<_> = solution.springs.iter().copied().collect::<Option<_>>()?;
-        let sides = springs.iter().enumerate().flat_map(|(i, peaks)| {
+    /// What a row says of a solution. Springs that were left out of it are under their ratings, and not the worst.
+    pub fn of(scene: &Scene, solution: &Solution) -> WorstRow {
+        let springs = solution.springs.iter().enumerate();
+        let sides = springs.filter_map(|(i, peaks)| Some((i, peaks.as_ref()?))).flat_map(|(i, peaks)| {
             [(i, false, scene.rated_draft[i], peaks.draft), (i, true, scene.rated_buff[i], peaks.buff)]
         });
         let utilisation = sides.clone().map(|(_, _, rating, side)| side.best.value / rating).fold(0.0, f64::max);
         let alike = |rating: f64, force: f64| (force + solution.error_bound) / rating >= utilisation;
         let worst = sides.clone().find(|(_, _, rating, side)| side.best.value > 0.0 && alike(*rating, side.best.value));
-        let exceeds = springs.iter().map(|peaks| match (peaks.draft.exceeds(), peaks.buff.exceeds()) {
-            (Some(true), _) | (_, Some(true)) => Some(true),
-            (Some(false), Some(false)) => Some(false),
+        let under = [Some(false); 2];
+        let exceeds =
+            solution.springs.iter().map(|peaks| peaks.map_or(under, |p| [p.draft.exceeds(), p.buff.exceeds()]));
+        let exceeds = exceeds.map(|senses| match senses {
+            [Some(true), _] | [_, Some(true)] => Some(true),
+            [Some(false), Some(false)] => Some(false),
             _ => None,
         });
         let firsts = sides.clone().filter_map(|(i, _, _, side)| Some((side.first_over?, i)));
-        Some(WorstRow {
+        WorstRow {
             method: solution.method,
             error_bound: solution.error_bound,
             worst: worst.map(|(i, negative, _, side)| (i, negative, side.best)),
             utilisation,
             exceeds: exceeds.collect(),
             first: firsts.min_by(|a, b| a.0.total_cmp(&b.0)),
-        })
+        }
     }
 }

@@ -182,7 +182,7 @@ impl<'a> Search<'a> {
 
     /// Whether a step's end lies behind the horizon.
     fn is_cut(&self, step: &Step) -> bool {
-        step.from + step.width > self.watch.horizon()
+        step.end() > self.watch.horizon()
     }
 
     /// Examines a spring in a step where it may matter, from `G`, `h^2 G''` and `h^4 G''''` at both ends and the spring's second remainder;
@@ -262,7 +262,7 @@ impl<'a> Search<'a> {
     fn note_over(&mut self, spring: usize, negative: bool, step: &Step) {
         let side = &mut self.sides[spring][usize::from(negative)];
         if side.over_in.is_none() {
-            side.over_in = Some((step.number, step.from + step.width));
+            side.over_in = Some((step.number, step.end()));
             if self.expected_utilisation.is_some() {
                 // The next step still counts: its beginning is rounded.
                 self.last_to_cross = self.last_to_cross.min(step.number + 1);

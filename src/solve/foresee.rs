@@ -65,7 +65,7 @@ impl StepObserver<f32> for Guess<'_> {
     fn see<S: Simd, const H: usize>(&mut self, v: Rows<S, H, f32>, view: &View<f32>) {
         for chain in 0..self.scenes.len() {
             let step = view.step(chain);
-            if self.levels[chain][0].is_empty() && step.from + step.width > self.marks[chain] {
+            if self.levels[chain][0].is_empty() && step.end() > self.marks[chain] {
                 self.levels[chain][0] = self.level(view.layout, chain);
             }
         }

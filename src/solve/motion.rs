@@ -157,7 +157,7 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// `f` is G, `q` is `-h^2 G''` and `p` is `h^4 G''''` at both ends, `remainder` the second one. A force that certainly rises (or falls)
 /// through the step has its largest value in the next (or previous) one, unless it may pass its rating ([`slopes`]).
 #[inline(always)]
-pub fn excess([f, q, p]: [[f64; 2]; 3], remainder: f64, level: [f64; 2], crossing: [f64; 2], last: bool) -> f64 {
+pub(crate) fn excess([f, q, p]: [[f64; 2]; 3], remainder: f64, level: [f64; 2], crossing: [f64; 2], last: bool) -> f64 {
     let more = |a: f64, b: f64| if a > b { a } else { b };
     let less = |a: f64, b: f64| if a < b { a } else { b };
     let most = 0.125 * more(more(q[0], q[1]), 0.0) + SECOND * (more(p[0], 0.0) + more(p[1], 0.0)) + remainder;

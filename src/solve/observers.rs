@@ -265,7 +265,7 @@ impl StepObserver for PeaksObserver<'_> {
         let mut last = [false; LANES];
         for (chain, case) in cases.iter_mut().enumerate().filter(|(chain, _)| !view.is_over(*chain)) {
             let step = view.step(chain);
-            if case.mark.is_some_and(|mark| mark <= step.from + step.width) {
+            if case.mark.is_some_and(|mark| mark <= step.end()) {
                 case.pass_mark(view, chain);
                 levels.update(chain, &mut case.search);
             }
@@ -341,7 +341,7 @@ impl StepObserver for HistoryObserver<'_> {
     fn see<S: Simd, const H: usize>(&mut self, _: Rows<S, H>, view: &View) {
         let from = self.next;
         let step = view.step(0);
-        let until = step.from + step.width;
+        let until = step.end();
         let last = view.ends(0);
         self.next += self.times[from..].iter().take_while(|t| last || **t <= until).count();
         if self.next > from {
@@ -363,7 +363,7 @@ struct FieldObserver<'a> {
 impl StepObserver for FieldObserver<'_> {
     fn see<S: Simd, const H: usize>(&mut self, _: Rows<S, H>, view: &View) {
         let step = view.step(0);
-        let until = step.from + step.width;
+        let until = step.end();
         let last = view.ends(0);
         while let Some(t) = self.times.get(self.next).filter(|t| last || **t <= until) {
             let x = ((t - step.from) / step.width).min(1.0);

@@ -154,16 +154,17 @@ impl View<'_> {
     ) -> impl Iterator<Item = usize> + use<S, H> {
         let inner = self.layout.block(block);
         let (from, count) = (inner.start, inner.len());
-        let norm = v.of(&norms)[0];
-        let bounds = QuickBounds {
-            force: [&v.of(self.force[0])[inner.clone()], &v.of(self.force[1])[inner.clone()]],
-            bend: [&v.of(self.bend[0])[inner.clone()], &v.of(self.bend[1])[inner.clone()]],
-            remainder: &v.of(&self.remainders[0])[inner.clone()],
-            levels: [&v.of(&levels[0])[inner.clone()], &v.of(&levels[1])[inner]],
-        };
+        let (force, bend) = (self.force.map(|f| &v.of(f)[inner.clone()]), self.bend.map(|q| &v.of(q)[inner.clone()]));
+        let (high, low) = (&v.of(&levels[0])[inner.clone()], &v.of(&levels[1])[inner.clone()]);
+        let remainder = &v.of(&self.remainders[0])[inner];
+        let (norm, zero, eighth) = (v.of(&norms)[0], v.splat(0.0), v.splat(0.125));
         let mut open = 0u16;
         for n in 0..count {
-            open |= u16::from(v.any_larger(bounds.passed(v, n, norm), v.splat(0.0))) << n;
+            let ([f, g], [q, p]) = ([force[0][n], force[1][n]], [bend[0][n], bend[1][n]]);
+            let up = v.mul_add(eighth, v.max(v.max(q, p), zero), v.max(f, g));
+            let down = v.mul_add(eighth, v.min(v.min(q, p), zero), v.min(f, g));
+            let passed = v.max(v.sub(up, high[n]), v.sub(v.sub(zero, down), low[n]));
+            open |= u16::from(v.any_larger(v.mul_add(norm, remainder[n], passed), zero)) << n;
         }
         (0..count).filter(move |n| open >> n & 1 == 1).map(move |n| from + n)
     }
@@ -226,28 +227,6 @@ impl View<'_> {
             (0..LANES).for_each(|l| size[l] = size[l].abs() * root[l]);
         }
         sizes
-    }
-}
-
-/// The rows of a block that quick bounds are of.
-struct QuickBounds<'a, S: Simd, const H: usize> {
-    force: [&'a [Row<S, H>]; 2],
-    bend: [&'a [Row<S, H>]; 2],
-    remainder: &'a [Row<S, H>],
-    levels: [&'a [Row<S, H>]; 2],
-}
-
-impl<S: Simd, const H: usize> QuickBounds<'_, S, H> {
-    /// How far a quick bound of a row's springs over the step passes what matters, given a bound on the norms around them.
-    #[inline(always)]
-    fn passed(&self, v: Rows<S, H>, row: usize, norm: Row<S, H>) -> Row<S, H> {
-        let (f, g) = (self.force[0][row], self.force[1][row]);
-        let (q, p) = (self.bend[0][row], self.bend[1][row]);
-        let (zero, eighth) = (v.splat(0.0), v.splat(0.125));
-        let up = v.mul_add(eighth, v.max(v.max(q, p), zero), v.max(f, g));
-        let down = v.mul_add(eighth, v.min(v.min(q, p), zero), v.min(f, g));
-        let passed = v.max(v.sub(up, self.levels[0][row]), v.sub(v.sub(zero, down), self.levels[1][row]));
-        v.mul_add(norm, self.remainder[row], passed)
     }
 }
 
